@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from studies.door.descriptions import Description
-    from studies.door.notebook import Chosen, Run, choose, describe, solve
-    from studies.scene import UsageError
+    from studies.ask.scene import UsageError
+    from studies.catalogue.descriptions import Description
+    from studies.interface.notebook import Chosen, Run, choose, describe, solve
 
 __all__ = ["Chosen", "Description", "Run", "UsageError", "choose", "describe", "solve"]
 
@@ -19,6 +19,6 @@ __all__ = ["Chosen", "Description", "Run", "UsageError", "choose", "describe", "
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from studies.door import notebook
+    from studies.interface import notebook
 
     return getattr(notebook, name)

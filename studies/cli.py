@@ -15,9 +15,9 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from studies.ask.request import PartError, UsageError
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE
-from studies.request import PartError, UsageError
-from studies.shown import Escaping
+from studies.output.escaping import Escaping
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 
@@ -140,7 +140,7 @@ def _load_plugins(words: Sequence[str]) -> None:
     early.add_argument("--use", action="append", default=[])
     files = early.parse_known_args(words)[0].use
     if files or next(iter(words), None) in {*COMMANDS} - WITHOUT_PARTS:
-        from studies.door.plugins import load
+        from studies.scenes.plugins import load
 
         load(files)
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from studies.door import plugins
+from studies.scenes import plugins
 from support.problems.shells import PATCHES, Patch
 
 

@@ -29,10 +29,10 @@ MORE = {
     "studies/commands/compare.py": {"reports"},  # and how words stand in Markdown
     "studies/commands/exchange/card.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
-    "studies/door/notebook.py": {"reports"},  # as does that of a notebook, and a choice
+    "studies/interface/notebook.py": {"reports"},  # as does that of a notebook, and a choice
     "studies/cli.py": {"?"},  # the module of the command that is asked for
     "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for
-    "studies/door/plugins.py": {"?"},  # modules of a user's own
+    "studies/scenes/plugins.py": {"?"},  # modules of a user's own
     "studies/arena/solvers/base.py": {"?"},  # a solver that may not be installed
 }
 OURS = {*ALLOWED, "tests"}
@@ -78,7 +78,7 @@ def test_the_packages_are_there() -> None:
     ("file", "source", "found"),
     [
         ("formulations/shell.py", "from contact.problem import Outcome", {"contact"}),
-        ("formulations/shell.py", "def f():\n    import studies.scene as s", {"studies"}),
+        ("formulations/shell.py", "def f():\n    import studies.ask.scene as s", {"studies"}),
         ("contact/newton/step.py", "import numpy, formulations.geometry.grid", {"formulations"}),
         (
             "contact/newton/step.py",
@@ -88,11 +88,11 @@ def test_the_packages_are_there() -> None:
         ("contact/newton/step.py", "__import__(name)", {"?"}),
         ("contact/newton/step.py", "from . import problem", {"."}),
         ("reports/site.py", "from studies import store", {"studies"}),
-        ("studies/solving.py", "import reports", {"reports"}),
+        ("studies/solving/solve.py", "import reports", {"reports"}),
         ("studies/cli.py", "import reports", {"reports"}),
         ("studies/commands/campaign/report.py", "import reports", set()),
-        ("studies/solving.py", "from contact import judge\nimport formulations\nimport numpy", set()),
-        ("studies/solving.py", "import tests.conftest", {"tests"}),
+        ("studies/solving/solve.py", "from contact import judge\nimport formulations\nimport numpy", set()),
+        ("studies/solving/solve.py", "import tests.conftest", {"tests"}),
     ],
 )
 def test_offences_are_seen(file, source, found) -> None:
@@ -138,6 +138,38 @@ def test_a_circle_is_seen_even_a_lazy_one() -> None:
         TopologicalSorter(graph_of(lazy)).prepare()
     typed = {**lazy, "studies/b.py": "if TYPE_CHECKING:\n    import studies.a"}
     TopologicalSorter(graph_of(typed)).prepare()
+
+
+ROOMS = (  # of studies, each imports those before it
+    *("output", "ask", "scenes", "solving", "run", "experiments", "catalogue", "exchange", "bench", "analysis", "fuzz"),
+    *("arena", "gate", "interface", "commands", "cli"),
+)
+
+
+def backwards(graph: dict[str, set[str]]) -> set[tuple[str, str]]:
+    """Modules of studies and what they import of rooms that come after theirs."""
+    place = {
+        name: ROOMS.index(name.split(".")[1]) for name in graph if name.startswith("studies.")
+    }  # what is there and not in ROOMS raises ValueError
+    return {
+        (name, other)
+        for name, wanted in graph.items()
+        for other in wanted
+        if name in place and place.get(other, 0) > place[name]
+    }
+
+
+def test_rooms_of_studies_import_one_way() -> None:
+    graph = graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
+    assert backwards(graph) == set()
+
+
+def test_an_import_backwards_is_seen() -> None:
+    sources = {
+        "studies/solving/solve.py": "def f():\n    import studies.analysis.verify",
+        "studies/analysis/verify.py": "",
+    }
+    assert backwards(graph_of(sources)) == {("studies.solving.solve", "studies.analysis.verify")}
 
 
 HEAVY = (

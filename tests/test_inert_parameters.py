@@ -14,7 +14,7 @@ from support.inert_parameters import HEADING, Variant, inert
 TESTS = Path(__file__).parent
 PLANTED = """
 import pytest
-from studies.solving import resolve
+from studies.solving.solve import resolve
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("mesh", ["8x1", "16x1"])

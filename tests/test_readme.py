@@ -19,12 +19,12 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 from reports.chapter import listed
 from reports.contents import CHAPTERS
-from studies.campaigns.file import names as campaigns
 from studies.cli import _parser
 from studies.experiments.conformance import conformance
-from studies.result import SOLVED
+from studies.run.campaigns.file import names as campaigns
 from studies.scenes import SCENES
-from studies.solving import resolve, solve
+from studies.solving.result import SOLVED
+from studies.solving.solve import resolve, solve
 
 ROOT = Path(__file__).parent.parent
 README, MANUAL = ROOT / "README.md", ROOT / ".github" / "MANUAL.md"

@@ -66,7 +66,7 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
     }
     assert ours - shipped == set()
     for place in (
-        "studies/campaigns/shipped/quick.toml",
+        "studies/run/campaigns/shipped/quick.toml",
         "studies/scenes/data/",
         "studies/baseline/",
         "reports/html/assets/",
@@ -101,7 +101,7 @@ def test_it_solves_plans_and_checks_without_the_tree(site: Path, tmp_path: Path)
     campaign.write_text('[[cross]]\nmeshes = ["2x1"]\n[cross.scenes.cantilever]\n')
     footprint(site, "run", str(campaign), "--store", str(tmp_path / "store"))
     assert len(list((tmp_path / "store" / "cells").glob("*.json"))) == 1
-    where = "import studies.guard.baseline as b, studies.scenes.data as d; print((b.HERE / b.TOLERANCES).exists(), "
+    where = "import studies.gate.baseline as b, studies.scenes.data as d; print((b.HERE / b.TOLERANCES).exists(), "
     code = where + "len(d.read_reference('isotropic_tyre_3d_solid.csv')) > 0)"
     told = subprocess.run(
         [sys.executable, "-P", "-c", code],

@@ -10,10 +10,6 @@ import pandas as pd
 
 from studies.analysis.advice.held_out import held_out, summary
 from studies.analysis.advice.shipped import shipped_tables
-from studies.analysis.cells.collect import collect
-from studies.analysis.cells.machines import machines
-from studies.analysis.cells.published import published
-from studies.analysis.cells.rows import reference_rows
 from studies.analysis.claims.ledger import claims_table
 from studies.analysis.comparisons.disagreements import disagreements
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
@@ -32,15 +28,19 @@ from studies.analysis.comparisons.tyre.solid_shell import solid_shell
 from studies.analysis.evidence import Evidence, Tables
 from studies.analysis.outcomes import contact_summary, outcomes
 from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, law_rules, rigid_body_powers
-from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.shell_limits.boundaries import boundaries
 from studies.analysis.statements.tables import statement_tables
 from studies.analysis.verify import verified
+from studies.ask.scene import UsageError
 from studies.catalogue.tables import catalogue_tables
-from studies.choosing.trials import PATIENCE
 from studies.experiments.accuracy.choices import measure_limits
-from studies.scene import UsageError
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
+from studies.run.cells.collect import collect
+from studies.run.cells.machines import machines
+from studies.run.cells.published import published
+from studies.run.cells.rows import reference_rows
+from studies.solving.choosing.trials import PATIENCE
+from studies.solving.refinement.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 
 FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # by the table that they are fitted to
     "measure_limits": ("choices", measure_limits),

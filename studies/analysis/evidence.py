@@ -35,8 +35,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.answers import Answers
-from studies.result import SOLVED
+from studies.run.cells.answers import Answers
+from studies.solving.result import SOLVED
 
 ANSWERS = "answers"  # the parameter of a function that reads solved cells, not a table
 CONSTANTS = {"SOLVED": list(SOLVED)}  # that queries may name, after an @

@@ -11,9 +11,9 @@ import re
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.rows import PRICES
 from studies.analysis.profiles import FEWEST, median_ratio, problem_of
-from studies.result import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, UNSUPPORTED, WRONG
+from studies.run.cells.rows import PRICES
+from studies.solving.result import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, UNSUPPORTED, WRONG
 
 SOLVED_STATE, PATH_ENDS, FAILED, REFUSED = "solved", "path ends", "failed", "refused"
 STATES = (SOLVED_STATE, PATH_ENDS, FAILED, REFUSED)  # the best first

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from studies.analysis.richardson import power_of
 from studies.experiments.epsilon import CASES, wall
+from studies.solving.refinement.richardson import power_of
 
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
 STRAIGHT = 0.05  # local slopes this close to -1 belong to the law

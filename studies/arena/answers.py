@@ -19,7 +19,7 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.untrusted import parsed_object, read_arrays, read_json, text_of
 from contact.verify import judge
 from studies.arena.accuracy import RESIDUALS, Accuracy, Scales, accuracy
-from studies.request import UsageError
+from studies.ask.request import UsageError
 
 CERTIFIED = 1e-8  # accuracy that is asked for unless said otherwise
 SAME = 1e-9  # relative, of a claimed force

@@ -14,8 +14,8 @@ from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import Confirmation, OracleError, confirm
 from contact.problem import ContactAlgorithm, ContactSolution
-from studies.certificate import certificate
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
+from studies.solving.certificate import certificate
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,9 +21,9 @@ from studies.arena.solver_table import LIMIT_S, ROUNDS, TOLERANCES, Tell, kind, 
 from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.osqp_ablation import ABLATION, effects
-from studies.request import UsageError
-from studies.store.atomic import write_table
-from studies.store.provenance import provenance
+from studies.ask.request import UsageError
+from studies.output.atomic import write_table
+from studies.output.provenance import provenance
 
 REPEATED = 0.95  # the correlation of ranks from which two runs say the same
 STEADY = ("limit_s", "cpu", "cores", "numpy", "scipy")  # what may not change within a run, with the solvers' versions

@@ -28,11 +28,11 @@ from contact.solvers.sparse import BACKWARD_ERROR, Factor, backward_error, facto
 from formulations.shell import ShellModel
 from studies.bench.newton import asked, tyre
 from studies.bench.rounds import NO_BAR, PART, Group, Line, in_rounds
-from studies.complete import complete
-from studies.pool.process import ONE_THREAD
-from studies.result import Result
-from studies.solving import solve
-from studies.store.source_hash import ROOT
+from studies.run.pool.process import ONE_THREAD
+from studies.run.store.source_hash import ROOT
+from studies.scenes.complete import complete
+from studies.solving.result import Result
+from studies.solving.solve import solve
 
 MESH = "42x40"
 SIZES, LARGEST = (MESH, "102x100"), "210x200"  # 10, 60 and 250 thousand unknowns

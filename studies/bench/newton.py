@@ -14,12 +14,12 @@ from contact.algorithms.semismooth import Semismooth
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.complete import complete
-from studies.request import Request
+from studies.ask.request import Request
+from studies.output.stopwatch import WALL, Clock, timed
+from studies.scenes.complete import complete
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
-from studies.stopwatch import WALL, Clock, timed
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 SHOWN = {name: name for name in ("elements", "scatter", "prediction", "contact", "factorisation")}
 SHOWN |= {"solution": "solve", "total": "total"}  # parts of an iteration by the name that they are shown under

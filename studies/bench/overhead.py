@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from studies.analysis.cells.collect import collect
-from studies.campaigns.cell import Cell
-from studies.campaigns.file import Campaign
-from studies.campaigns.plan import identity, plan
-from studies.door.columns import columns
-from studies.pool.process import Children
-from studies.pool.task import Limits, Task
-from studies.stopwatch import WALL, timed
-from studies.store.atomic import SCHEMA, as_text, write_json
-from studies.store.layout import Archive
+from studies.output.atomic import SCHEMA, as_text, write_json
+from studies.output.columns import columns
+from studies.output.stopwatch import WALL, timed
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.file import Campaign
+from studies.run.campaigns.plan import identity, plan
+from studies.run.cells.collect import collect
+from studies.run.pool.process import Children
+from studies.run.pool.task import Limits, Task
+from studies.run.store.layout import Archive
 
 TRIVIAL = Cell(
     "trivial", "cantilever", {"mesh": "1x1", "measure": "linear"}, {"load_fraction": "0.001"}, artefacts=False

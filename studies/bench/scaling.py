@@ -29,12 +29,12 @@ from contact.solvers.sparse import Factor, backward_error, factor_flops, factori
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.transfer import Transfer
 from formulations.shell import ShellModel
+from studies.ask.request import Request
+from studies.ask.scene import UsageError
 from studies.bench.newton import asked, parts, pressed, tyre
-from studies.door.columns import columns
-from studies.request import Request
-from studies.scene import UsageError
+from studies.output.columns import columns
+from studies.output.stopwatch import CPU, timed
 from studies.scenes.tyre.model import TyreModel
-from studies.stopwatch import CPU, timed
 
 MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200", "416x410")  # 2, 10, 40, 100, 250, 1000 thousand unknowns
 COARSE = "42x40"

@@ -11,12 +11,12 @@ import pandas as pd
 
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
-from studies.analysis.cells.answers import Answers
-from studies.campaigns.sheet_cells import GROUP
 from studies.catalogue.loads import arrows, middle_of
 from studies.catalogue.models import Built
 from studies.catalogue.supports import held_of
-from studies.store.vtu import CORNERS_8, PLACES_27, read_vtu
+from studies.output.vtu import CORNERS_8, PLACES_27, read_vtu
+from studies.run.campaigns.sheet_cells import GROUP
+from studies.run.cells.answers import Answers
 
 POINTS = ("label", "scene", "point", "x", "y", "z", "ux", "uy", "uz", "pressure")
 QUADS = ("label", "a", "b", "c", "d")

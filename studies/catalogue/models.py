@@ -11,10 +11,10 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
-from studies.campaigns.cell import Cell
-from studies.campaigns.sheet_cells import sheet_cell
-from studies.request import Request
-from studies.scene import Scene, SceneModel
+from studies.ask.request import Request
+from studies.ask.scene import Scene, SceneModel
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.sheet_cells import sheet_cell
 from studies.scenes import SCENES
 from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel

@@ -16,12 +16,12 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainMeasure
 from formulations.strains.quantities import QUANTITIES, STRAINS
+from studies.ask.scene import SettlingScene, has_contact
+from studies.catalogue.descriptions import describe, kinematics_of, law_text, meaning_of, paragraphs, plain_text
 from studies.catalogue.loads import loads, obstacle
 from studies.catalogue.models import Built
 from studies.catalogue.supports import solid_supports, supports
 from studies.catalogue.surfaces import shape_of
-from studies.door.descriptions import describe, kinematics_of, law_text, meaning_of, paragraphs, plain_text
-from studies.scene import SettlingScene, has_contact
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.area_loads import ShearCorrected
 

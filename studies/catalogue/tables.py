@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.cells.answers import Answers
-from studies.campaigns.sheet_cells import GROUP
 from studies.catalogue.bodies import drawn_bodies, marks
 from studies.catalogue.models import Built, built_models
 from studies.catalogue.parts import facts, laws, parts, plies, settings, terms
 from studies.catalogue.values import answered, values
+from studies.run.campaigns.sheet_cells import GROUP
+from studies.run.cells.answers import Answers
 
 
 def catalogue_tables(

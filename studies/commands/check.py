@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.cells.collect import collect
-from studies.campaigns.file import find
-from studies.campaigns.run import run as run_campaign
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
-from studies.guard.baseline import HERE, Update, read_baseline
-from studies.guard.compare import NothingComparedError, check, failures, lines, update
-from studies.guard.times import compare_times, samples_of_both, time_lines
-from studies.scene import UsageError
+from studies.gate.baseline import HERE, Update, read_baseline
+from studies.gate.compare import NothingComparedError, check, failures, lines, update
+from studies.gate.times import compare_times, samples_of_both, time_lines
+from studies.run.campaigns.file import find
+from studies.run.campaigns.run import run as run_campaign
+from studies.run.cells.collect import collect
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

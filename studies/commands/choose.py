@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from studies.choosing.choice import Choice
-from studies.choosing.choose import BUDGET, ERROR, choose
-from studies.choosing.offers import Offer
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, add_solving, check_directory, named, pairs, progress_line
-from studies.door.columns import columns
-from studies.door.notebook import write_choice
-from studies.refinement.cascade import parse_budget
-from studies.refinement.error_control import parse_error
+from studies.interface.notebook import write_choice
+from studies.output.columns import columns
+from studies.solving.choosing.choice import Choice
+from studies.solving.choosing.choose import BUDGET, ERROR, choose
+from studies.solving.choosing.offers import Offer
+from studies.solving.refinement.cascade import parse_budget
+from studies.solving.refinement.error_control import parse_error
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -11,14 +11,14 @@ import pandas as pd
 
 from reports.markdown import table
 from reports.words import as_words
-from studies.analysis.cells.collect import collect
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import reading
-from studies.guard.baseline import HERE, OUTCOME, TOLERANCES, Bound, read_bounds
-from studies.guard.compare import UNFINISHED, NothingComparedError, compared, measured, shortened
-from studies.guard.times import compare_times, samples_of_both
-from studies.result import CONVERGED
-from studies.scene import UsageError
+from studies.gate.baseline import HERE, OUTCOME, TOLERANCES, Bound, read_bounds
+from studies.gate.compare import UNFINISHED, NothingComparedError, compared, measured, shortened
+from studies.gate.times import compare_times, samples_of_both
+from studies.run.cells.collect import collect
+from studies.solving.result import CONVERGED
 
 MOST = 20  # rows a table: a comment is read, an archive is not
 TITLES = {"worse": "Worse", "changed": "Changed", "better": "Better", "missing": "Missing", "new": "New"}

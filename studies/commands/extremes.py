@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
 from studies.experiments.extremes.maps import CHARTS, CONVERGED, REFUSED, UNSTABLE, UNTOUCHED, WRONG, attempt, chart_of
-from studies.scene import UsageError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.fuzz.cases import KINDS
 from studies.fuzz.examine import BROKEN, examine
-from studies.scene import UsageError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
-from studies.campaigns.file import find, names
+from studies.catalogue.descriptions import meaning_of
 from studies.commands import OK
-from studies.door.columns import columns
-from studies.door.descriptions import meaning_of
+from studies.output.columns import columns
+from studies.run.campaigns.file import find, names
 from studies.scenes import SCENES
 
 

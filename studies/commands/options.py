@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from studies.request import UsageError
-from studies.shown import behind, printable
+from studies.ask.request import UsageError
+from studies.output.escaping import behind, printable
 
 SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
 STORE = Path(".footprint/store")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from studies.catalogue.descriptions import describe
 from studies.commands import OK
-from studies.door.descriptions import describe
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

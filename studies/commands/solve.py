@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from contact.problem import Outcome
-from studies import branching
+from studies.ask.friction_settings import rubbing
+from studies.ask.request import Request, UsageError
+from studies.ask.scene import Scene, has_contact
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import (
     add_settings,
@@ -21,17 +23,15 @@ from studies.commands.options import (
     pairs,
     progress_line,
 )
-from studies.complete import complete
-from studies.door.columns import columns
-from studies.friction.settings import rubbing
-from studies.refinement import mesh_error
-from studies.request import Request, UsageError
-from studies.result import UNSTABLE, WRONG, Result
-from studies.scene import Scene, has_contact
-from studies.solving import Interrupted
-from studies.step import Step
-from studies.store.atomic import write_by
-from studies.store.tables import Table
+from studies.output.atomic import write_by
+from studies.output.columns import columns
+from studies.output.tables import Table
+from studies.scenes.complete import complete
+from studies.solving import branching
+from studies.solving.refinement import mesh_error
+from studies.solving.result import UNSTABLE, WRONG, Result
+from studies.solving.solve import Interrupted
+from studies.solving.step import Step
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
@@ -138,8 +138,8 @@ def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
         if options.budget is not None:
             raise UsageError("--budget bounds the time of --error: give both")
         return *complete(options.scene, given, options.mesh, **how), None
-    from studies.refinement.cascade import first_grid
-    from studies.refinement.error_control import parse_error
+    from studies.solving.refinement.cascade import first_grid
+    from studies.solving.refinement.error_control import parse_error
 
     wanted = parse_error(options.error)
     return *first_grid(options.scene, given, options.mesh, **how), wanted
@@ -150,7 +150,7 @@ def _solved(
 ) -> tuple[Result, bool]:
     """The result, and whether its error is the one wanted, if any is."""
     if wanted is not None:
-        from studies.refinement.cascade import answer, parse_budget
+        from studies.solving.refinement.cascade import answer, parse_budget
 
         return answer(scene, request, wanted, options.of, tell, parse_budget(options.budget))
     asked_for = not options.no_error
@@ -161,7 +161,7 @@ def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
     """The error of load steps with friction, into the result; what there is to print of it."""
     if not rubbing(result.request.settings):
         return []
-    from studies.friction import load_steps  # nothing of friction is imported without it
+    from studies.solving.friction import load_steps  # nothing of friction is imported without it
 
     load_steps.estimate(result, tell)
     return load_steps.lines(result)

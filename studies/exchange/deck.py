@@ -12,9 +12,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
+from studies.ask.request import UsageError, text_of
 from studies.exchange.bricks import INNER, OUTER
 from studies.exchange.problem import LoadStep, Material, Plane, Problem, Supports
-from studies.request import UsageError, text_of
 
 ELEMENTS = {"reduced": "C3D20R", "full": "C3D20"}
 AUTO = "auto"

@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 
 from formulations.shell import ShellModel
-from studies.analysis.cells.rows import holding
-from studies.complete import complete
 from studies.exchange.problem import LoadStep, Problem
 from studies.exchange.results import GROWTH, PLANE_FORCE, REACTION, STRAIN_ENERGY, Found
-from studies.result import Result
+from studies.run.cells.rows import holding
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 from studies.scenes.statics import StaticModel
 from studies.scenes.tyre.press import PressedTyre
-from studies.solving import solve
+from studies.solving.result import Result
+from studies.solving.solve import solve
 
 Reader = Callable[[float, np.ndarray], dict[str, float]]  # (load, u (N, 3)) -> quantities of the scene
 OURS, WORK, NOTHING = "ours", "half of the work of the loads", "balance of forces"

@@ -21,10 +21,10 @@ from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import StVenantKirchhoff
 from formulations.solid_mesh import SolidMesh
+from studies.ask.request import UsageError
 from studies.catalogue.supports import held_of
 from studies.exchange.bricks import INNER, ON_FACE, OUTER, Bricks, serendipity
 from studies.exchange.problem import Supports
-from studies.request import UsageError
 
 Model = TypeVar("Model", ShellModel, SolidModel)
 EXCHANGED = (0, 3, 2, 1, 7, 6, 5, 4)  # the nodes of a face with a1 and a2 exchanged, as a left-handed brick has them

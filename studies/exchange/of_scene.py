@@ -14,13 +14,13 @@ import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.shell import ShellModel
-from studies.algorithm_settings import configured
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
+from studies.ask.friction_settings import rubbing
+from studies.ask.request import Request, UsageError
+from studies.ask.scene import Scene, SceneModel
 from studies.exchange.of_body import Body, of_shell, of_solid
 from studies.exchange.problem import LoadStep, Plane, Problem, materials
-from studies.friction.settings import rubbing
-from studies.request import Request, UsageError
-from studies.scene import Scene, SceneModel
+from studies.scenes.complete import complete
 from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
@@ -30,7 +30,7 @@ from studies.scenes.tyre.parts import mirrored
 from studies.scenes.tyre.press import PressedTyre
 from studies.scenes.tyre.solid import SolidTyreModel
 from studies.scenes.tyre.wall import checked_wall
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 CLEARANCE = 0.1  # of the growth of a tyre: how far the plane stays off while it is inflated, or shrinks
 INFLATED = 4
@@ -43,8 +43,8 @@ def problem_of(
 ) -> Problem:
     """The scene as a problem; raises UsageError for a request that is wrong or cannot be exported.
 
-    given, mesh, options: as for :func:`studies.complete.complete`; mesh counts bricks.  through: bricks in each ply of
-    a shell, from 1 to 16; a solid has its own setting.
+    given, mesh, options: as for :func:`studies.scenes.complete.complete`; mesh counts bricks.  through: bricks in each
+    ply of a shell, from 1 to 16; a solid has its own setting.
     """
     if not 1 <= through <= MOST_THROUGH:
         raise UsageError(f"through = {through} must be a whole number in [1, {MOST_THROUGH}]")

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.request import Request, UsageError
 from studies.exchange.bricks import INNER, Bricks
-from studies.request import Request, UsageError
 
 ALONG = 1e-12  # what rounding takes off a unit vector along an axis
 

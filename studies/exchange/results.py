@@ -22,8 +22,8 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.untrusted import MOST, read_bytes
+from studies.ask.request import UsageError
 from studies.exchange.problem import Problem
-from studies.request import UsageError
 
 FIELD = ("ux_mm", "uy_mm", "uz_mm")
 NODE = "node"

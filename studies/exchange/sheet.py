@@ -13,9 +13,9 @@ import numpy as np
 
 from studies.exchange.bricks import INNER, LATTICE, OUTER, SWAPPED
 from studies.exchange.problem import LoadStep, Material, Problem
+from studies.output.atomic import plain
+from studies.output.vtu import PLACES_27, write_vtu
 from studies.scenes import SCENES
-from studies.store.atomic import plain
-from studies.store.vtu import PLACES_27, write_vtu
 
 FORMAT = "footprint-problem 1"
 UNITS = {"length": "mm", "force": "N", "stress": "MPa", "angle": "rad"}

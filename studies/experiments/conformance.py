@@ -24,7 +24,6 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
-from studies.analysis.richardson import correction, order_of
 from studies.experiments.rigid_body import CASES, central_difference, left_by, rotation
 from studies.experiments.specimens import ELEMENTS, Element, Swapped, layup
 from studies.scenes.benchmarks.area_loads import area_load
@@ -34,6 +33,7 @@ from studies.scenes.manufactured.scene import carrying, unknowns_at
 from studies.scenes.manufactured.solution import Exact
 from studies.scenes.manufactured.spectral import Patch
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
+from studies.solving.refinement.richardson import correction, order_of
 
 RIGID = 1e-10  # of a strain under rigid motion against its closed form
 INVARIANCE = 1e-9  # relative

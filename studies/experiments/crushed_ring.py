@@ -11,12 +11,12 @@ from itertools import product
 
 import numpy as np
 
-from studies.campaigns.cell import Cell
-from studies.complete import complete
 from studies.experiments.rows import Row, tabulated
-from studies.result import SOLVED
+from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import complete
 from studies.scenes.contact.crushed_ring import DATA
-from studies.solving import solve
+from studies.solving.result import SOLVED
+from studies.solving.solve import solve
 
 SHELL, SOLID = "crushed-ring", "crushed-ring-solid"
 NO_NU = {"nu": "0", "E_MPa": repr(DATA["E_MPa"] / (1 - DATA["nu"] ** 2))}  # the other way to plane strain

@@ -19,11 +19,11 @@ from contact.algorithms.semismooth import Semismooth
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise, superlu
-from studies.campaigns.cell import Cell
-from studies.complete import complete
 from studies.experiments.rows import Row, tabulated
+from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import complete
 from studies.scenes.contact import plate, strip
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 EPSILONS = tuple(10.0**k for k in range(-2, 15))  # MPa/mm
 MOST_ITERATIONS = 60

@@ -22,11 +22,11 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
-from studies.complete import complete
 from studies.experiments.rows import Row, tabulated
+from studies.scenes.complete import complete
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
 from studies.scenes.tyre.solid import SolidTyreModel
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 NU = 0.45  # of the bodies made here, with Young's modulus 1
 Point = tuple[float, float, float]  # load, what is compared, largest logarithmic strain

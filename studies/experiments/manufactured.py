@@ -18,7 +18,7 @@ from studies.experiments.rows import Row, tabulated
 from studies.scenes.element import PRESETS
 from studies.scenes.manufactured.patches import PIECES
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 
 MESHES = (8, 16, 32)
 SURFACES = ("cylinder", "torus", "inner-torus")  # of positive, none and negative Gaussian curvature

@@ -21,11 +21,11 @@ from contact.events import EventKind, events
 from contact.friction.verify import CHORD
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
 from contact.verify import EQUILIBRIUM
+from studies.ask.request import Request
+from studies.ask.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
 from studies.fuzz.cases import Asked
-from studies.request import Request
-from studies.result import UNSTABLE, WRONG, Result
-from studies.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
-from studies.solving import solve
+from studies.solving.result import UNSTABLE, WRONG, Result
+from studies.solving.solve import solve
 
 MOST = 8_000  # linearisations of one solve
 BARELY, BOUNDS = 0.1, {"equilibrium": EQUILIBRIUM, "direction": CHORD}  # of what the judge allows

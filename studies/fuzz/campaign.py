@@ -14,16 +14,16 @@ from typing import Any
 
 import pandas as pd
 
+from studies.ask.scene import UsageError
 from studies.fuzz.cases import kind_of
 from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report, command_of, task_id
 from studies.fuzz.examine import NAME as NAME
-from studies.pool.engine import engine as engine_of
-from studies.pool.process import keeping_what_is_finished
-from studies.pool.task import Limits, Task
-from studies.result import CRASH, MEMORY, TIME
-from studies.scene import UsageError
-from studies.store.atomic import write_table
-from studies.store.layout import Archive, DamagedError
+from studies.output.atomic import write_table
+from studies.run.pool.engine import engine as engine_of
+from studies.run.pool.process import keeping_what_is_finished
+from studies.run.pool.task import Limits, Task
+from studies.run.store.layout import Archive, DamagedError
+from studies.solving.result import CRASH, MEMORY, TIME
 
 CASES, MOST = 5000, 1_000_000
 LIMITS = Limits(time_s=120.0, memory_MB=2048.0)  # most take well under a second, the longest of 5,000 takes 54 s

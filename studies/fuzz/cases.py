@@ -15,15 +15,15 @@ import numpy as np
 from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.algorithm_settings import TOLERANCE, settings_of
-from studies.campaigns.cell import Cell
-from studies.complete import complete
-from studies.friction.settings import DRAG, MU, SLIDING, TURN, WAY
+from studies.ask.algorithm_settings import TOLERANCE, settings_of
+from studies.ask.friction_settings import DRAG, MU, SLIDING, TURN, WAY
+from studies.ask.request import Request
+from studies.ask.scene import Scene, Setting, SettlingScene, SlidingScene, UsageError, has_contact
 from studies.fuzz.values import drawn, generator
-from studies.refinement.trees import Family
-from studies.request import Request
-from studies.scene import Scene, Setting, SettlingScene, SlidingScene, UsageError, has_contact
+from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
+from studies.solving.refinement.trees import Family
 
 SCENE, FRICTION = "scene", "friction"  # kinds of a number that stands for a request
 KINDS = {SCENE: 0.2, FRICTION: 0.15, "posed": 0.15, "matrices": 0.5}  # by what a case costs

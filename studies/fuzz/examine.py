@@ -11,9 +11,9 @@ from studies.fuzz.attempt import Broken, Passed, place, quiet
 from studies.fuzz.cases import FRICTION, SCENE, Asked, kind_of
 from studies.fuzz.comparing import AGREES
 from studies.fuzz.near import request_of
-from studies.result import CONVERGED, WRONG
-from studies.store.atomic import SCHEMA, as_text
-from studies.store.source_hash import sources_hash
+from studies.output.atomic import SCHEMA, as_text
+from studies.run.store.source_hash import sources_hash
+from studies.solving.result import CONVERGED, WRONG
 
 NAME = "fuzz"  # how the names of cases in a store begin
 PASSED, EXPLAINED, UNCOMPARED, BROKEN = "agrees", "explained", "not compared", "broken"

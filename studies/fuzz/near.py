@@ -14,11 +14,11 @@ import numpy as np
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
-from studies.algorithm_settings import settings_of
-from studies.friction.settings import DRAG, MU, TURN
+from studies.ask.algorithm_settings import settings_of
+from studies.ask.friction_settings import DRAG, MU, TURN
+from studies.ask.scene import has_contact
 from studies.fuzz.cases import FRICTION, Asked, asked_of
 from studies.fuzz.values import drawn, generator
-from studies.scene import has_contact
 from studies.scenes import SCENES
 
 COMMANDS = tuple(Path(__file__).with_name("hard_requests.txt").read_text(encoding="utf-8").splitlines())

@@ -12,19 +12,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.parameters import STIFFNESS
-from studies.algorithm_settings import configured, settings_of
 from studies.analysis.comparisons.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
-from studies.friction.observed import FORCES
-from studies.friction.settings import MU, SLIDING, rubbing
+from studies.ask.algorithm_settings import configured, settings_of
+from studies.ask.friction_settings import MU, SLIDING, rubbing
+from studies.ask.request import Request, text_of
+from studies.ask.scene import has_contact
 from studies.fuzz import state_laws
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
 from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, TOLERANCE, Answer, compared, error_of, unstable
 from studies.fuzz.values import generator
-from studies.request import Request, text_of
-from studies.result import Result
-from studies.scene import has_contact
 from studies.scenes import SCENES
+from studies.scenes.friction_readings import FORCES
+from studies.solving.result import Result
 
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
 OFTEN = {"another algorithm": 2, "part = whole": 4, "units": 2}  # as often as a law that is not named here

@@ -21,13 +21,13 @@ from contact.friction.slip import sliding_of
 from contact.problem import ContactProblem, ContactSolution
 from contact.rounding import rounding_floor
 from contact.solvers.sparse import symmetric
-from studies.algorithm_settings import configured, settings_of
-from studies.friction.observed import in_space
-from studies.friction.settings import rubbing
+from studies.ask.algorithm_settings import configured, settings_of
+from studies.ask.friction_settings import rubbing
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, attempt, quiet
 from studies.fuzz.comparing import Answer, signs
 from studies.fuzz.values import generator
-from studies.result import UNSTABLE, Result
+from studies.scenes.friction_readings import in_space
+from studies.solving.result import UNSTABLE, Result
 
 STEPS = (1e-3, 1e-5)
 BOUND = 1e-4  # relative mismatch of a derivative; a wrong term, wherever it matters, is of the order of one

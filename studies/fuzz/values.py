@@ -12,8 +12,8 @@ import zlib
 
 import numpy as np
 
-from studies.request import text_of
-from studies.scene import Setting, UsageError
+from studies.ask.request import text_of
+from studies.ask.scene import Setting, UsageError
 
 NEAR, FAR = 4.0, 1e3  # factors from the default, down and up
 HOW = {"near": 0.65, "far": 0.25, "bound": 0.1}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator, Mapping, MutableMapping
 
-from studies.scene import Scene
+from studies.ask.scene import Scene
 
 MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "tyre": "studies.scenes.tyre.scene",

@@ -17,8 +17,8 @@ from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from studies.request import Request
-from studies.scene import Setting, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import Setting, UsageError
 
 PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from studies.scene import Scene
+from studies.ask.scene import Scene
 
 ROTATIONS, SNAP, LINEAR = "large rotations", "snap through", "linear shells"  # the families, whose pictures they are in
 CLOSED, CONTACT, TYRE = "closed forms", "contact", "tyre"

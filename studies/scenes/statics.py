@@ -21,8 +21,8 @@ from formulations.loads.lines import edge_lengths
 from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.request import Request
-from studies.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel, Stage, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel, Stage, UsageError
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 
 import pytest
 
-from studies.store.source_hash import closure
+from studies.run.store.source_hash import closure
 from tests.test_imports import ROOT
 
 FOUND_BY = ("contact.newton*", "contact.algorithms*", "contact.continuation*", "contact.friction.[hlrc]*", "*.step")

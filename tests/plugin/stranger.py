@@ -18,7 +18,7 @@ from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import EXACT_TERMS, MEASURES
 from formulations.strains.measure import RigidBodyLaw, quadratic_measure
-from studies.scene import EPSILON, SOLVER, Reference, Setting
+from studies.ask.scene import EPSILON, SOLVER, Reference, Setting
 from studies.scenes import SCENES
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.element import ELEMENT, discretise

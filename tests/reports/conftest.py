@@ -20,11 +20,6 @@ from matplotlib.figure import Figure
 from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import written
-from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import LADDERS
-from studies.campaigns.plan import Row
-from studies.campaigns.report_cells import LISTS
-from studies.campaigns.sheet_cells import GROUP as SHEETS
 from studies.catalogue.models import built
 from studies.catalogue.tables import catalogue_tables
 from studies.experiments import epsilon as epsilon_study
@@ -33,11 +28,16 @@ from studies.experiments.extremes import maps as extremes
 from studies.experiments.extremes.limits import limits_table
 from studies.experiments.obstacle_problems.false_success import COLUMNS as CLAIM_COLUMNS
 from studies.experiments.rotations import RUNS
+from studies.output.atomic import SCHEMA, plain, write_json, write_table, write_text
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.ladder_cells import LADDERS
+from studies.run.campaigns.plan import Row
+from studies.run.campaigns.report_cells import LISTS
+from studies.run.campaigns.sheet_cells import GROUP as SHEETS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.scenes.ladders import Ladder
-from studies.solving import resolve
-from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
+from studies.solving.solve import resolve
 from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
 from support.stores.friction import made_up_friction

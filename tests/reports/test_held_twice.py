@@ -7,7 +7,7 @@ import pytest
 from reports.chapters.limits import shell_limits
 from reports.store import reading
 from studies.analysis.comparisons import error_budget
-from studies.store import atomic
+from studies.output import atomic
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import analysed
 from studies.analysis.outcomes import contact_summary, outcomes
-from studies.store.atomic import write_json, write_table
+from studies.output.atomic import write_json, write_table
 from support.stores.sweeps import cells
 
 MEASURES = tuple(f"made-up-{number}" for number in range(1, 12))

@@ -22,8 +22,8 @@ from reports.markdown import END_MACHINE, Part
 from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
-from studies.campaigns.report_cells import LISTS
-from studies.store.atomic import write_table, write_text
+from studies.output.atomic import write_table, write_text
+from studies.run.campaigns.report_cells import LISTS
 from support.pages.changed import edit_json, place
 
 PAGES = ["index.md", *(each.file for each in CHAPTERS)]

@@ -16,13 +16,13 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem
 from formulations.strains.catalogue import MEASURES
-from studies.branching import branches_of
+from studies.ask.scene import Setting, UsageError
 from studies.cli import main
-from studies.scene import Setting, UsageError
+from studies.output.atomic import write_by, write_json
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.press import asymmetries, half_extent, to_edges
-from studies.solving import resolve, solve
-from studies.store.atomic import write_by, write_json
+from studies.solving.branching import branches_of
+from studies.solving.solve import resolve, solve
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]
 
@@ -270,7 +270,7 @@ def test_too_little_memory_is_one_line(
     def hungry(*asked: object) -> None:
         np.empty(2**57)
 
-    monkeypatch.setattr("studies.solving._run_stages", hungry)
+    monkeypatch.setattr("studies.solving.solve._run_stages", hungry)
     assert main(["solve", "cantilever", "--mesh", "2x1", "--out", str(tmp_path / "out")]) == 1
     said = capsys.readouterr().err
     assert said.startswith("footprint: not enough memory; a coarser mesh needs less: Unable to allocate 1.00 EiB")

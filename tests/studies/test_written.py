@@ -12,7 +12,7 @@ import pytest
 from studies.cli import main
 from studies.scenes.contact.heavy_strip import LIFT
 from studies.scenes.manufactured.scene import carrying
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 
 RING = ["solve", "ring", "--mesh", "1x8", "--set", "delta_mm=5,10"]
 

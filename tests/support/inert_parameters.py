@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from studies import complete as completing
+from studies.scenes import complete as completing
 
 HEADING = "parameters that change no request"
 _ASKED: list[str] = []

@@ -18,13 +18,13 @@ import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
-from studies.algorithm_settings import configured, parameters_of
-from studies.complete import complete
-from studies.refinement.error_control import coarsest_mesh
-from studies.request import Request, Value
-from studies.scene import CurveStage, Scene, Setting, Stage, UsageError
+from studies.ask.algorithm_settings import configured, parameters_of
+from studies.ask.request import Request, Value
+from studies.ask.scene import CurveStage, Scene, Setting, Stage, UsageError
 from studies.scenes import SCENES
-from studies.solving import solve
+from studies.scenes.complete import complete
+from studies.solving.refinement.error_control import coarsest_mesh
+from studies.solving.solve import solve
 
 NOISE = 1e-3  # mm, of the made-up displacements
 FACTORS = (1.1, 0.9, 1.5, 0.5, 2.0)  # of a number, until one is in its range

@@ -24,9 +24,9 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.advice.questions import COST, Question, cheapest_of, questions
-from studies.analysis.cells.rows import keys, sizes
-from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
 from studies.analysis.verify import EXACT, headline, judged
+from studies.run.cells.rows import keys, sizes
+from studies.solving.refinement.richardson import FORMAL, UNSAFE, correction, order_of
 
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)
 COVER = 0.8  # quantile of true error over estimate elsewhere; 0.9: 1 % more met, 1.4 times the mean price

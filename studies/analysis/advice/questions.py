@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.analysis.cells.rows import PRICES, keys
 from studies.analysis.verify import REFERENCE, choices, headline, judged
-from studies.complete import complete
-from studies.request import Value, text_of
-from studies.scene import Setting, UsageError
+from studies.ask.request import Value, text_of
+from studies.ask.scene import Setting, UsageError
+from studies.run.cells.rows import PRICES, keys
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 
 CONFIGURATION = ("measure", "contact", "newton", "element")  # two cells that differ in one of them are two ways
 COST = "seconds"  # what a user pays

@@ -22,7 +22,7 @@ from studies.analysis.advice.questions import (
     known_scene,
     meant,
 )
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
 
 HERE = Path(__file__).parent
 CELLS, QUESTIONS, SUMMARY = "advice_cells", "advice_questions", "held_out_summary"

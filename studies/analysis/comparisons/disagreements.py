@@ -16,14 +16,14 @@ from typing import Any
 import pandas as pd
 
 from contact.newton.step import RESIDUAL_TOLERANCE
-from studies.algorithm_settings import own_keys
-from studies.analysis.cells.rows import keys
 from studies.analysis.verify import headline
-from studies.friction.settings import MU
-from studies.request import Request
-from studies.result import CONVERGED, SOLVED
-from studies.scene import EPSILON
-from studies.step import unit_of
+from studies.ask.algorithm_settings import own_keys
+from studies.ask.friction_settings import MU
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON
+from studies.run.cells.rows import keys
+from studies.solving.result import CONVERGED, SOLVED
+from studies.solving.step import unit_of
 
 LOAD_STEPS, BEYOND = "load steps", "beyond uniqueness"
 UNSTABLE, SYMMETRY, BRANCHES = "not both are stable", "broken symmetry", "two stable branches"

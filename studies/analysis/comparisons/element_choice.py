@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.rows import holds_from
+from studies.run.cells.rows import holds_from
 
 ENOUGH = 0.01  # the error that a mesh is wanted for
 EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart

@@ -11,7 +11,7 @@ Parts, with the sign that they have in S - D (S computed on the finest mesh, D m
 
 In the sense of ASME V&V 20 the statement is E = S - D beside u_val = sqrt(u_num^2 + u_input^2 + u_D^2), all standard
 uncertainties: |E| <= u_val says that the test cannot tell the model's error from none. u_num is half of what
-:func:`studies.analysis.richardson.limit_of` says; limits +-a are a/sqrt(3).
+:func:`studies.solving.refinement.richardson.limit_of` says; limits +-a are a/sqrt(3).
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.analysis.richardson import Limit, limit_of
 from studies.experiments.crushed_ring import HALF_DIGIT, INPUTS, MESHES, STATES
 from studies.scenes.contact.crushed_ring import DATA, FILE, READING
 from studies.scenes.data import read_reference
+from studies.solving.refinement.richardson import Limit, limit_of
 
 PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")
 OWN_LAW, SOFTER = "solid svk", "solid hencky"  # the law of every shell, and the one that the test is compared with

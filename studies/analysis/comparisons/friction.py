@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.rows import holds_from
 from studies.analysis.evidence import Tables
-from studies.analysis.richardson import power_of
 from studies.experiments.friction.rubbed_scenes import DELTA, MESH
-from studies.result import SOLVED, UNSUPPORTED
+from studies.run.cells.rows import holds_from
+from studies.solving.refinement.richardson import power_of
+from studies.solving.result import SOLVED, UNSUPPORTED
 
 FULL = 0.01  # a force or a torque is full once it is so near to its bound, and stays so
 FLOOR = 1e-8  # an error below this has nothing left that could fall: rounding, or what decides between states

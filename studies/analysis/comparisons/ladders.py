@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.analysis.cells.answers import Answer, Answers
-from studies.analysis.cells.rows import STEP_KEYS, holding, ladders
-from studies.analysis.richardson import MeshSequence, order_against
-from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS
-from studies.scene import Reference
+from studies.ask.scene import Reference
+from studies.run.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS
+from studies.run.cells.answers import Answer, Answers
+from studies.run.cells.rows import STEP_KEYS, holding, ladders
 from studies.scenes.ladders import Ladder
+from studies.solving.refinement.richardson import MeshSequence, order_against
 
 COLUMNS = (
     *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "dofs", "value"),

@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from studies.analysis.richardson import power_of
-from studies.result import SOLVED
+from studies.solving.refinement.richardson import power_of
+from studies.solving.result import SOLVED
 
 THEORY: Mapping[str, float] = {  # of bilinear displacements with the strains of the mixed element
     "error_displacement": 2.0,

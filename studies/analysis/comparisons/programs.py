@@ -10,8 +10,8 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.rows import holds_from
 from studies.bench.peers.problems import problems
+from studies.run.cells.rows import holds_from
 
 OURS = "footprint"
 PARTS = ("start", "assembly", "factorisation")

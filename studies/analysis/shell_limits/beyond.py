@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.shell_limits.boundaries import boundary, error_at
+from studies.ask.request import Settings
 from studies.experiments.shell_limits.ladder import DEFAULT, MIDDLE, REISSNER
-from studies.request import Settings
 from studies.scenes.benchmarks import (
     cantilever,
     hemisphere,

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.analysis.richardson import power_of
+from studies.solving.refinement.richardson import power_of
 
 LEVELS = (0.01, 0.05)
 TOLD = 3.0  # times what it is known to: an error smaller than that is not told from zero

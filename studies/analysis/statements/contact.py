@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.answers import Answer, Answers
 from studies.analysis.comparisons import ladders
 from studies.analysis.outcomes import DEFAULT
 from studies.analysis.statements.record import ANSWER, FINDING, OPENING, Statement
-from studies.campaigns.report_cells import agreement
+from studies.run.campaigns.report_cells import agreement
+from studies.run.cells.answers import Answer, Answers
 
 AGREE = 1e-7  # relative difference of forces up to which two algorithms agree
 CASE = ("load", "section")  # settings that change the problem

@@ -11,7 +11,7 @@ from studies.analysis.comparisons.friction import FULL, public_answers
 from studies.analysis.evidence import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.rubbed_scenes import DELTA, MESH
-from studies.result import SOLVED
+from studies.solving.result import SOLVED
 
 PAGE = "friction"
 KEPT = 1e-9  # of the largest force: a difference of images below this is rounding

@@ -35,8 +35,8 @@ from studies.arena.solver_table import judged
 from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.process import Child
+from studies.ask.scene import Setting, UsageError
 from studies.experiments.conformance import Check
-from studies.scene import Setting, UsageError
 
 ORACLE = 1e-7  # agreement with independent solutions, all quantities are of the order one
 KINDS = ("obstacle", "definite", "inclined")

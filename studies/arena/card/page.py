@@ -16,7 +16,7 @@ from studies.arena.card.laws import Law
 from studies.arena.card.problems import GROUPS
 from studies.arena.card.subjects import ALGORITHM, ELEMENT, MEASURE, SOLVER
 from studies.arena.card.trials import AGREES, ALIKE, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED
-from studies.store.provenance import provenance
+from studies.output.provenance import provenance
 
 LEFT_OUT = {
     ALGORITHM: "Operations are those that the suite counts where it does them: assembly, factorisations, triangular "

@@ -43,7 +43,7 @@ from studies.arena.solvers.base import Answer as Said
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.process import Child
 from studies.fuzz.comparing import Answer, difference
-from studies.stopwatch import timed
+from studies.output.stopwatch import timed
 
 LIMIT_S, BUDGET_S = 10.0, 60.0
 TOLERANCES = (1e-6, 1e-8)

@@ -18,10 +18,10 @@ from formulations.element.mixed import THICKNESS_STRAINS
 from formulations.strains.catalogue import MEASURES
 from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.door.plugins import load_file
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.element import PRESETS
+from studies.scenes.plugins import load_file
 
 TEMPLATE = "template"
 ALGORITHM, MEASURE, SOLVER, ELEMENT = "contact algorithm", "strain measure", "QP solver", "element option"

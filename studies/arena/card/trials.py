@@ -19,20 +19,20 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.verify import claim, judge
-from studies.algorithm_settings import configured
 from studies.arena.card.problems import Asked, Posed
 from studies.arena.card.quadratics import random_quadratic
 from studies.arena.watched import Watched
-from studies.certificate import certificate
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
+from studies.ask.request import Request, Value
+from studies.ask.scene import Scene, UsageError
 from studies.fuzz.attempt import quiet
 from studies.fuzz.comparing import ALIKE as COARSE
 from studies.fuzz.comparing import MARGIN, Answer, compared, difference, error_of
-from studies.operations import counted
-from studies.request import Request, Value
-from studies.scene import Scene, UsageError
-from studies.stopwatch import timed
-from studies.walk import walk
+from studies.output.stopwatch import timed
+from studies.scenes.complete import complete
+from studies.scenes.walk import walk
+from studies.solving.certificate import certificate
+from studies.solving.operations import counted
 
 ENDS = ("solved", "false claim", "not solved", "refused", "raised", "over the limit")
 SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE = ENDS

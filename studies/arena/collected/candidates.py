@@ -19,14 +19,14 @@ from scipy import sparse
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import checked_solve, factorise, symmetric
-from studies.algorithm_settings import configured
 from studies.arena.collected.certified import Certified, NotCertifiedError, exact_on
 from studies.arena.collected.collection import HERE, Candidate
 from studies.arena.collected.paths import Path
 from studies.arena.watched import Watched
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
-from studies.walk import walk
+from studies.scenes.complete import complete
+from studies.scenes.walk import walk
 
 PUBLIC = "public_lcps.json"
 TOUCHING, CONDENSED = "touching", "condensed"

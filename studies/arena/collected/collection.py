@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
-from studies.store.atomic import write_by, write_table, write_text
+from studies.output.atomic import write_by, write_table, write_text
 
 HERE = files("studies.arena.collected")
 LICENCE = "MIT"

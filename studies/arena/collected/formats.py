@@ -22,8 +22,8 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.untrusted import MOST, read_bytes
 from contact.solvers.sparse import SingularMatrixError, symmetric
 from studies.arena.collected.candidates import condensed, has_dual
-from studies.request import UsageError
-from studies.store.atomic import PART, write_by, write_json
+from studies.ask.request import UsageError
+from studies.output.atomic import PART, write_by, write_json
 
 DENSE = 3000  # unknowns whose matrix may be written full: 72 MB
 SPACE = 3  # of contacts with friction

@@ -50,7 +50,7 @@ from studies.arena.collected.candidates import (
 from studies.arena.collected.candidates import candidates as all_candidates
 from studies.arena.collected.certified import Certified, NotCertifiedError, confirm, find
 from studies.arena.collected.collection import HERE, LEFT_OUT, Candidate, Collection, Tell, silent, sums, write
-from studies.store.atomic import write_by, write_table
+from studies.output.atomic import write_by, write_table
 
 RAISED_IN = "raised.npz"
 LARGEST = 100e6  # bytes of all files

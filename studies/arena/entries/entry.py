@@ -21,7 +21,7 @@ from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError, added
-from studies.scene import Setting
+from studies.ask.scene import Setting
 
 SETTLE = 0.05  # of the exact steps, as semismooth
 FAR = 1e6  # times as far as is asked for: where an approach has found nothing, as of what has no answer

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
-from studies.stopwatch import timed
+from studies.output.stopwatch import timed
 
 
 @dataclass(frozen=True, eq=False)

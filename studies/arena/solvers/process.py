@@ -2,7 +2,7 @@
 
 Both sides of it: :class:`Child` asks, ``python -m studies.arena.solvers.process FD ALIVE MEMORY_MB`` answers.
 FD is its end of a pipe, on which steps and orders come and answers go, ALIVE as of the process that solves cells
-(:mod:`studies.pool.main`); beyond MEMORY_MB allocations fail.
+(:mod:`studies.commands.worker`); beyond MEMORY_MB allocations fail.
 Peak memory is that of the process: resident memory at its highest during a solve, which Linux resets on request, less
 that before it, once what is free has been handed back. Matrices that a solver copies are in it, the problem is not.
 Where the kernel tells no such thing, it is NaN.
@@ -24,8 +24,8 @@ import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.solvers.base import Answer, Solver
-from studies.pool.limits import READY, end_with, limit, status_MB
-from studies.pool.process import Running
+from studies.run.pool.limits import READY, end_with, limit, status_MB
+from studies.run.pool.process import Running
 
 STARTUP_S = 600.0  # on the clock, as on a machine that leaves it one part in a hundred (measured: 170 s for 0.7 s)
 PATIENCE = 20  # times as long may a solve sleep; one that only waits for a processor does not sleep

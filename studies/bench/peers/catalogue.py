@@ -12,10 +12,10 @@ from functools import partial
 
 from contact.problem import Outcome
 from studies.bench.peers.problems import DELTA_MM, Line, Solved
-from studies.complete import complete
+from studies.output.stopwatch import timed
+from studies.scenes.complete import complete
 from studies.scenes.tyre.scene import ISOTROPIC
-from studies.solving import solve
-from studies.stopwatch import timed
+from studies.solving.solve import solve
 
 FULL = {"load_fraction": "1"}
 FOLLOWER = {"load": "follower", "pressure_area": "face", "delta_mm": repr(DELTA_MM)}

@@ -9,9 +9,9 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from studies.ask.request import UsageError
 from studies.exchange.problem import Problem
 from studies.exchange.results import Found, read_results
-from studies.request import UsageError
 
 NAME, COMMAND = "CalculiX", "ccx"
 ABSENT = "bench programs needs CalculiX: the command ccx, of Debian's package calculix-ccx"

@@ -18,24 +18,24 @@ import numpy as np
 import pandas as pd
 
 from formulations.solid import SolidDiscretisation, SolidModel
-from studies.algorithm_settings import configured
+from studies.ask.algorithm_settings import configured
+from studies.ask.request import UsageError, text_of
 from studies.bench.programs import calculix
 from studies.bench.programs.case import Case
-from studies.complete import complete
-from studies.door.columns import columns
 from studies.exchange.deck import deck, element
 from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH
-from studies.request import UsageError, text_of
+from studies.output.atomic import write_table_once
+from studies.output.columns import columns
+from studies.output.stopwatch import WALL, timed
+from studies.run.store.source_hash import sources_hash
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 from studies.scenes.tyre.solid import SolidTyreModel
 from studies.scenes.tyre.wall import checked_wall
-from studies.stopwatch import WALL, timed
-from studies.store.atomic import write_table_once
-from studies.store.source_hash import sources_hash
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 SOLID = "tyre-solid"
 CENTRE = 13  # of the 27 Gauss points

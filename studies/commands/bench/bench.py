@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.bench import solvers
 from studies.commands.options import STORE, count, progress_bar
-from studies.door.columns import columns
-from studies.scene import UsageError
+from studies.output.columns import columns
 
 MESH, REPEATS, ROUNDS = "42x40", 9, 3
 
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
 def _costs(options: argparse.Namespace) -> int:
     from studies.bench.costs import costs, with_pardiso
     from studies.bench.rounds import BROKEN, VARIES, shown
-    from studies.store.atomic import write_table
+    from studies.output.atomic import write_table
 
     rounds = count("rounds", options.rounds)
     with progress_bar("costs") as advance:
@@ -97,7 +97,7 @@ def _overhead(options: argparse.Namespace) -> int:
 
 def _scaling(options: argparse.Namespace) -> int:
     from studies.bench.scaling import MESHES, lines, request_of, scaling
-    from studies.store.atomic import write_table
+    from studies.output.atomic import write_table
 
     meshes = options.mesh.split(",") if options.mesh else MESHES
     for mesh in meshes:
@@ -114,7 +114,7 @@ def _scaling(options: argparse.Namespace) -> int:
 def _peers(options: argparse.Namespace) -> int:
     from studies.bench.peers.catalogue import available
     from studies.bench.peers.measure import lines_of, measured, unit_of
-    from studies.store.atomic import write_table
+    from studies.output.atomic import write_table
 
     rounds = count("rounds", options.rounds)
     lines, skipped = available()
@@ -137,7 +137,7 @@ def _peers(options: argparse.Namespace) -> int:
 def _programs(options: argparse.Namespace) -> int:
     from studies.bench.programs.cases import CASES
     from studies.bench.programs.measured import OPEN, TABLE, lines_of, measured
-    from studies.store.atomic import write_table
+    from studies.output.atomic import write_table
 
     chosen = [case for case in CASES if options.only in (None, case.name)]
     if not chosen:

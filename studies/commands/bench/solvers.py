@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, count, positive, progress_bar
-from studies.door.columns import columns
-from studies.request import UsageError
+from studies.output.columns import columns
 
 if TYPE_CHECKING:
     import pandas as pd

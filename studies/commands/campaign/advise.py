@@ -12,14 +12,14 @@ from studies.analysis.advice.questions import Question, asked_question
 from studies.analysis.advice.shipped import shipped_question, worth
 from studies.analysis.shell_limits.beyond import beyond, known_limits
 from studies.analysis.verify import verified
+from studies.ask.request import Settings, text_of
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, add_settings, pairs, reading
-from studies.complete import complete
-from studies.refinement.error_control import parse_error
-from studies.request import Settings, text_of
-from studies.scene import UsageError
+from studies.run.store.layout import Archive
 from studies.scenes import SCENES
-from studies.store.layout import Archive
+from studies.scenes.complete import complete
+from studies.solving.refinement.error_control import parse_error
 
 SHIPPED = "standard"
 
@@ -65,7 +65,7 @@ def _store(options: argparse.Namespace) -> Path | None:
 def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | None) -> Question:
     if store is None:
         return shipped_question(options.scene, options.quantity, given, options.cost)
-    from studies.analysis.cells.collect import collect  # takes as long to load as all else
+    from studies.run.cells.collect import collect  # takes as long to load as all else
 
     with reading(store):
         table = collect(store, options.campaign)

@@ -6,10 +6,10 @@ import argparse
 import sys
 from pathlib import Path
 
+from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, progress_bar
-from studies.request import UsageError
-from studies.trust.merge import ALL, merge
+from studies.gate.merge import ALL, merge
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from reports.site import check_pages, place_of, write_pages
 from reports.store.reading import StoreError
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store
-from studies.scene import UsageError
-from studies.store.layout import check_store
+from studies.run.store.layout import check_store
 
 PAGES = Path("reports/pages")
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 
-from studies.campaigns.file import find
-from studies.campaigns.run import run as run_campaign
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, add_trust, positive, progress_bar
 from studies.fuzz import campaign as fuzz
 from studies.fuzz.cases import KINDS
 from studies.fuzz.examine import BROKEN, command_of
-from studies.pool.task import Limits
-from studies.scene import UsageError
+from studies.run.campaigns.file import find
+from studies.run.campaigns.run import run as run_campaign
+from studies.run.pool.task import Limits
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from studies.analysis.cells.collect import collect
+from studies.ask.scene import UsageError
 from studies.commands import OK
 from studies.commands.options import add_store, reading
-from studies.scene import UsageError
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
+from studies.run.cells.collect import collect
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

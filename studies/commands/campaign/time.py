@@ -7,11 +7,11 @@ import math
 import re
 import sys
 
-from studies.bench.timing_lane import time_campaign
-from studies.campaigns.file import find
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, add_trust, count, progress_bar
-from studies.scene import UsageError
+from studies.run.campaigns.file import find
+from studies.run.timing_lane import time_campaign
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

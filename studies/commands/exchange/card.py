@@ -8,10 +8,10 @@ from pathlib import Path
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.page import drawn, page
 from studies.arena.card.subjects import subjects, write_layout
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import progress_bar
-from studies.scene import UsageError
-from studies.store.atomic import write_text
+from studies.output.atomic import write_text
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.ask.scene import UsageError
 from studies.commands import OK
 from studies.commands.options import add_model, add_settings, check_file, named, pairs
 from studies.exchange.deck import AUTO, INTEGRATIONS, deck
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.sheet import write_body, write_sheet
-from studies.scene import UsageError
-from studies.store.atomic import write_by
+from studies.output.atomic import write_by
 
 FORMATS = ("inp", "vtu", "json")
 ALIGNED = np.deg2rad(1.0)  # cords of 500 MPa in rubber of G = 2 MPa are 6 % softer 1 degree off their wall

@@ -6,14 +6,14 @@ import argparse
 import sys
 from pathlib import Path
 
+from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.exchange.export import add_problem, problem_asked
 from studies.commands.options import named, pairs
-from studies.door.columns import columns
 from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.results import read_results
-from studies.refinement.error_control import parse_error
-from studies.scene import UsageError
+from studies.output.columns import columns
+from studies.solving.refinement.error_control import parse_error
 
 HEAD = ("load", "quantity", "found", "against", "value", "difference", "allowed", "")
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
+from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import check_directory, check_file, positive, progress_bar
-from studies.door.columns import columns
-from studies.request import UsageError
+from studies.output.columns import columns
 
 PROBLEMS = Path(".footprint/problems")
 RUBBED = ("name", "unknowns", "candidates", "open", "sticking", "slipping", "mu", "kind", "friction")
@@ -163,7 +163,7 @@ def _export(options: argparse.Namespace) -> int:
 def _import(options: argparse.Namespace) -> int:
     from studies.arena.collected.candidates import of_complementarity
     from studies.arena.collected.formats import read_lcp
-    from studies.store.atomic import write_by
+    from studies.output.atomic import write_by
 
     check_file(options.out)
     step = of_complementarity(*read_lcp(options.source))

@@ -1,7 +1,7 @@
 """What is enough, regime by regime: ``footprint choose`` on scenes of every regime of deformation, to two errors.
 
 Every formulation is compared in the limit of its grids, with the uncertainty of that. What counts as enough is decided
-in :mod:`studies.choosing`; which sentence follows is not known here.
+in :mod:`studies.solving.choosing`; which sentence follows is not known here.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.choosing.choice import Choice
-from studies.choosing.choose import choose, loosened
-from studies.choosing.offers import Offer
+from studies.ask.request import text_of
 from studies.experiments.accuracy.error_coverage import settings_of
-from studies.request import text_of
+from studies.solving.choosing.choice import Choice
+from studies.solving.choosing.choose import choose, loosened
+from studies.solving.choosing.offers import Offer
 
 ERRORS = (0.05, 0.01)
 SMALL, LARGE, PATCH = "small rotations", "large rotations", "contact"

@@ -20,14 +20,14 @@ from importlib.resources import files
 from itertools import pairwise
 from typing import Any
 
-from studies.analysis.richardson import correction
+from studies.ask.request import Request
+from studies.ask.scene import Scene
 from studies.experiments.rows import Row, tabulated
-from studies.refinement.cascade import answer, first_grid
-from studies.refinement.error_control import coarsest
-from studies.request import Request
-from studies.result import Result
-from studies.scene import Scene
-from studies.solving import solve
+from studies.solving.refinement.cascade import answer, first_grid
+from studies.solving.refinement.error_control import coarsest
+from studies.solving.refinement.richardson import correction
+from studies.solving.result import Result
+from studies.solving.solve import solve
 
 ERRORS = (0.05, 0.01)
 FINEST = 40_000  # unknowns of the grids that count for true; a tenth where one element stands across

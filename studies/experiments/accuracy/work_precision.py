@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.complete import complete
-from studies.refinement.error_control import coarsest, solve_to_error
-from studies.request import Request
-from studies.scene import Scene
+from studies.ask.request import Request
+from studies.ask.scene import Scene
+from studies.scenes.complete import complete
 from studies.scenes.element import PRESETS
 from studies.scenes.tyre.scene import Tyre
-from studies.solving import solve
+from studies.solving.refinement.error_control import coarsest, solve_to_error
+from studies.solving.solve import solve
 
 FAMILIES = dict.fromkeys(("uniform", "patch"), tuple((n, n) for n in range(20, 84, 4)))
 ELEMENTS = (400, 500, 600, 700, 800, 900, 1000, 1200, 1400, 1700, 2000, 2500)  # of the adapted one

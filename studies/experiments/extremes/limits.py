@@ -19,9 +19,9 @@ import numpy as np
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import SMALLEST
 from formulations.strains.catalogue import MEASURES
-from studies.campaigns.cell import Cell
 from studies.experiments.extremes.maps import CONVERGED, UNTOUCHED, Found, attempt
 from studies.experiments.rows import Row, tabulated
+from studies.run.campaigns.cell import Cell
 from studies.scenes.benchmarks import pagano
 from studies.scenes.benchmarks.sze.moment import L, circular_arc
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring

@@ -18,16 +18,16 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import SMALLEST
 from contact.problem import Outcome
-from studies.algorithm_settings import configured
-from studies.campaigns.cell import Cell
-from studies.certificate import certificate
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
+from studies.ask.request import Request
+from studies.ask.scene import SceneModel, UsageError
 from studies.experiments.extremes.bisection import BUDGET, Located, distance, locate
 from studies.experiments.rows import Row, tabulated
-from studies.request import Request
-from studies.result import UNSTABLE as NOT_STABLE
-from studies.scene import SceneModel, UsageError
-from studies.walk import walk
+from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import complete
+from studies.scenes.walk import walk
+from studies.solving.certificate import certificate
+from studies.solving.result import UNSTABLE as NOT_STABLE
 
 Point = tuple[int, int]  # row and column of a map
 CONVERGED, UNTOUCHED, UNSTABLE = "converged", "converged, nothing touches", "converged, unstable"

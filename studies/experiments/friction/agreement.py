@@ -14,7 +14,7 @@ from contact.catalogue import ALGORITHMS
 from contact.coulomb import State
 from studies.experiments.friction.rubbed_scenes import solved
 from studies.experiments.rows import Row, tabulated
-from studies.result import Result
+from studies.solving.result import Result
 
 AGREED = 1e-8  # of the largest force
 TOLERANCE = 1e-11  # of the residual: that of the comparison is beyond what it leaves

@@ -14,16 +14,16 @@ import pandas as pd
 
 from contact.operations import SPENT
 from contact.problem import ContactAlgorithm
-from studies.algorithm_settings import configured
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
+from studies.ask.scene import Stage
 from studies.experiments.rows import Row, tabulated
-from studies.friction.observed import FORCES, FRICTION
-from studies.friction.stages import Stages
-from studies.result import Result
-from studies.scene import Stage
+from studies.scenes.complete import complete
 from studies.scenes.data import reference_rows
-from studies.solving import solve
-from studies.walk import walk
+from studies.scenes.friction_readings import FORCES, FRICTION
+from studies.scenes.walk import walk
+from studies.solving.friction.stages import Stages
+from studies.solving.result import Result
+from studies.solving.solve import solve
 
 MESH, COARSE, DELTA = "42x40", "14x14", 10.0  # of the tyre, and where its load steps are counted; mm
 MU, RING_MU = 0.5, 0.4  # where no others are named

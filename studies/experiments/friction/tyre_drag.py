@@ -12,10 +12,10 @@ from contact.friction.path import PathState, Stage
 from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, Foundation
 from contact.problem import ContactProblem, ContactSolution
-from studies.complete import complete
+from studies.scenes.complete import complete
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.model import TyreModel
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 DELTA, MU = 10.0, 0.5  # mm, -
 REACH = 3.0  # times the travel: gaps of the inflated tyre beyond which nobody touches

@@ -23,17 +23,17 @@ from contact.rounding import rounding_floor
 from contact.verify import judge
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
-from studies.complete import complete
 from studies.experiments.conformance import NOTICED, claims_objectivity
 from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
 from studies.experiments.rigid_body import rotation
 from studies.experiments.rows import Row, tabulated
 from studies.experiments.specimens import Element
+from studies.scenes.complete import complete
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.parts import settle_model
 from studies.scenes.tyre.scene import Tyre
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 EXACT, ROUNDING, TOLERANCE = "exactly zero", "rounding", "solver tolerance"
 DESIGN, ACCIDENT, REFUSED = "broken by design", "broken by accident", "does not apply"

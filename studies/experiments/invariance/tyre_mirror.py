@@ -17,13 +17,13 @@ from scipy.optimize import minimize_scalar
 
 from contact.continuation.critical_points import negative_eigenvalues
 from formulations.strains.catalogue import MEASURES
-from studies.algorithm_settings import configured
-from studies.campaigns.cell import Cell
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
 from studies.experiments.rows import Row
+from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import complete
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 NEAR = 1.0  # deg, how near the search comes to the angle of the maximum
 ANGLES = (0.0, 2.0, 5.0, *range(10, 50, 5), 52.0, *range(55, 90, 5), 88.0, 90.0)

@@ -23,9 +23,9 @@ from contact.solvers.lcp_pivoting import METHODS
 from contact.solvers.qp_backends import BACKENDS, MODULES, Answer, Programme, ask, missing
 from contact.solvers.sparse import symmetric
 from contact.verify import judge
-from studies.complete import complete
 from studies.experiments.obstacle_problems.collection import Bounded, collection
-from studies.walk import walk
+from studies.scenes.complete import complete
+from studies.scenes.walk import walk
 
 BOUND = 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
 PENALTY = 1e4

@@ -27,7 +27,7 @@ from studies.experiments.shell_limits.ladder import Variant
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.contact.base import outer_face
 from studies.scenes.element import spaced_lines
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 
 ALGORITHM = "semismooth"
 STRAIGHT = 1e-9  # what rounding takes off the component of a unit vector along its own axis

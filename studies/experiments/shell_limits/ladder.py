@@ -18,8 +18,8 @@ from functools import partial
 from typing import Any
 
 from formulations.section.laminate import SECTIONS
-from studies.analysis.richardson import correction
 from studies.experiments.shell_limits.bodies import Answer
+from studies.solving.refinement.richardson import correction
 
 GOOD = 0.005  # of a mesh whose cost is stated
 REPEATS, LONG = 3, 1.0  # of a solution, unless it takes longer [s]

@@ -12,8 +12,8 @@ from formulations.element.mixed import SHEAR_ROWS
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.quantities import N_E
-from studies.request import Request
-from studies.scene import SOLVER, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Setting
 from studies.scenes.element import ELEMENT
 from studies.scenes.statics import LOAD_FRACTIONS
 

@@ -11,8 +11,8 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.ladders import BENCHMARKS, FULL, LONG, ROTATIONS, Ladder

@@ -10,8 +10,8 @@ import numpy as np
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request
-from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, discretise, even_grid
 from studies.scenes.ladders import BENCHMARKS, EDGES, ROTATIONS, Ladder, meshes

@@ -15,8 +15,8 @@ import numpy as np
 
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
-from studies.request import Request
-from studies.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, ShearCorrected, area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid

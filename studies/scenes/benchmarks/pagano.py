@@ -15,8 +15,8 @@ import numpy as np
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import patch

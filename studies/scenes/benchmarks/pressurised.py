@@ -25,8 +25,8 @@ from formulations.geometry.surfaces import Surface, cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.ladders import CLOSED, FULL, LONG, Ladder, meshes

@@ -14,8 +14,8 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT, LINES, patch
 from studies.scenes.ladders import CANCEL, SNAP, Ladder, meshes

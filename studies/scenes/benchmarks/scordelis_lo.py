@@ -14,8 +14,8 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.element import patch
 from studies.scenes.ladders import LINEAR, Ladder, meshes

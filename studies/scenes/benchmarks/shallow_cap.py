@@ -19,8 +19,8 @@ import numpy as np
 from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request
-from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
 from studies.scenes.element import ELEMENT, patch

@@ -22,8 +22,8 @@ from formulations.discretisation import Discretisation
 from formulations.element_modes import ElementModes
 from formulations.geometry.grid import graded_lines
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import Begun, Observation, Setting, ShellSceneModel, Stage, Units, UsageError, candidates_at
+from studies.ask.request import Request
+from studies.ask.scene import Begun, Observation, Setting, ShellSceneModel, Stage, Units, UsageError, candidates_at
 from studies.scenes.element import Span, spaced_lines
 
 OUTER = 1  # the face that touches
@@ -125,7 +125,7 @@ def _friction(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
     """Of the foundation on the candidates (m, 3) [N]."""
     if problem.coulomb is None or state.friction is None:
         return np.zeros((len(problem.weights), 3))
-    from studies.friction.observed import in_space  # nothing of friction is imported without it
+    from studies.scenes.friction_readings import in_space  # nothing of friction is imported without it
 
     return in_space(problem, state)
 

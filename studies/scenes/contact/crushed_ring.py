@@ -14,8 +14,8 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import SurfaceOfRevolution, cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid

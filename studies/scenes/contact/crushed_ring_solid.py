@@ -18,9 +18,8 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
-from studies.fields import write_solid_fields
-from studies.request import Request
-from studies.scene import (
+from studies.ask.request import Request
+from studies.ask.scene import (
     EPSILON,
     SOLVER,
     Begun,
@@ -33,6 +32,7 @@ from studies.scene import (
     candidates_at,
     nodal_pressure,
 )
+from studies.output.fields import write_solid_fields
 from studies.scenes.contact.crushed_ring import DATA, FILE, QUANTITIES, RING, TOP, WIDTH, experiment, plate, ring
 from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import spaced_lines

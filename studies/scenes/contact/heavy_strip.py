@@ -14,8 +14,8 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines

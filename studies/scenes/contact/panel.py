@@ -18,8 +18,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, Units, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell

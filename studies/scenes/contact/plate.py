@@ -15,8 +15,8 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
-from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from studies.scene import Reference
+from studies.ask.scene import Reference
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,8 +14,8 @@ from formulations.conditions.boundary import Supports
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.manufactured.errors import QUANTITIES, errors

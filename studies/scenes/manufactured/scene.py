@@ -20,8 +20,8 @@ from formulations.loads.lines import Traction, edge_force
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.request import Request
-from studies.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.manufactured.errors import QUANTITIES, errors

@@ -13,8 +13,8 @@ import numpy as np
 from contact.obstacles.cleat import Profile, cleat
 from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Foundation, RigidPlane
-from studies.request import Value
-from studies.scene import Setting, UsageError
+from studies.ask.request import Value
+from studies.ask.scene import Setting, UsageError
 
 NORMAL = np.array([1.0, 0.0, 0.0])
 AXIS = np.array([0.0, 0.0, 1.0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from formulations.geometry.grid import graded_lines
-from studies.scene import Setting, UsageError
+from studies.ask.scene import Setting, UsageError
 
 GRADINGS = ("patch", "uniform", "adapted")
 SPACING = "spacing of the grid lines: finer in the patch, uniform, or by error estimate"

@@ -12,8 +12,8 @@ from contact.obstacles.foundation import Candidates
 from contact.problem import ContactProblem, ContactSolution
 from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
-from studies.request import Request
-from studies.scene import Begun, Observation, ShellSceneModel, Stage, candidates_at
+from studies.ask.request import Request
+from studies.ask.scene import Begun, Observation, ShellSceneModel, Stage, candidates_at
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of

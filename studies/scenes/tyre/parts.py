@@ -16,8 +16,8 @@ from scipy import sparse
 
 from formulations.conditions.dof_map import Images
 from formulations.geometry.grid import Grid, TensorGrid
-from studies.request import Request, Value
-from studies.scene import UsageError
+from studies.ask.request import Request, Value
+from studies.ask.scene import UsageError
 from studies.scenes.element import tree_over
 
 MODELS = ("auto", "full", "half", "mirror", "quarter", "sector", "axisymmetric")

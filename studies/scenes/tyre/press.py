@@ -19,11 +19,11 @@ from contact.obstacles.foundation import Candidates, Foundation, against, travel
 from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
-from studies.scene import Begun, Observation, PressedStage, Stage, UsageError
+from studies.ask.scene import Begun, Observation, PressedStage, Stage, UsageError
+from studies.output.tables import Table
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.parts import Part
-from studies.store.tables import Table
 
 OVERLAP = 1e-6  # mm
 BY_TRAVEL = 0.25  # of the travel asked for: up to there the arc length has nothing to find

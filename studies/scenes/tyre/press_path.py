@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.turning_points import EASY, HARD
-from studies.request import Request
-from studies.scene import Setting, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import Setting, UsageError
 
 FIRST = 1.0  # mm, over the number of steps
 LARGEST = 4.0  # of the first step

@@ -14,8 +14,8 @@ import numpy as np
 
 from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
-from studies.request import Request, Value
-from studies.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
+from studies.ask.request import Request, Value
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
 from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT
 from studies.scenes.ladders import TYRE, Ladder, meshes

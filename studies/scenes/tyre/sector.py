@@ -21,8 +21,8 @@ import numpy as np
 
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.request import Request, Settings
-from studies.scene import Begun, Observation, Setting, Stage, UsageError
+from studies.ask.request import Request, Settings
+from studies.ask.scene import Begun, Observation, Setting, Stage, UsageError
 from studies.scenes.tyre.parts import Part
 
 SECTOR = Setting.positive(

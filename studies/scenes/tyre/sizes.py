@@ -19,12 +19,12 @@ from contact.algorithms.semismooth import Semismooth
 from formulations.element.strain_operator import CORNER_MASS
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
-from studies.request import Request, Settings
-from studies.scene import UsageError
+from studies.ask.request import Request, Settings
+from studies.ask.scene import UsageError
 from studies.scenes.tyre import press_path
 from studies.scenes.tyre.grid_lines import LineSize, tyre_lines
 from studies.scenes.tyre.model import TyreModel
-from studies.walk import Visited, walk
+from studies.scenes.walk import Visited, walk
 
 COARSE = (20, 20)
 PASSES = 2

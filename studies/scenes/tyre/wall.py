@@ -9,8 +9,8 @@ from formulations.geometry.surfaces import torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Settings
-from studies.scene import UsageError
+from studies.ask.request import Request, Settings
+from studies.ask.scene import UsageError
 from studies.scenes.element import discretise
 from studies.scenes.statics import loaded_shell
 from studies.scenes.tyre.parts import Part

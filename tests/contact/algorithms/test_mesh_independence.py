@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.complete import complete
-from studies.solving import solve
+from studies.scenes.complete import complete
+from studies.solving.solve import solve
 
 FACTOR = 2  # between the fewest and the most iterations to one load
 SCENES = {

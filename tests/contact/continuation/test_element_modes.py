@@ -23,9 +23,9 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.complete import complete
-from studies.result import CONVERGED
-from studies.solving import solve
+from studies.scenes.complete import complete
+from studies.solving.result import CONVERGED
+from studies.solving.solve import solve
 from support.problems.differences import rotation
 
 E, H, L = 1000.0, 0.1, 10.0  # of strips, with nu = 0

@@ -16,7 +16,7 @@ from contact.continuation.power_series import Piece
 from contact.continuation.series_path import PowerSeries
 from contact.problem import Linearisation, Outcome
 from studies.scenes.statics import CurveModel
-from studies.solving import resolve
+from studies.solving.solve import resolve
 
 ON_CURVE = 1e-10
 CLOSE = 1e-8  # relative, of two limit loads and of two states

@@ -15,8 +15,8 @@ from contact.operations import dense_solution
 from contact.problem import ContactProblem
 from contact.solvers import lcp_pivoting
 from contact.solvers.sparse import AUTO, SingularMatrixError, factorise, response, response_flops
-from studies.complete import complete
-from studies.solving import solve
+from studies.scenes.complete import complete
+from studies.solving.solve import solve
 from support.problems.contact_problems import Quadratic, dense_step, random_quadratic
 
 DENSE = 1e-9

@@ -15,7 +15,7 @@ from formulations.conditions.dof_map import DofMap, Images
 from formulations.geometry.nested_dissection import dissection
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
-from studies.solving import resolve
+from studies.solving.solve import resolve
 from support.problems.shells import make_shell
 
 ROUNDING = 1e-9  # relative: what another order of elimination leaves of a solution

@@ -11,11 +11,11 @@ import pytest
 from studies.analysis.advice.choose import advise, lines
 from studies.analysis.advice.held_out import estimated, held_out, summary
 from studies.analysis.advice.questions import asked_question
-from studies.analysis.cells.rows import ladders
 from studies.analysis.everything import analysed
 from studies.analysis.verify import verified
-from studies.complete import complete
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
+from studies.run.cells.rows import ladders
+from studies.scenes.complete import complete
 from support.stores.sweeps import EXACT, SIZES, cells
 
 

@@ -12,9 +12,9 @@ import pytest
 from studies.analysis.advice.choose import advise
 from studies.analysis.advice.questions import COSTS, asked_question
 from studies.analysis.advice.shipped import CELLS, QUESTIONS, shipped_question, shipped_tables, worth
-from studies.analysis.cells.rows import PRICES
 from studies.analysis.verify import verified
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
+from studies.run.cells.rows import PRICES
 from support.stores.sweeps import cells
 
 ROOT = Path(__file__).parents[3]

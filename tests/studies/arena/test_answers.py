@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from studies.arena.answers import Given, judge_answer, read_answer
-from studies.request import UsageError
+from studies.ask.request import UsageError
 from support.problems.arena_steps import known_step
 
 STRANGER = Path(__file__).with_name("stranger.py")

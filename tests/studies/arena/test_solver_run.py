@@ -11,7 +11,7 @@ import pytest
 from studies.arena import solver_run
 from studies.arena.solver_run import FIELDS, Field, problems_in
 from studies.cli import main
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 from support.problems.arena_steps import STATES, Told, indefinite, known_step
 
 TABLES = {"samples", "run", "problems", "table", "summary", "profiles"}

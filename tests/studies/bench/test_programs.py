@@ -13,6 +13,7 @@ import pytest
 
 from studies.analysis.comparisons.programs import agreement
 from studies.analysis.everything import fitted
+from studies.ask.request import UsageError
 from studies.bench.peers.catalogue import FOLLOWER
 from studies.bench.peers.problems import problems
 from studies.bench.programs import calculix, measured
@@ -23,7 +24,6 @@ from studies.exchange.deck import ELEMENTS
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import Found
-from studies.request import UsageError
 from studies.scenes import SCENES
 from studies.scenes.tyre.scene import ISOTROPIC
 from support.stores.programs import CHOSEN, FINE, made_up_programs

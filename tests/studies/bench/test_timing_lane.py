@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.analysis.cells.collect import collect
-from studies.bench.canary import canary
+from studies.ask.scene import UsageError
 from studies.bench.overhead import harness, lines
-from studies.bench.timing_lane import REPEATS, SHARE, Stopwatch, sample, shares, summary, time_campaign
-from studies.campaigns.file import find
-from studies.campaigns.run import run
 from studies.cli import main
-from studies.scene import UsageError
-from studies.store.times import interval
+from studies.run.campaigns.file import find
+from studies.run.campaigns.run import run
+from studies.run.canary import canary
+from studies.run.cells.collect import collect
+from studies.run.store.times import interval
+from studies.run.timing_lane import REPEATS, SHARE, Stopwatch, sample, shares, summary, time_campaign
 
 LABELS = ("a", "b", "c")
 
@@ -99,7 +99,7 @@ def test_the_canary_is_a_workload_of_some_size() -> None:
 @pytest.mark.slow
 def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two cells converge, one is refused: nothing of it is timed. All samples and canaries are in the store."""
-    monkeypatch.setattr("studies.bench.timing_lane.DRIFT", 1e9)
+    monkeypatch.setattr("studies.run.timing_lane.DRIFT", 1e9)
     path = tmp_path / "three.toml"
     cross = "[[cross]]\nmeshes = {}\n[cross.scenes.{}]\n"
     path.write_text(cross.format('["2x1", "4x1"]', "cantilever") + cross.format('["7x7"]', "tyre"))
@@ -135,7 +135,7 @@ def test_a_machine_that_is_not_quiet_leaves_the_seconds_of_the_solve(
     timed = ["time", str(path), "--store", str(store), "--only", "4x1", "--blocks", "1", "--rounds", "1"]
     assert main([*timed, "--longest", "1e-9"]) == 2  # no solve is as short
     before = collect(store, "two").set_index("label")["t.seconds"]
-    monkeypatch.setattr("studies.bench.timing_lane.DRIFT", -1.0)
+    monkeypatch.setattr("studies.run.timing_lane.DRIFT", -1.0)
     assert main(timed) == 1
     found = collect(store, "two").set_index("label")
     assert dict(found["canary"]) == {"cross cantilever 2x1": "", "cross cantilever 4x1": "moved"}

@@ -14,11 +14,6 @@ import pytest
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
-from studies.analysis.cells.answers import Answers
-from studies.analysis.cells.rows import STEP_KEYS
-from studies.campaigns.file import find
-from studies.campaigns.run import run
-from studies.campaigns.sheet_cells import FRAMES, sheet_cell, sheet_cells
 from studies.catalogue.bodies import skin
 from studies.catalogue.loads import loads
 from studies.catalogue.models import built
@@ -28,10 +23,15 @@ from studies.catalogue.supports import supports
 from studies.catalogue.surfaces import shape_of
 from studies.catalogue.values import answered, values
 from studies.cli import main
-from studies.complete import complete
+from studies.output.vtu import read_vtu, write_vtu
+from studies.run.campaigns.file import find
+from studies.run.campaigns.run import run
+from studies.run.campaigns.sheet_cells import FRAMES, sheet_cell, sheet_cells
+from studies.run.cells.answers import Answers
+from studies.run.cells.rows import STEP_KEYS
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
-from studies.store.vtu import read_vtu, write_vtu
+from studies.scenes.complete import complete
 
 
 class Mine(Cantilever):
@@ -172,7 +172,7 @@ def test_a_sheet_is_solved_to_its_value_by_its_command(tmp_path: Path, monkeypat
     """Of two scenes, through the store and through the command line."""
     for name in set(SCENES) - {"cantilever", "strip-contact"}:
         monkeypatch.delitem(SCENES, name)
-    monkeypatch.setattr("studies.campaigns.sheet_cells.frames", lambda: iter(()))
+    monkeypatch.setattr("studies.run.campaigns.sheet_cells.frames", lambda: iter(()))
     run(find("sheets"), tmp_path / "store")
     answers = Answers.of(tmp_path / "store", "sheets")
     table, told = values(answers, pd.DataFrame()), answered(answers).set_index("scene")

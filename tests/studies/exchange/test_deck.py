@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studies.ask.request import UsageError
 from studies.exchange.deck import deck, plane_corners
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
-from studies.request import UsageError
 
 Keyword = tuple[str, list[list[str]]]
 

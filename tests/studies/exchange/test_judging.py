@@ -14,9 +14,9 @@ from studies.exchange.judging import Comparison, compared, energy_balance, force
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH, Found
-from studies.result import Result
 from studies.scenes.benchmarks import cantilever as scene
 from studies.scenes.statics import StaticModel
+from studies.solving.result import Result
 
 MESH = "8x1"
 

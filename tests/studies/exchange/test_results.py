@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.ask.request import UsageError
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH, read_results
-from studies.request import UsageError
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ import pytest
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.sheet import FORMAT, write_body, write_sheet
+from studies.output.vtu import read_vtu
 from studies.scenes import SCENES
-from studies.store.vtu import read_vtu
 
 
 @pytest.fixture(scope="module", params=["tyre", "pressurised-cylinder", "scordelis-lo", "crushed-ring-solid"])

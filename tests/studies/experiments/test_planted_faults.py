@@ -9,10 +9,10 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.obstacles.drum_sphere import Sphere
-from studies.experiments.planted_faults import FAULTS, MOST, found_after, too_large
 from studies.experiments.planting import Fault
 from studies.fuzz.cases import Asked, asked_of, kind_of
 from studies.fuzz.examine import examine, minimised
+from studies.fuzz.planted_faults import FAULTS, MOST, found_after, too_large
 
 EARLY = 60  # of the faults that show in most cases
 RARE: dict[str, Callable[[Asked], bool]] = {  # requests that a fault can show in, where they are few

@@ -9,16 +9,16 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.campaigns.ladder_cells import LADDERS, cells
-from studies.campaigns.plan import identity
-from studies.campaigns.report_cells import LISTS
-from studies.experiments import tables
+from studies.commands import tables
+from studies.commands.tables import TABLES, make_table
 from studies.experiments.rows import Row, tabulated
-from studies.experiments.tables import TABLES, make_table
+from studies.output.atomic import write_table_once
+from studies.run.campaigns.ladder_cells import LADDERS, cells
+from studies.run.campaigns.plan import identity
+from studies.run.campaigns.report_cells import LISTS
+from studies.run.store.source_hash import packages_of
 from studies.scenes import SCENES
 from studies.scenes import data as reference_data
-from studies.store.atomic import write_table_once
-from studies.store.source_hash import packages_of
 
 
 def test_a_table_with_its_identity_is_not_made_again(tmp_path: Path) -> None:
@@ -48,7 +48,7 @@ def test_a_table_stopped_between_its_two_files_is_made_again(tmp_path: Path, mon
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("studies.store.atomic.write_text", stopped)
+        patch.setattr("studies.output.atomic.write_text", stopped)
         with pytest.raises(KeyboardInterrupt):
             write_table_once(path, "b", lambda: pd.DataFrame({"x": [2]}))
     assert path.read_text() == "x\n2\n"
@@ -109,7 +109,7 @@ def test_data_beside_a_maker_decide_its_table(tmp_path: Path, monkeypatch: pytes
 
     (tmp_path / "shipped.csv").write_text("x\n1\n")
     monkeypatch.setitem(TABLES, "shipped", tabulated(shipped))
-    monkeypatch.setattr("studies.experiments.tables.inspect.getfile", file_of)
+    monkeypatch.setattr("studies.commands.tables.inspect.getfile", file_of)
     assert make_table("shipped", tmp_path / "store")
     assert not make_table("shipped", tmp_path / "store")
     (tmp_path / "shipped.csv").write_text("x\n2\n")

@@ -15,7 +15,8 @@ from scipy import sparse
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearisation
-from studies.algorithm_settings import parameters_of
+from studies.ask.algorithm_settings import parameters_of
+from studies.ask.scene import has_contact
 from studies.cli import main
 from studies.fuzz import campaign, matrices, near, posed
 from studies.fuzz.attempt import CONVERGED, Broken, attempt
@@ -25,7 +26,6 @@ from studies.fuzz.examine import BROKEN, command_of, examine
 from studies.fuzz.near import COMMANDS
 from studies.fuzz.state_laws import Slipped, mismatches
 from studies.fuzz.values import drawn
-from studies.scene import has_contact
 from studies.scenes import SCENES
 
 SEEDS = st.integers(0, 2**32 - 1)

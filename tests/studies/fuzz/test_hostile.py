@@ -18,10 +18,10 @@ from contact.interchange.linearised_step import FrozenStep
 from reports.html.convert import to_html
 from reports.markdown import joined, table
 from reports.words import as_words
-from studies.campaigns.file import read
+from studies.ask.scene import UsageError
 from studies.cli import main
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.scene import UsageError
+from studies.run.campaigns.file import read
 from support.stores import spoiling
 
 CAMPAIGN = """title = "t"

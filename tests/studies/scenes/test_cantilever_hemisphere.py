@@ -9,9 +9,9 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.problem import Outcome
-from studies.result import Result
 from studies.scenes import SCENES
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 MESHES = (16, 32, 64)
 FINER = (32, 64, 128)

@@ -6,7 +6,7 @@ import importlib
 
 import pytest
 
-from studies.campaigns.ladder_cells import BENCHMARKS, LADDERS
+from studies.run.campaigns.ladder_cells import BENCHMARKS, LADDERS
 from studies.scenes import MODULES, SCENES
 from studies.scenes.ladders import judged_of, ladders_of
 

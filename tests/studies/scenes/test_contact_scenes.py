@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from studies.result import CONVERGED, Result
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, lifted_strip, plate_contact, strip_contact
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
-from studies.solving import resolve, solve
+from studies.solving.result import CONVERGED, Result
+from studies.solving.solve import resolve, solve
 from support.problems.differences import fitted_order
 
 DIGITS = 6e-7  # of the tables, relative: they have eight

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.request import UsageError
-from studies.result import Result
+from studies.ask.request import UsageError
 from studies.scenes.contact import crushed_ring_solid
 from studies.scenes.contact.crushed_ring import FILE
 from studies.scenes.contact.crushed_ring_solid import COLUMNS
 from studies.scenes.data import read_reference
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 TABLE = read_reference(FILE)
 DIGITS = 3e-4  # of the other program on the same mesh, relative: it prints three decimals

@@ -12,13 +12,13 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT
+from studies.ask.scene import UsageError
 from studies.cli import main
-from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.benchmarks.sze.moment import H, L
 from studies.scenes.element import PRESETS
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ from studies.scenes.benchmarks.hyperboloid import (
     solid,
     two_faces,
 )
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 from support.problems.naghdi import NaghdiShell
 
 MUST = 0.005  # of the printed values on at most 64 x 64 elements

@@ -17,7 +17,7 @@ from formulations.geometry.surfaces import cylinder, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import MEASURES
-from studies.request import UsageError
+from studies.ask.request import UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
 from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
@@ -25,7 +25,7 @@ from studies.scenes.benchmarks import scordelis_lo as linear_roof
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.data import DATA, read_reference
 from studies.scenes.statics import point_rise
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 from support.problems.differences import fitted_order
 
 PUBLISHED = 0.005  # extrapolated against published, unless a line says otherwise

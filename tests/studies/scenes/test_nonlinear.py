@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from contact.problem import Outcome
-from studies.refinement.trees import Family
-from studies.result import Result
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
 from studies.scenes.benchmarks.sze.annulus import P_MAX
 from studies.scenes.benchmarks.sze.moment import EI, M_MAX, H, L
-from studies.solving import resolve, solve
+from studies.solving.refinement.trees import Family
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 CLOSE = 5e-3  # of a published value, after refinement
 LIMIT = "limit_load_fraction"

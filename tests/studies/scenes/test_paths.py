@@ -9,11 +9,11 @@ import pytest
 import studies
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.series_path import PowerSeries
+from studies.ask.scene import CurveStage
 from studies.cli import main
-from studies.result import Result
-from studies.scene import CurveStage
 from studies.scenes import SCENES
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 CURVES = (*(f"roof-{letter}" for letter in "abcdef"), "shallow-cap", "sze-pullout")
 FACTORISATIONS = 40  # of the whole curve; arc length takes 126 to 316

@@ -10,9 +10,9 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from contact.problem import Outcome
-from studies.result import Result
 from studies.scenes import SCENES
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 from support.problems.curves import distances
 
 AT_QUARTERS = 1e-2  # of a published displacement, on 32x32

@@ -20,11 +20,11 @@ from formulations.shell import Linearisation
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
 from studies.cli import NOT_CONVERGED, main
-from studies.result import Result
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.roofs import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
 from studies.scenes.data import read_reference
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 from support.problems.curves import distances
 
 ROOF = 1e-2  # of the load at a limit point

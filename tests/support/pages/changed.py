@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.store.atomic import write_json, write_table
+from studies.output.atomic import write_json, write_table
 
 
 def place(root: Path, label: str, campaign: str = "report") -> Path:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from studies.analysis.everything import written
 from studies.experiments.accuracy.choices import COLUMNS
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 
 MEASURES = {"exact": 0.0, "linear": 0.4, "sanders": 0.03, "donnell": -0.2}  # errors in the limit
 PROBLEMS = {  # regime, scene, settings

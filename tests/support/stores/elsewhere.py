@@ -11,12 +11,12 @@ import meshio
 import numpy as np
 
 from contact.problem import ContactSolution
-from studies.campaigns.file import find
-from studies.campaigns.run import run
-from studies.request import Request
-from studies.store.layout import Archive
-from studies.store.vtu import write_vtu
-from studies.trust.recompute import Opened, arrays_of, as_written, state_of
+from studies.ask.request import Request
+from studies.gate.recompute import Opened, arrays_of, as_written, state_of
+from studies.output.vtu import write_vtu
+from studies.run.campaigns.file import find
+from studies.run.campaigns.run import run
+from studies.run.store.layout import Archive
 
 BEAMS = """
 title = "beams"

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.analysis.cells.collect import collect
 from studies.analysis.claims.ledger import claims_table
 from studies.analysis.everything import compared, written
 from studies.analysis.statements.tables import statement_tables
+from studies.run.cells.collect import collect
 
 
 def analysed_again(store: Path, campaign: str = "report") -> None:

@@ -9,9 +9,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from studies.campaigns.cell import Cell
+from studies.output.vtu import write_vtu
+from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
-from studies.store.vtu import write_vtu
 
 BUILT, DRAWN = ("cantilever", "strip-contact"), ("tyre", "strip-contact")  # scenes with a model, and with fields
 LOADS = ("load_fraction", "delta_mm")

@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from studies.campaigns.file import find
-from studies.campaigns.run import Summary, run
+from studies.run.campaigns.file import find
+from studies.run.campaigns.run import Summary, run
 
 SMALL = """
 title = "small"

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from studies.request import Request, Settings
+from studies.ask.request import Request, Settings
 from studies.scenes import SCENES
 
 EXACT = 6.69964  # mm, the cantilever's tip deflection under the whole load, as its scene says

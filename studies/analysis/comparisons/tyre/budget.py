@@ -10,11 +10,11 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from studies.analysis.cells.answers import Answers
 from studies.analysis.evidence import Tables
-from studies.analysis.richardson import formal_limit
-from studies.campaigns.report_cells import BUDGET_MESHES, BUDGETED
 from studies.experiments.accuracy.choices import measure_limits
+from studies.run.campaigns.report_cells import BUDGET_MESHES, BUDGETED
+from studies.run.cells.answers import Answers
+from studies.solving.refinement.richardson import formal_limit
 
 DELTA, EARLY = 20.0, 5.0  # mm; measures are stated at both
 PAPER = "one step semismooth {mesh}"  # the cell of the paper's load and section

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.analysis.cells.answers import HERE, Answer, Answers
-from studies.analysis.cells.rows import holds_from
-from studies.campaigns.report_cells import MODELS
+from studies.run.campaigns.report_cells import MODELS
+from studies.run.cells.answers import HERE, Answer, Answers
+from studies.run.cells.rows import holds_from
 
 DELTA = 20.0  # mm
 SAME = 1e-9  # relative difference below which a part of the tyre gives the whole

@@ -11,11 +11,11 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.cells.answers import Answer, Answers
-from studies.analysis.richardson import formal_limit, order_of
-from studies.campaigns.report_cells import SOLID, TYRE
+from studies.run.campaigns.report_cells import SOLID, TYRE
+from studies.run.cells.answers import Answer, Answers
 from studies.scenes import SCENES
 from studies.scenes.data import read_reference
+from studies.solving.refinement.richardson import formal_limit, order_of
 
 BODIES = {
     "solid": [cell for cell in SOLID if cell.scene == "tyre-solid" and "epsilon" not in cell.settings],

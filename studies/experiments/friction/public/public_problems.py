@@ -50,7 +50,7 @@ from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from contact.solvers.sparse import checked_solve, factorise
 from contact.verify import judge
 from studies.experiments.rows import Row
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
 LIMIT_S = 5.0  # of the processor, of one solve

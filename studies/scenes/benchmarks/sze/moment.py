@@ -8,8 +8,8 @@ import numpy as np
 
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Ply
-from studies.request import Request
-from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.cantilever import TIP, clamped_strip, tip_motion, tip_row
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT

@@ -13,8 +13,8 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request
-from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.ladders import CANCEL, FULL, ROTATIONS, Ladder, meshes

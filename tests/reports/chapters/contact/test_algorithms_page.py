@@ -17,8 +17,8 @@ from reports.store.statements import of_page
 from reports.store.tables import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
-from studies.campaigns.report_cells import agreement, enforcements
-from studies.store.atomic import write_table, write_text
+from studies.output.atomic import write_table, write_text
+from studies.run.campaigns.report_cells import agreement, enforcements
 from support.pages.changed import edit_json, place
 from support.pages.rows import row
 

@@ -17,8 +17,8 @@ from reports.site import check_pages, compare_pages, rendered
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
 from studies.analysis.everything import analyse
-from studies.campaigns.file import read
-from studies.campaigns.run import run
+from studies.run.campaigns.file import read
+from studies.run.campaigns.run import run
 from support.pages.medians import unfounded
 
 CAMPAIGN = """

@@ -12,9 +12,9 @@ from reports.origin import completeness_line
 from reports.site import place_of, rendered
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
-from studies.campaigns.cell import Cell
-from studies.campaigns.plan import Row
-from studies.store.atomic import SCHEMA, write_json, write_text
+from studies.output.atomic import SCHEMA, write_json, write_text
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.plan import Row
 from support.stores.made_up import analysed_again
 
 REQUEST = {"scene": "cantilever", "measure": "exact", "contact": "semismooth", "newton": "mixed", "model": "full"}

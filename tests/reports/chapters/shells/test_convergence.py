@@ -14,12 +14,12 @@ import pytest
 from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
 from reports.formats import quantity as words
 from reports.store.tables import load_store
-from studies.analysis.cells.answers import Answers
-from studies.analysis.cells.collect import collect
 from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
 from studies.analysis.verify import verified
-from studies.campaigns.ladder_cells import LADDERS
-from studies.store.atomic import write_json
+from studies.output.atomic import write_json
+from studies.run.campaigns.ladder_cells import LADDERS
+from studies.run.cells.answers import Answers
+from studies.run.cells.collect import collect
 from support.pages.sentences import sentence
 from support.stores.made_up import analysed_again
 

@@ -9,7 +9,7 @@ import numpy as np
 from reports.chapters.shells.locking import excess, locking_part, rates
 from reports.store.tables import load_store
 from studies.experiments.locking import MESHES, THINNESS
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 
 
 def rows(text: str, kind: str) -> list[list[str]]:

@@ -12,8 +12,8 @@ import pytest
 from reports.chapters.trade.cost import cost_page
 from reports.store.tables import load_store
 from studies.analysis.comparisons.tyre.models import BEHIND
-from studies.campaigns.report_cells import MODELS
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
+from studies.run.campaigns.report_cells import MODELS
 from support.pages.changed import edit_json, edit_table, place
 from support.stores.made_up import analysed_again
 

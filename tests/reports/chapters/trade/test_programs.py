@@ -11,7 +11,7 @@ from reports.chapters.trade.programs import agreements, programs_page
 from reports.figures.drawing import drawn
 from reports.store.tables import load_store
 from studies.analysis.comparisons.programs import agreement
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 from support.pages.rows import row
 from support.stores.made_up import analysed_again
 from support.stores.programs import made_up_programs

@@ -10,7 +10,7 @@ import pytest
 
 from reports.chapters.trade.cost import errors_stated, statements_part
 from reports.store.tables import load_store
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 from support.stores.made_up import analysed_again
 
 

@@ -16,13 +16,13 @@ from reports.store.cells import load_cell
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
 from studies.analysis.comparisons.tyre.solid_shell import cancellation
-from studies.campaigns.cell import Cell
-from studies.campaigns.plan import Row
-from studies.campaigns.report_cells import LISTS
+from studies.output.atomic import SCHEMA, plain, write_json, write_text
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.plan import Row
+from studies.run.campaigns.report_cells import LISTS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.solving import resolve
-from studies.store.atomic import SCHEMA, plain, write_json, write_text
+from studies.solving.solve import resolve
 from support.stores.made_up import analysed_again
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
@@ -146,7 +146,7 @@ def test_cancellation_at_the_equator_by_hand() -> None:
 
 @pytest.mark.slow
 def test_a_solved_solid_is_drawn_as_a_tyre(tmp_path: Path) -> None:
-    from studies.solving import solve
+    from studies.solving.solve import solve
 
     solve(*resolve("tyre-solid", {"delta_mm": "10"}, "8x10")).write(tmp_path)
     assert load_cell(tmp_path, "solid").converged

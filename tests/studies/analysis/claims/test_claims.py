@@ -15,7 +15,7 @@ from studies.analysis.claims import judges
 from studies.analysis.claims.ledger import claims_table, judged, read_claims
 from studies.analysis.claims.record import CONFIRMED, QUALIFIED, REFUTED, UNTESTED, Verdict, always, banded, counted
 from studies.cli import _parser
-from studies.store.atomic import write_table
+from studies.output.atomic import write_table
 from support.sentences import tables_of
 
 CLAIMS = read_claims()

@@ -9,7 +9,6 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studies.algorithm_settings import configured
 from studies.analysis.comparisons.disagreements import (
     BEYOND,
     BRANCHES,
@@ -21,11 +20,12 @@ from studies.analysis.comparisons.disagreements import (
     disagreements,
     why,
 )
-from studies.complete import complete
+from studies.ask.algorithm_settings import configured
+from studies.ask.request import Request, Settings
 from studies.fuzz.comparing import AGREES, Answer, compared
-from studies.request import Request, Settings
-from studies.result import Result
-from studies.solving import solve
+from studies.scenes.complete import complete
+from studies.solving.result import Result
+from studies.solving.solve import solve
 
 
 @pytest.mark.parametrize(

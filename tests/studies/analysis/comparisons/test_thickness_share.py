@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.comparisons.thickness_share import confirmed, limit_of, nearest, turns_at
-from studies.campaigns.ladder_cells import LADDERS
+from studies.run.campaigns.ladder_cells import LADDERS
 
 (ROOF,) = (ladder for ladder in LADDERS if ladder.name == "roof-a")
 

@@ -13,10 +13,10 @@ import pytest
 from studies.analysis.shell_limits.beyond import KINDS, SHIPPED, beyond, known_limits, shipped
 from studies.analysis.shell_limits.boundaries import boundaries, boundary, decided, error_at, order
 from studies.cli import main
-from studies.complete import complete
 from studies.experiments.shell_limits.catalogue import CASES, shell_limits
 from studies.experiments.shell_limits.ladder import COLUMNS, DEFAULT, FULL_3D, STRAIGHT, Case
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 
 RATIOS = np.array([0.01, 0.03, 0.1, 0.3])
 WITHOUT = {"heavy-strip", "shallow-cap", "free-hyperboloid", "tyre-solid", "crushed-ring-solid"}

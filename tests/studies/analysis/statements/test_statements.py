@@ -19,7 +19,7 @@ from studies.analysis.statements.record import OPENING, Statement, as_tables
 from studies.analysis.statements.tables import maker_of, read_sentences
 from studies.analysis.statements.tables import statements as all_said
 from studies.arena.solver_run import FIELDS
-from studies.store.atomic import SCHEMA, write_json
+from studies.output.atomic import SCHEMA, write_json
 from support.pages.sentences import sentence
 from support.sentences import said as said_of
 from support.sentences import tables_of

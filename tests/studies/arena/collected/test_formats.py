@@ -14,7 +14,7 @@ from contact.interchange.linearised_step import FrozenStep
 from studies.arena.accuracy import accuracy
 from studies.arena.collected.candidates import of_complementarity
 from studies.arena.collected.formats import FORMATS, export, read_lcp
-from studies.request import UsageError
+from studies.ask.request import UsageError
 from support.problems.arena_steps import known_step, lopsided
 
 

@@ -31,8 +31,8 @@ from studies.arena.collected.frictional import (
 )
 from studies.arena.collected.rule import STEPS
 from studies.arena.solver_run import problems_in
+from studies.ask.request import UsageError
 from studies.cli import main
-from studies.request import UsageError
 from support.problems.frictional import all_answers, klarbring
 
 STATES = ["open", "sticking", "slipping"]

@@ -9,7 +9,7 @@ from types import ModuleType
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from studies.door import plugins
+from studies.scenes import plugins
 from support.entries import FILES
 
 

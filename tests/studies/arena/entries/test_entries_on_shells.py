@@ -10,10 +10,10 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution, Outcome
 from contact.verify import judge
-from studies.complete import complete
-from studies.scene import has_contact
+from studies.ask.scene import has_contact
 from studies.scenes import SCENES
-from studies.walk import Visited, walk
+from studies.scenes.complete import complete
+from studies.scenes.walk import Visited, walk
 from support.entries import EXACT_ONLY, NAMES, SPENT
 
 FORCES = 1e-8  # relative

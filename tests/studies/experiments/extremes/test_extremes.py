@@ -9,7 +9,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from studies.campaigns.cell import Cell
+from studies.ask.scene import UsageError
 from studies.cli import main
 from studies.experiments.extremes import maps as extremes
 from studies.experiments.extremes.maps import (
@@ -31,9 +31,9 @@ from studies.experiments.extremes.maps import (
     check_table,
     extremes_table,
 )
-from studies.scene import UsageError
+from studies.run.campaigns.cell import Cell
 from studies.scenes.contact.panel import lines
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 
 
 def panel(contact: str = "semismooth", mesh: str = "4x4", **settings: str) -> Cell:

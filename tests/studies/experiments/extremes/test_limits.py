@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from studies.campaigns.cell import Cell
 from studies.experiments.extremes import limits
 from studies.experiments.extremes.limits import ALGORITHM, LIMITS, MEASURE, RESOLUTION, limits_table, search
 from studies.experiments.extremes.maps import CONVERGED, FAILED, REFUSED, Found
+from studies.run.campaigns.cell import Cell
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring
-from studies.solving import resolve
+from studies.solving.solve import resolve
 
 
 @pytest.mark.parametrize("limit", [3e-5, 0.2, 0.999])

@@ -23,7 +23,7 @@ from studies.experiments.manufactured import (
 )
 from studies.scenes.manufactured import statements as stated
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
-from studies.solving import resolve, solve
+from studies.solving.solve import resolve, solve
 
 WITHIN = {"order_displacement": 0.1, "order_resultants": 0.1, "order_mean_resultants": 0.2, "order_energy": 0.1}
 CONTACT_SAMPLE = ("exact", "linear", "elongation")

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from studies.result import Result
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
 from studies.scenes.tyre.foundation import PARAMETERS
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 from support.problems.differences import fitted_order
 
 FIRST_ORDER = 0.02  # half-width of the interval around the exponent -1 of force difference over radius

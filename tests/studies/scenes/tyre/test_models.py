@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from formulations.conditions.dof_map import DofMap, Images
-from studies.result import Result
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
 from studies.scenes.tyre.foundation import PARAMETERS
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 EXACT = 1e-9  # relative
 ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "load": "follower", "pressure_area": "face"}

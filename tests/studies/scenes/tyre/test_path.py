@@ -11,10 +11,10 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import EASY_ITERATIONS, WORTH
 from contact.problem import Outcome
 from reports.figures.result_figures import draw_result
-from studies.result import Result
-from studies.scene import UsageError
-from studies.solving import resolve, solve
-from studies.walk import walk
+from studies.ask.scene import UsageError
+from studies.scenes.walk import walk
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 
 def run(mesh: str, **settings: str) -> Result:

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.refinement.trees import Family
-from studies.request import Request
+from studies.ask.request import Request
 from studies.scenes import SCENES
-from studies.solving import resolve, solve
+from studies.solving.refinement.trees import Family
+from studies.solving.solve import resolve, solve
 
 ROOTS = (20, 22, 24, 26, 28, 30)
 PATCH = 30.0, 20.0  # deg: half axes psi, phi of the patch at 20 mm, about

@@ -14,11 +14,11 @@ from formulations.geometry.surfaces import Plate, Surface, annulus
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
-from studies.fields import write_solid_fields
-from studies.result import Result
-from studies.scene import UsageError
+from studies.ask.scene import UsageError
+from studies.output.fields import write_solid_fields
 from studies.scenes.data import read_reference
-from studies.solving import resolve, solve
+from studies.solving.result import Result
+from studies.solving.solve import resolve, solve
 
 ONE_PERCENT = 0.01
 TO_10 = {"delta_mm": "10"}

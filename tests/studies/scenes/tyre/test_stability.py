@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from contact.algorithms.semismooth import Semismooth
-from studies.complete import complete
+from studies.scenes.complete import complete
 from studies.scenes.tyre.stability import beside_the_patch
-from studies.walk import walk
+from studies.scenes.walk import walk
 
 ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"}
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.analysis.cells.answers import Answers
 from studies.analysis.comparisons.tyre.budget import tyre_budget
 from studies.analysis.comparisons.tyre.printed_pressures import words
-from studies.campaigns.plan import Row
-from studies.campaigns.report_cells import BUDGET, READINGS, ROBUSTNESS
-from studies.solving import resolve
-from studies.store.atomic import SCHEMA, plain, write_json
+from studies.output.atomic import SCHEMA, plain, write_json
+from studies.run.campaigns.plan import Row
+from studies.run.campaigns.report_cells import BUDGET, READINGS, ROBUSTNESS
+from studies.run.cells.answers import Answers
+from studies.solving.solve import resolve
 
 LIMIT = 2000.0
 CHANGED = {"follower": 0.15, "full-3d": 0.1, "nonsymmetric": 0.0}

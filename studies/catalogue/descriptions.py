@@ -1,0 +1,147 @@
+"""What a scene, a strain measure or a contact algorithm is: its meaning, formulas, settings, references and source.
+
+Everything is read from the part itself; nothing is said here about a particular one.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactAlgorithm
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import RigidBodyLaw, StrainMeasure
+from studies.ask.algorithm_settings import parameters_of, settings_beside
+from studies.ask.request import text_of
+from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError
+from studies.output.columns import columns
+from studies.scenes import SCENES
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = ("name", "meaning", "unit", "range", "default")
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """A part of the catalogues.
+
+    kind: "scene", "measure" or "algorithm".  meaning: one line.  text: what ``footprint show`` prints.
+    rows: name, meaning, unit, range and default of each setting.
+    """
+
+    name: str
+    kind: str
+    meaning: str
+    text: str
+    rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def settings(self) -> pd.DataFrame:
+        """Name, meaning, unit, range and default, a row a setting."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows, columns=list(COLUMNS))
+
+
+def describe(name: str) -> Description:
+    """The description of a part; raises UsageError for an unknown name."""
+    if name in SCENES:
+        scene = SCENES[name]
+        return _described(name, "scene", _of_scene(scene), (*scene.settings, *settings_beside(scene)))
+    if name in MEASURES:
+        return _described(name, "measure", _of_measure(MEASURES[name]), ())
+    if name in ALGORITHMS:
+        return _described(name, "algorithm", _of_algorithm(ALGORITHMS[name]()), parameters_of(name))
+    raise UsageError(f"{name!r} must be one of {', '.join((*SCENES, *MEASURES, *ALGORITHMS))}")
+
+
+def meaning_of(name: str) -> str:
+    """One line: the title of a scene, what a measure neglects, what an algorithm does."""
+    if name in SCENES:
+        return SCENES[name].title
+    if name in MEASURES:
+        measure = MEASURES[name]
+        return getattr(measure, "meaning", "") or paragraphs(measure)[0]
+    return paragraphs(ALGORITHMS[name]())[0]
+
+
+def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Setting]) -> Description:
+    meaning = meaning_of(name)
+    rows = tuple((s.key, s.help, s.unit, s.range_text, s.default_text) for s in settings)
+    lines = [f"{name} ({kind}): {meaning}", *body]
+    if rows:
+        shown = [(key, default, unit, allowed, text) for key, text, unit, allowed, default in rows]
+        lines += ["", "settings, --set KEY=VALUE:"]
+        lines += columns([("key", "default", "unit", "range", "meaning"), *shown], "  ")
+    if kind == "scene":
+        lines += _references(SCENES[name].references)
+    return Description(name, kind, meaning, "\n".join(lines), rows)
+
+
+def _of_scene(scene: Scene) -> Iterator[str]:
+    yield from ("", *plain_text(inspect.getdoc(inspect.getmodule(type(scene))) or "").splitlines(), "")
+    yield f"mesh {scene.default_mesh[0]}x{scene.default_mesh[1]} by default, elements along a1 and a2"
+    yield f"models {', '.join(scene.models)}" if isinstance(scene, SettlingScene) else "models auto, full"
+
+
+def _references(references: Sequence[Reference]) -> Iterator[str]:
+    if not references:
+        yield from ("", "references: none")
+        return
+    yield from ("", "references:")
+    rows = [("quantity", "value", "uncertainty", "kind", "at", "source")]
+    for each in references:
+        at = ", ".join(f"{key}={text_of(v)}" for key, v in each.at.items())
+        rows.append((each.quantity, f"{each.value:.6g}", f"{100 * each.uncertainty:g} %", each.kind, at, each.source))
+    yield from columns(rows, "  ")
+
+
+def _of_measure(measure: StrainMeasure) -> Iterator[str]:
+    formulas: dict[str, str] = getattr(measure, "formulas", {})
+    if formulas:
+        yield from ("", "strains of a face, of l, w, t = lam, om, th over zeta and beta = (v+ - v-)/h:")
+        yield from (f"  {strain:4s} = {formula}" for strain, formula in formulas.items())
+        yield from (f"  {formula}" for formula in kinematics_of(measure))
+    else:
+        yield from ("", *paragraphs(measure)[1:])
+    yield from ("", "strain left by a rigid motion (amount or angle theta, stretch zeta of the face), by its law:")
+    yield from columns([(f.name, law_text(measure.rigid_body_law, f.name)) for f in fields(RigidBodyLaw)], "  ")
+    yield from ("", f"source: {measure.reference}")
+
+
+def kinematics_of(measure: StrainMeasure) -> tuple[str, str]:
+    """The slope and the stretch of a face, with what the measure keeps of them."""
+    shallow, thin = measure.kinematics.shallow, measure.kinematics.thin
+    return f"th_a = -v_3,a/A_a{'' if shallow else ' + k_a v_a'}", f"zeta_a = 1{'' if thin else ' + k_a d'}"
+
+
+def law_text(laws: RigidBodyLaw, motion: str) -> str:
+    """A law in one line: its formula, or its value where it states none."""
+    law = getattr(laws, motion)
+    stated = (inspect.getdoc(law) or "").splitlines()
+    return stated[0] if stated else f"{law(0.1, 1.05):.3g} at 0.1, zeta = 1.05"
+
+
+def _of_algorithm(algorithm: ContactAlgorithm) -> Iterator[str]:
+    yield ""
+    for paragraph in paragraphs(algorithm)[1:]:
+        yield from paragraph.splitlines()
+    yield from ("", f"when: {inspect.getdoc(algorithm.supports)}")
+
+
+def paragraphs(part: object) -> list[str]:
+    """The docstring of the part's class; its module's where the class has none."""
+    text = inspect.getdoc(type(part)) or inspect.getdoc(inspect.getmodule(type(part))) or ""
+    return plain_text(text).split("\n\n")
+
+
+def plain_text(text: str) -> str:
+    """A docstring without its markup."""
+    text = re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "")
+    return re.sub(r"(?<=\S) +", " ", text)

@@ -1,0 +1,232 @@
+"""Faulty algorithms and faulty models, and after how many random cases the fuzzer has found each.
+
+A fault is there only while it is looked for: an algorithm of the catalogue, or a function of a model, gives way to a
+wrapped one. A case that breaks a law without the fault is no finding of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.continuation import stability
+from contact.obstacles.drum_sphere import Round
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from formulations.shell import ShellModel
+from studies.ask.request import Request
+from studies.experiments.planting import Fault, fault, swapped
+from studies.experiments.rows import Row, tabulated
+from studies.fuzz import planted_in_friction
+from studies.fuzz.cases import SCENE, Asked, asked_of
+from studies.fuzz.examine import BROKEN, examine
+from studies.scenes.contact import panel
+from studies.scenes.tyre import model as tyre_model
+from studies.solving import certificate
+
+MOST = 500
+Solve = Callable[[Semismooth, ContactProblem, ContactSolution], ContactSolution]
+
+
+def right(own: Semismooth, problem: ContactProblem, start: ContactSolution, **other: Any) -> ContactSolution:
+    """What the sound algorithm makes of it, with other parameters if any."""
+    return Semismooth(**{**vars(own), **other}).solve(problem, start)
+
+
+def algorithm(name: str) -> Callable[[Solve], Fault]:
+    """A fault of the algorithm that everything is compared with."""
+
+    def named(solve: Solve) -> Fault:
+        faulty = type("Faulty", (Semismooth,), {"solve": solve})
+        return Fault(name, lambda: swapped(ALGORITHMS, "semismooth", faulty))
+
+    return named
+
+
+# --- algorithms -----------------------------------------------------------------------------------------------------
+
+
+@algorithm("a node that penetrates most is left out")
+def left_out(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """As if it were far away."""
+    if not len(problem.weights):
+        return right(own, problem, start)
+    away = np.zeros(len(problem.weights))
+    away[np.argmin(problem.gap(start.u))] = 1e3 * (1 + float(np.max(np.abs(problem.gap(start.u)))))
+    return right(own, replace(problem, gap=lambda u: problem.gap(u) + away, only=None), start)
+
+
+@algorithm("tension is allowed at one node")
+def glued(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """The nearest open node is closed, too, and may pull."""
+    found = right(own, problem, start)
+    open_nodes = np.flatnonzero(~found.active)
+    if not found.outcome.converged or not len(open_nodes) or not found.active.any():
+        return found
+    nearest = open_nodes[np.argmin(problem.gap(found.u)[open_nodes])]
+    u, p, active = found.u, found.pressure, found.active | (np.arange(len(found.active)) == nearest)
+    run = own.run(problem)
+    for _ in range(8):
+        du, p = run.step(problem.linearise(u, None), u, p, active)
+        u = u + du
+    return replace(found, u=u, pressure=p, active=active)
+
+
+@algorithm("pressures are those of the step before")
+def stale(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """Where there were any."""
+    found = right(own, problem, start)
+    before = found.pressure * (1 - 1e-4) if not start.pressure.any() else start.pressure
+    return replace(found, pressure=before)
+
+
+@algorithm("areas are a tenth too large")
+def too_large(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """Pressures are too small by as much."""
+    wrong = None if problem.coupling is None else 1.1 * problem.coupling
+    return right(own, replace(problem, weights=1.1 * problem.weights, coupling=wrong, only=None), start)
+
+
+@algorithm("the tolerance is ignored")
+def loose(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """A hundredth of the forces may be out of balance."""
+    return right(own, problem, start, tolerance=1e-2)
+
+
+@algorithm("the iteration limit is called converged")
+def at_the_limit(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """After two iterations."""
+    found = right(own, problem, start, max_iterations=2)
+    return replace(found, outcome=Outcome.CONVERGED, pressure=np.maximum(found.pressure, 0.0))
+
+
+@algorithm("it never ends once nodes touch")
+def endless(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """Evaluates for ever."""
+    found = right(own, problem, start)
+    while found.active.sum() > 1:
+        problem.linearise(found.u, None)
+    return found
+
+
+@algorithm("it raises with four nodes in contact")
+def raises(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """An index out of range."""
+    found = right(own, problem, start)
+    np.zeros(4)[int(found.active.sum())]
+    return found
+
+
+@algorithm("a finite epsilon is taken for infinite")
+def exact(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """The constraint is exact whatever is asked for."""
+    return right(own, problem, start, epsilon=np.inf)
+
+
+@algorithm("the last candidate is never looked at")
+def last_ignored(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """An end of a range that is one short."""
+    away = np.zeros(len(problem.weights))
+    away[-1:] = 1e6
+    return right(own, replace(problem, gap=lambda u: problem.gap(u) + away, only=None), start)
+
+
+@algorithm("it returns what is no number")
+def no_number(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """Displacements of NaN, and says that it has converged."""
+    found = right(own, problem, start)
+    return replace(found, u=np.full_like(found.u, np.nan))
+
+
+@algorithm("an end has no reason")
+def silent(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """A refusal without a word."""
+    found = right(own, problem, start)
+    if found.active.sum() < 3:
+        return found
+    return replace(found, outcome=Outcome.REFUSED, history=({},))
+
+
+# --- models -----------------------------------------------------------------------------------------------------------
+
+
+@fault("the normal of one node of a ball or drum points inwards", Round, "gradient")
+def inwards(sound: Callable[..., np.ndarray], body: Round, x: np.ndarray) -> np.ndarray:
+    """Of the first candidate."""
+    return sound(body, x) * np.where(np.arange(len(x)) == 0, -1.0, 1.0)[:, None]
+
+
+@fault("a ball or drum has no curvature", Round, "curvature")
+def flat(sound: Callable[..., np.ndarray], body: Round, x: np.ndarray) -> np.ndarray:
+    """As if it were a plane."""
+    return np.zeros((len(x), 3, 3))
+
+
+@fault("nodes on the seam of half a tyre have twice their area", tyre_model, "_candidates")
+def doubled(sound: Callable[..., Any], shell: ShellModel, part: Any, area: str, *, coupled: bool) -> Any:
+    """Those that both halves have."""
+    nodes, candidates = sound(shell, part, area, coupled=coupled)
+    on_seam = np.isin(part.grid.nodes[nodes, 1], part.grid.ends[1]) & (part.copies > 1)
+    return nodes, replace(candidates, weights=np.where(on_seam, 2.0, 1.0) * candidates.weights)
+
+
+@fault("a thickness stays in mm in other units", panel, "_wall")
+def unscaled(sound: Callable[..., Any], request: Request, h: float, stress: float) -> Any:
+    """Whatever the unit of length."""
+    return sound(request, h / request.number("length_unit"), stress)
+
+
+@fault("the tangent is a thousandth too stiff", ShellModel, "linearise")
+def stiffened(sound: Callable[..., Any], *arguments: Any) -> Any:
+    """All of it, its residual untouched."""
+    lin = sound(*arguments)
+    return replace(lin, tangent=sparse.csc_matrix(1.001 * lin.tangent))
+
+
+@fault("two negative eigenvalues too many are counted", certificate, "stability")
+def two_too_many(sound: Callable[..., Any], *arguments: Any) -> Any:
+    """Where any are."""
+    found = sound(*arguments)
+    return found if found.negative is None else replace(found, negative=found.negative + 2)
+
+
+@fault("modes of elements are counted as those of the body", stability, "_apart", SCENE)
+def with_the_body(
+    sound: Callable[..., Any], problem: Any, state: Any, K: Any, epsilon: Any, found: Any, overlooked: Any
+) -> Any:
+    """None is set apart."""
+    return found
+
+
+FAULTS = (
+    *(left_out, glued, stale, too_large, loose, at_the_limit, endless, raises, exact, last_ignored, no_number, silent),
+    *(inwards, flat, doubled, unscaled, stiffened, two_too_many, with_the_body),
+    *planted_in_friction.FAULTS,
+)
+
+
+def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> Row:
+    """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has.
+
+    among: requests that are examined, the others are passed over.
+    """
+    kind = looked_for.kind or ("" if among is None else SCENE)
+    for seed in range(most):
+        if among is not None and not among(asked_of(seed)):
+            continue
+        with looked_for.planted():
+            report = examine(seed, kind)
+        if report.verdict == BROKEN and examine(seed, kind).verdict != BROKEN:
+            return {"fault": looked_for.name, "cases": seed + 1, "law": report.law, "said": report.said}
+    return {"fault": looked_for.name, "cases": 0, "law": "", "said": ""}
+
+
+@tabulated
+def planted_faults() -> Iterator[Row]:
+    """All faults, a row each."""
+    return map(found_after, FAULTS)

@@ -1,0 +1,116 @@
+"""Faults of friction that are planted: of its direction, its judge, what it has lost, units and settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contact.coulomb import State
+from contact.friction.run import FrictionalRun, Point
+from contact.friction.slip import Slip
+from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from studies.ask import algorithm_settings
+from studies.ask.friction_settings import DRAG, MU
+from studies.ask.request import Value
+from studies.experiments.planting import Fault, fault, swapped
+from studies.fuzz import state_laws
+from studies.fuzz.cases import FRICTION
+from studies.solving import solve as solving
+from studies.solving.certificate import certificate
+from studies.solving.friction.stages import Stages
+
+Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
+
+
+def answer(name: str) -> Callable[[Change], Fault]:
+    """A fault of every converged answer with friction; change(found, start)."""
+
+    def named(change: Change) -> Fault:
+        @fault(name, FrictionalRun, "finish", FRICTION)
+        def changed(
+            sound: Callable[..., ContactSolution], run: FrictionalRun, at: Point, outcome: Outcome
+        ) -> ContactSolution:
+            found = sound(run, at, outcome)
+            return change(found, run.begun) if outcome.converged else found
+
+        return changed
+
+    return named
+
+
+@answer("friction keeps its direction when a drag reverses")
+def kept(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """Who slips on keeps the direction of its friction, whichever way it slips now."""
+    assert found.friction is not None
+    if start.friction is None:
+        return found
+    slips = (found.friction.state == State.SLIP) & (start.friction.state == State.SLIP)
+    now, before = (np.linalg.norm(each.friction.force, axis=1)[:, None] for each in (found, start) if each.friction)
+    old = np.divide(start.friction.force, before, out=np.zeros_like(found.friction.force), where=before > 0)
+    force = np.where(slips[:, None], now * old, found.friction.force)
+    return replace(found, friction=replace(found.friction, force=force))
+
+
+@answer("friction along the slip")
+def along(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """And not against it."""
+    assert found.friction is not None
+    slips = (found.friction.state == State.SLIP)[:, None]
+    force = np.where(slips, -found.friction.force, found.friction.force)
+    return replace(found, friction=replace(found.friction, force=force))
+
+
+@contextmanager
+def _unjudged() -> Iterator[None]:
+    """Friction along the slip, and a judge that nobody asks."""
+
+    def unasked(*arguments: Any) -> dict[str, Any]:
+        return {**certificate(*arguments), "failures": [], "diagnosis": []}
+
+    with swapped(solving, "certificate", unasked), along.planted():
+        yield
+
+
+@answer("what friction loses is gained")
+def gained(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """Of a step."""
+    assert found.friction is not None
+    before = 0.0 if start.friction is None else start.friction.dissipation
+    lost = 2 * before - found.friction.dissipation
+    return replace(found, friction=replace(found.friction, dissipation=lost))
+
+
+@fault("a drag is taken in the unit of length of the problem", Stages, "_stops", FRICTION)
+def in_own_units(sound: Callable[..., tuple[float, ...]], stages: Stages, setting: Any) -> tuple[float, ...]:
+    """And not in mm."""
+    found = sound(stages, setting)
+    unit = stages._settings.number("length_unit") if "length_unit" in stages._settings else 1.0
+    return tuple(stop / unit for stop in found) if setting is DRAG else found
+
+
+@fault("anchors are a thousandth off", Slip, "left", FRICTION)
+def anchored_elsewhere(sound: Callable[..., np.ndarray], *arguments: Any) -> np.ndarray:
+    """Where candidates are taken to have stuck, for the algorithm and its judge alike."""
+    return 1.001 * sound(*arguments)
+
+
+@contextmanager
+def _settings_dropped() -> Iterator[None]:
+    """All but the stiffness of springs, where it is solved and where it is looked at."""
+    sound = algorithm_settings.configured
+
+    def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
+        found = sound(contact, settings)
+        return type(found)(epsilon=found.epsilon) if MU.key in settings else found
+
+    with swapped(solving, "configured", configured), swapped(state_laws, "configured", configured):
+        yield
+
+
+DROPPED = Fault("settings of an algorithm are dropped with friction", _settings_dropped, FRICTION)
+UNJUDGED = Fault("friction along the slip, and no judge is asked", _unjudged, FRICTION)
+FAULTS = (kept, along, UNJUDGED, gained, in_own_units, anchored_elsewhere, DROPPED)

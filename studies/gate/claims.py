@@ -1,0 +1,240 @@
+"""What a record claims, held against what its field comes to; the first claim that is not so is named, with its size.
+
+Rules: a residual may be claimed larger than it is, never smaller by more than rounding; a quantity agrees to AGREE, or
+to what other last digits of the field make of it; one of a stage that was solved again to RESOLVED. Counters, times,
+and loads before the last one cannot be told from a field: they stay claims, and are listed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from contact.continuation.stability import UNSTABLE as UNSTABLE_WORD
+from contact.problem import ContactSolution
+from studies.ask.request import Request
+from studies.ask.scene import CurveStage, Stage, moved
+from studies.gate.foreign import ClaimError, Foreign
+from studies.gate.recompute import Opened, Recomputed, arrays_of, as_written
+from studies.output.atomic import plain
+from studies.output.tables import Table
+from studies.solving.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG
+from studies.solving.step import seen_in
+
+AGREE, RESOLVED = 1e-9, 1e-6  # relative
+SHAKEN = 8  # times what other last digits make of a quantity
+ASKED = ("scene", "measure", "contact", "newton", "model")
+CERTIFIED = "converged"  # the outcome of which a field can tell
+ALWAYS_CLAIMED = ("counters", "times", "machine", "history")
+
+
+def claims_success(record: Mapping[str, Any]) -> bool:
+    """Whether outcome and class claim an equilibrium; raises ClaimError where the two exclude each other."""
+    outcome, kind = record["outcome"], record["class"]
+    if (outcome == CERTIFIED) != (kind in SOLVED) or (outcome == UNSUPPORTED) != (kind == UNSUPPORTED):
+        raise ClaimError("class", f"claimed {kind!r} of a cell whose outcome is {outcome!r}")
+    return bool(outcome == CERTIFIED)
+
+
+def check_request(record: Mapping[str, Any], request: Request) -> None:
+    """Raise ClaimError unless the record is of this request."""
+    wanted = {name: getattr(request, name) for name in ASKED}
+    wanted["mesh"] = "x".join(map(str, request.mesh))
+    settings = {**request.settings, "steps": request.steps}
+    for told, asked in ((record, wanted), (record["settings"], plain(settings))):
+        for name, value in asked.items():
+            if told.get(name) != value:
+                raise ClaimError("request", f"{name} claimed {told.get(name)!r}, the plan asks for {value!r}")
+    for name in sorted(record["settings"].keys() - settings.keys()):
+        raise ClaimError("request", f"{name} is no setting of {request.scene}")
+
+
+@dataclass(frozen=True, eq=False)
+class Verified:
+    """A record whose claims hold: its field as this program writes it, and what is only claimed."""
+
+    fields: bytes
+    claimed: list[str]
+
+
+def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Verified:
+    """Recompute what a record claims from its field; raises ClaimError with the first claim that is not so."""
+    check_request(record, request)
+    opened = Opened.of(request)
+    steps, stage = record["steps"], opened.stage
+    load = _load(steps, stage)
+    own, arrays = as_written(opened.model, ContactSolution.at_rest(opened.model.n_unknowns, 0))
+    largest = 65536 + 2 * len(own) + 4 * sum(values.nbytes for values in arrays.values())
+    told = arrays_of(foreign.fields(record["id"], largest), arrays)
+    found = opened.at(load, told, steps[-1].get("contact_nodes"))
+    _steps(steps, load, found, stage)
+    _residuals(steps[-1], found)
+    _verdict(record, found)
+    claimed = [*ALWAYS_CLAIMED, *(["loads before the last"] if len(steps) > 1 else [])]
+    claimed += _quantities(record, found)
+    _counters(record, found)
+    for name, table in found.seen.tables().items():
+        check_table(name, table, foreign.table(record["id"], f"{name}.csv"))
+    return Verified(as_written(moved(opened.model, load), found.state)[0], claimed)
+
+
+def _load(steps: Sequence[Mapping[str, Any]], stage: Stage) -> float:
+    """At which the field is judged: the last one that was asked for, or the end that a curve claims."""
+    if not steps:
+        raise ClaimError("outcome", "claimed converged, without a single load")
+    if not isinstance(stage, CurveStage):
+        return float(stage.targets[-1])
+    load = _number(next(iter(steps[-1].values()), None), "load")
+    if not math.isfinite(load):
+        raise ClaimError("load", f"claimed {load}")
+    return load
+
+
+def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, stage: Stage) -> None:
+    """There must be one a load, each at its own."""
+    if isinstance(stage, CurveStage):
+        until = getattr(stage.continuation, "to_limit", False)
+        if not until and load < (1 - AGREE) * stage.targets[-1]:
+            raise ClaimError("load", f"claimed converged at {load:g}, the request goes to {stage.targets[-1]:g}")
+        return
+    wanted = found.recorded + len(stage.targets)
+    if len(steps) != wanted:
+        raise ClaimError("outcome", f"claimed converged with {len(steps)} loads of {wanted}")
+    key, value = next(iter((found.seen.step or {"": None}).items()))
+    for step, target in zip(steps[found.recorded :], stage.targets, strict=True):
+        asked = target if value == load else value
+        if not _close(told := _number(step.get(key), key), float(asked), AGREE):
+            raise ClaimError("load", f"{key} claimed {told!r}, the request asks for {asked:g}")
+
+
+def _residuals(step: Mapping[str, Any], found: Recomputed) -> None:
+    """None may be smaller than it is."""
+    verdict, gap = found.verdict, found.verdict.gap_bound(max(found.gap_share, 2e-12))
+    rounding = {
+        "equilibrium": verdict.rounding,
+        "penetration": gap,
+        "tension": 0.0,
+        "complementarity": gap * verdict.pressure,
+    }
+    told = step.get("kkt")
+    if not isinstance(told, dict):
+        raise ClaimError("kkt", "is not claimed at all")
+    for name, value in found.kkt.items():
+        claimed = _number(told.get(name), name)
+        if not value <= (1 + RESOLVED) * claimed + rounding[name]:
+            raise ClaimError(name, f"claimed {claimed:.3g}, found {value:.3g}")
+
+
+def _verdict(record: Mapping[str, Any], found: Recomputed) -> None:
+    """The class must follow from the failures and the stability of all loads, those of the last one as found."""
+    steps, last = record["steps"], record["steps"][-1]
+    told = last.get("failures")
+    if not isinstance(told, list) or not {*found.failures} <= {*told}:
+        worst = found.failures[0]
+        has = {**found.kkt, **found.verdict.balances}[worst]
+        raise ClaimError("failures", f"claimed {told or 'none'}, the judge finds {worst} = {has:.3g}")
+    if any(step.keys() != last.keys() for step in steps):
+        raise ClaimError("steps", "do not claim the same of every load")
+    words = [_word(step) for step in steps]
+    if words[-1] != found.stable:
+        raise ClaimError("stability", f"claimed {words[-1]!r}, found {found.stable!r}")
+    failed, unstable = any(step.get("failures") for step in steps), UNSTABLE_WORD in words and not found.curve
+    follows = WRONG if failed else UNSTABLE if unstable else CONVERGED
+    if record["class"] != follows:
+        raise ClaimError("class", f"claimed {record['class']!r}, its loads come to {follows!r}")
+
+
+def _word(step: Mapping[str, Any]) -> str:
+    told = step.get("stability")
+    if (
+        not isinstance(told, dict)
+        or not isinstance(told.get("word"), str)
+        or not isinstance(step.get("failures"), list)
+    ):
+        raise ClaimError("stability", "is not claimed of every load")
+    return str(told["word"])
+
+
+def _quantities(record: Mapping[str, Any], found: Recomputed) -> Iterator[str]:
+    """The headline ones and those of the last load; those that a whole curve alone can tell are yielded."""
+    told = record["quantities"]
+    last = seen_in(record["steps"][-1], record["counters"])
+    seen, shaken = dict(found.seen.step or {}), dict(found.shaken.step or {})
+    for each, ours, others in (
+        (last, seen, shaken),
+        (told, found.seen.quantities, found.shaken.quantities),
+    ):
+        for name, value in plain(ours).items():
+            _agrees(name, each.get(name), value, AGREE, plain(others)[name])
+    for name, value in found.before.items():
+        if name not in found.seen.quantities:
+            _agrees(name, told.get(name), value, RESOLVED, value)
+    if last.keys() != seen.keys():
+        raise ClaimError("quantities", f"{', '.join(sorted(last.keys() ^ seen.keys()))} is not what the scene reads")
+    for name in told.keys() - found.seen.quantities.keys() - found.before.keys():
+        if not found.curve:
+            raise ClaimError("quantities", f"the scene reads no {name}")
+        yield name
+
+
+def _agrees(name: str, told: Any, ours: Any, share: float, shaken: Any) -> None:
+    """The same but for rounding; what is no number is the same word."""
+    if not isinstance(ours, int | float) or isinstance(ours, bool):
+        if told != ours:
+            raise ClaimError(name, f"claimed {told!r}, found {ours!r}")
+        return
+    claimed = _number(told, name)
+    moved = abs(float(shaken) - float(ours)) if isinstance(shaken, int | float) else 0.0
+    if not _close(claimed, float(ours), share, SHAKEN * moved):
+        off = f"{abs(claimed - ours) / abs(ours):.3g} of it" if ours else f"{abs(claimed):.3g}"
+        raise ClaimError(name, f"claimed {claimed:.12g}, found {ours:.12g}, off by {off}")
+
+
+def _counters(record: Mapping[str, Any], found: Recomputed) -> None:
+    """Those that need no solve: the unknowns, and that operations are the sum of their kinds."""
+    counters, total = record["counters"], sum(record["work"].values())
+    if counters.get("dofs") != found.dofs:
+        raise ClaimError("dofs", f"claimed {counters.get('dofs')}, the model has {found.dofs}")
+    if counters.get("operations") != total:
+        raise ClaimError("operations", f"claimed {counters.get('operations')}, their kinds sum to {total}")
+
+
+def check_table(name: str, ours: Table, rows: Sequence[Sequence[str]]) -> None:
+    """The last rows of a table beside the record are those of its last load."""
+    head, told = rows[0], rows[1:][-len(ours) :] if len(ours) else []
+    if len(told) != len(ours) or not {*ours.columns} <= {*head}:
+        said = f"has {len(told)} rows of {', '.join(head)}; {len(ours)} belong to its last load"
+        raise ClaimError(f"{name}.csv", said)
+    for column, values in ours.columns.items():
+        at = head.index(column)
+        numbers = [abs(value) for value in values if isinstance(value, int | float) and math.isfinite(value)]
+        allowed = RESOLVED * max(numbers, default=0.0)
+        for row, value in zip(told, values, strict=True):
+            if not _cell_agrees(row[at], value, allowed):
+                raise ClaimError(f"{name}.csv", f"{column} claimed {row[at] or 'nothing'!r}, found {value!r}")
+
+
+def _cell_agrees(text: str, value: Any, allowed: float) -> bool:
+    if value is None or value != value:
+        return text == ""
+    if isinstance(value, str):
+        return text == value
+    try:
+        return abs(float(text) - float(value)) <= allowed
+    except ValueError:
+        return text == str(value)
+
+
+def _number(value: Any, name: str) -> float:
+    """A number of a record; raises ClaimError for what is none."""
+    if value in ("inf", "-inf"):
+        return float(value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ClaimError(name, f"claimed {value!r}, which is no number")
+    return float(value)
+
+
+def _close(told: float, ours: float, share: float, moved: float = 0.0) -> bool:
+    return told == ours or abs(told - ours) <= share * max(abs(told), abs(ours)) + moved

@@ -1,0 +1,262 @@
+"""``from studies import solve, describe``: what a notebook calls, with Python's values, data frames and figures.
+
+It says nothing of its own: requests are checked, solved and drawn as for the command line.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from studies.ask.friction_settings import rubbing
+from studies.ask.scene import UsageError
+from studies.catalogue import descriptions
+from studies.catalogue.descriptions import Description
+from studies.scenes.complete import complete
+from studies.scenes.plugins import load_entry_points
+from studies.solving.choosing import choose as choosing
+from studies.solving.choosing.choice import Choice
+from studies.solving.choosing.choose import BUDGET, ERROR
+from studies.solving.refinement.cascade import parse_budget
+from studies.solving.refinement.error_control import parse_error
+from studies.solving.refinement.mesh_error import NESTED, STARTS, solve_with_error
+from studies.solving.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+AS_ASKED = "as asked for"  # of the element of the reference
+FIGURES = {"measure": "measures.svg", "element": "elements.svg"}
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A solved request; where it did not converge, everything up to the last converged step."""
+
+    result: Result
+
+    @property
+    def outcome(self) -> str:
+        """As in result.json, "converged" or what else it ended in."""
+        return str(self.result.as_json()["outcome"])
+
+    @property
+    def verdict(self) -> str:
+        """The judge's word: "converged", "unstable", "wrong" or, of what it had nothing to judge, the class."""
+        return self.result.verdict
+
+    @property
+    def reason(self) -> str:
+        """Why it ended."""
+        return str(self.result.as_json()["reason"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What the answer does not show by itself."""
+        return self.result.notes
+
+    @property
+    def steps(self) -> pd.DataFrame:
+        """A row for each requested load: the load, what is read off, and the counts of its solution.
+
+        Where no load was reached there is no row; the columns of what is read off are there all the same.
+        """
+        rows = [{**step.seen, **step.counters} for step in self.result.loads]
+        return pd.DataFrame(rows, columns=None if rows else self._columns())
+
+    def _columns(self) -> list[str]:
+        """What the stage that ended would have read off, as it reads it where its path begins."""
+        end = self.result.end
+        if end is None:
+            return []
+        with np.errstate(all="ignore"):
+            seen = end.stage.observe(end.problem_at(end.point.reached), end.before, end.point.reached).step
+        return list(seen or ())
+
+    def at(self, load: float, passage: int = 0) -> dict[str, float]:
+        """What is read off where a curve followed by power series passes a load, the first time or later: the load
+        and {name_unit: value}.
+
+        ``passage``: 1, 2, ... for later times.  Raises LookupError as :meth:`studies.solving.result.Result.at`, which
+        gives the state itself.
+        """
+        state, end = self.result.at(load, passage), self.result.end
+        assert end is not None
+        return dict(end.stage.observe(end.problem_at(load), state, load).step or {})
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """A row for each requested load: residuals and balances as recomputed, what fails, and stability."""
+        rows = []
+        for step in self.result.loads:
+            told = step.certificate
+            said = {"failures": ", ".join(told["failures"]), "stability": told["stability"]["word"]}
+            rows.append({**told["kkt"], **told["balances"], **said})
+        return pd.DataFrame(rows)
+
+    @property
+    def quantities(self) -> dict[str, float]:
+        """Headline values {name_unit: value}."""
+        return dict(self.result.quantities)
+
+    @property
+    def errors(self) -> dict[str, dict[str, float]]:
+        """Intervals {quantity: {low, high}} of what coarser grids and, with friction, half the load steps say."""
+        return dict(self.result.errors)
+
+    @property
+    def cost(self) -> dict[str, float]:
+        """Counters and, ending in _s, seconds."""
+        return {**self.result.counters, **{f"{name}_s": time for name, time in self.result.timing.items()}}
+
+    def figures(self) -> list[Figure]:
+        """The pictures of ``--plot`` as matplotlib's figures."""
+        from reports.figures.result_figures import figures_of
+
+        with tempfile.TemporaryDirectory() as folder:
+            self.write(folder)
+            return figures_of(Path(folder))
+
+    def write(self, directory: str | Path) -> None:
+        """result.json, fields.vtu and the tables, as ``footprint solve --out`` writes them."""
+        self.result.write(Path(directory))
+
+
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """An answer of :func:`choose`; where nothing is enough, what is known all the same."""
+
+    choice: Choice
+
+    @property
+    def recommended(self) -> dict[str, Any] | None:
+        """command, mesh, error_at_most and seconds of the cheapest that is enough; None where nothing is."""
+        return None if self.choice.recommended is None else self.choice.recommended.data
+
+    @property
+    def runner_up(self) -> dict[str, Any] | None:
+        """The same of the next one."""
+        return None if self.choice.runner_up is None else self.choice.runner_up.data
+
+    @property
+    def variants(self) -> pd.DataFrame:
+        """A row a measure, an option of the element, a model: its error in the limit of the meshes, and its mesh."""
+        return pd.DataFrame(self.choice.variants)
+
+    @property
+    def grids(self) -> pd.DataFrame:
+        """A row each of their grids."""
+        return pd.DataFrame(self.choice.grids)
+
+    @property
+    def algorithms(self) -> pd.DataFrame:
+        """A row an algorithm of contact: how it ended, from rest, on a mesh that is enough."""
+        return pd.DataFrame(self.choice.trials)
+
+    @property
+    def uncertain(self) -> list[str]:
+        """What this answer does not know."""
+        return self.choice.uncertain
+
+    def write(self, directory: str | Path) -> None:
+        """What ``footprint choose --out`` writes."""
+        write_choice(self.choice, Path(directory))
+
+
+def solve(
+    scene: str,
+    *,
+    measure: str = "exact",
+    contact: str = "semismooth",
+    newton: str = "mixed",
+    mesh: str | Sequence[int] | None = None,
+    model: str = "auto",
+    steps: int = 1,
+    start: str = NESTED,
+    mesh_error: bool = True,
+    step_error: bool = True,
+    **settings: Any,
+) -> Run:
+    """Solve a scene; settings are its keys, as values or as text.
+
+    start: of the path, ``nested`` from its states on coarser grids, or ``cold`` from rest; the answer is the same.
+    mesh_error: state what these grids say of the error of the mesh.
+    step_error: with friction, solve the path again with half the load steps for the error that they leave.
+
+    Raises UsageError with one line for a wrong name, key or value, and where the algorithm does not apply.
+    """
+    load_entry_points()
+    built, request = complete(
+        scene, settings, mesh, measure=measure, contact=contact, newton=newton, model=model, steps=steps
+    )
+    if start not in STARTS:
+        raise UsageError(f"start = {start!r} must be one of {', '.join(STARTS)}")
+    result = solve_with_error(built, request, start=start, error=mesh_error)
+    if result.unsupported:
+        raise UsageError(result.unsupported)
+    if step_error and rubbing(request.settings):
+        from studies.solving.friction import load_steps  # nothing of friction is imported without it
+
+        load_steps.estimate(result)
+    return Run(result)
+
+
+def choose(
+    scene: str,
+    error: str | float = ERROR,
+    *,
+    budget: str | float = BUDGET,
+    of: str | None = None,
+    contact: str = "semismooth",
+    newton: str = "mixed",
+    mesh: str | Sequence[int] | None = None,
+    model: str = "auto",
+    steps: int = 1,
+    **settings: Any,
+) -> Chosen:
+    """Which measure, algorithm, element and mesh is enough on a scene; settings are its keys, as values or as text.
+
+    error: relative, "1%" or 0.01.  budget: seconds of wall time, 60 or "60s".  of: the quantity, by default the force,
+    or the first of the scene.  mesh: the coarsest grid.
+
+    Raises UsageError with one line for a wrong name, key or value.
+    """
+    load_entry_points()
+    seconds, wanted = parse_budget(str(budget)), parse_error(str(error))
+    options: dict[str, Any] = {"contact": contact, "newton": newton, "model": model, "steps": steps}
+    with np.errstate(over="ignore", invalid="ignore"):
+        return Chosen(choosing.choose(scene, settings, wanted, seconds, of, mesh=mesh, **options))
+
+
+def describe(name: str) -> Description:
+    """A scene, a measure or an algorithm; raises UsageError for an unknown name."""
+    load_entry_points()
+    return descriptions.describe(name)
+
+
+def write_choice(found: Choice, out: Path) -> None:
+    """The pictures, the tables, and choice.json, which comes last."""
+    from reports.figures.choice import error_over_seconds
+    from reports.files import write_texts
+
+    pictures = {}
+    for axis, name in FIGURES.items():
+        named = [row["name"] for row in found.variants if row["axis"] == axis]
+        if found.limit is None or not named:
+            continue
+        reference = (
+            found.verdicts[0].grids
+            if axis == "measure"
+            else [row | {"name": AS_ASKED} for row in found.verdicts[0].grids]
+        )
+        others = [row for verdict in found.verdicts[1:] for row in verdict.grids if row["axis"] == axis]
+        rows = [*reference, *others]
+        pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.limit.uncertainty)()
+    write_texts(out / "figures", pictures)
+    found.write(out, [f"figures/{name}" for name in pictures])

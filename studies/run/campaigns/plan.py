@@ -1,0 +1,102 @@
+"""From the cells of a campaign to rows of its index: who is solved, under which identity, and who is not and why."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import Linearised, without_contact
+from studies.ask.algorithm_settings import configured
+from studies.ask.friction_settings import rubbing
+from studies.ask.request import Request
+from studies.ask.scene import UsageError, has_contact
+from studies.output.atomic import SCHEMA, plain
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.file import Campaign
+from studies.run.store.source_hash import BESIDE_A_CELL, FRICTION, sources_hash
+from studies.scenes import SCENES
+from studies.scenes.plugins import modules_of
+
+SOLVERS = ("studies.solving.solve", "studies.run.store.record")  # what solves a cell, besides its own scene
+
+
+@dataclass(frozen=True)
+class Row:
+    """A planned cell: ``request`` is the resolved one; without an id it is not solved, and ``reason`` says why."""
+
+    cell: Cell
+    id: str | None
+    request: Mapping[str, Any] | None
+    reason: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """The row of the index."""
+        cell = self.cell
+        told = {"label": cell.label, "id": self.id, "scene": cell.scene, "command": cell.command}
+        asked = {"options": cell.options, "settings": cell.settings, "files": cell.artefacts}
+        known = {name: value for name in ("expected", "group") if (value := getattr(cell, name))}
+        return {**told, **asked, **known, "request": self.request, "reason": self.reason}
+
+
+def plan(campaign: Campaign) -> list[Row]:
+    """A row for each cell, in order."""
+    return [_row(cell) for cell in campaign.cells]
+
+
+def identity(cell: Cell) -> str:
+    """Hash of all that decides the result; raises UsageError when the request is none."""
+    return _identity(cell.resolved()[1])
+
+
+def _identity(request: Request) -> str:
+    """Resolved request, schema, and the sources of what solves it, its scene and its algorithm; no date, no machine."""
+    without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
+    parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
+    outside = modules_of(request.measure, request.contact, request.scene)
+    sources = sources_hash((*SOLVERS, *parts, *outside), without=without)
+    content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
+    return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def _row(cell: Cell) -> Row:
+    try:
+        _, request = cell.resolved()
+    except UsageError as error:
+        if cell.scene not in SCENES:
+            raise
+        return Row(cell, None, None, str(error))
+    reason = _refusal(request)
+    return Row(cell, None if reason else _identity(request), plain(request.data), reason)
+
+
+def _refusal(request: Request) -> str:
+    """Why a resolved request makes no sense, as far as that shows without building it."""
+    if not has_contact(SCENES[request.scene]) and request.contact != Request.contact:
+        return f"{request.scene} has no contact: {Request.contact} stands for every algorithm"
+    try:
+        refused = configured(request.contact, request.settings).supports(_NO_MECHANICS)
+    except ValueError as error:
+        refused = str(error)
+    return f"{request.contact} does not apply: {refused}" if refused else ""
+
+
+def _no_mechanics(u: np.ndarray, memory: object) -> Linearised:
+    raise TypeError("a plan asks an algorithm what it can do, and solves nothing")
+
+
+_NO_MECHANICS = without_contact(_no_mechanics, 0)
+
+
+def solved_rows(rows: list[Row]) -> Iterator[tuple[str, Row]]:
+    """Rows that are solved, by id: one where several ask for the same, with its files if any of them wants them."""
+    found: dict[str, Row] = {}
+    for row in rows:
+        if row.id is not None and (row.id not in found or row.cell.artefacts):
+            found[row.id] = row
+    yield from found.items()

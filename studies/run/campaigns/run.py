@@ -1,0 +1,138 @@
+"""Running a campaign: plan it, solve what is missing, lose nothing, and say how complete it is.
+
+A cell that is in the store is not solved again; one that was stopped, or died, is tried again by every run.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from studies.ask.scene import UsageError
+from studies.output.atomic import SCHEMA, write_json, write_text
+from studies.run.campaigns.file import Campaign
+from studies.run.campaigns.plan import Row, plan, solved_rows
+from studies.run.pool.engine import engine as engine_of
+from studies.run.pool.process import StoreFullError, keeping_what_is_finished
+from studies.run.pool.task import Limits, Task
+from studies.run.store.layout import Archive, DamagedError
+from studies.scenes import SCENES
+from studies.scenes.data import DATA
+from studies.scenes.plugins import used
+from studies.solving.result import CLASSES, CRASH, MEMORY, TIME, UNSUPPORTED, WRONG
+
+FAILURES = (WRONG, TIME, MEMORY, CRASH)
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass
+class Summary:
+    """How a run has ended: cells planned, solved now, their classes; tables that were not made."""
+
+    planned: int
+    solved: int = 0
+    classes: Counter[str] = field(default_factory=Counter)
+    tables: list[str] = field(default_factory=list)
+
+    @property
+    def failed(self) -> list[str]:
+        """What is no finding but a failure: cells refused by the judge, stopped or dead, and tables not made."""
+        counts = {**{name: self.classes[name] for name in FAILURES}, "tables not made": len(self.tables)}
+        return [f"{number} {name}" for name, number in counts.items() if number]
+
+    @property
+    def line(self) -> str:
+        """One line."""
+        counts = ", ".join(f"{self.classes[name]} {name}" for name in CLASSES if self.classes[name])
+        told = f"{self.planned} cells: {counts or 'none'}; {self.solved} solved now"
+        return told + (f"; tables not made: {', '.join(self.tables)}" if self.tables else "")
+
+
+def run(
+    campaign: Campaign,
+    store: Path,
+    engine: str = "serial",
+    limits: Limits = Limits(),  # noqa: B008  frozen
+    progress: Progress = lambda done, planned, label: None,
+    say: Callable[[str], None] = lambda line: None,
+    *,
+    resume: bool = False,
+    fields: bool = False,
+) -> Summary:
+    """Solve what is missing of a campaign. Raises UsageError, and StoreFullError with everything finished kept.
+
+    resume: refuse to begin a campaign that this store does not know.  fields: keep those of every cell, so that
+    another store can recompute what the cells claim; the plan and the identities stay as they are.
+    """
+    archive, work = Archive(store), engine_of(engine)
+    if resume and not archive.index_path(campaign.name).exists():
+        raise UsageError(f"--resume: {store} has no campaign {campaign.name!r} yet; leave --resume out to begin it")
+    rows = plan(campaign)
+    with archive.claimed(), keeping_what_is_finished(store):
+        tasks = _begun(archive, campaign, rows, say, fields=fields)
+        done, summary = len(rows) - len(tasks), Summary(len(rows))
+        progress(done, len(rows), "")
+        for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
+            summary.solved += task.kind == "cell"
+            if task.kind == "table" and ended:
+                summary.tables.append(f"{task.label} ({ended})")
+            progress(min(count + 1, len(rows)), len(rows), task.label)
+    summary.classes = classes(archive, rows)
+    progress(len(rows), len(rows), "done")
+    return summary
+
+
+def classes(archive: Archive, rows: list[Row]) -> Counter[str]:
+    """How many cells have ended how."""
+    found: Counter[str] = Counter()
+    for row in rows:
+        if row.id is None:
+            found[UNSUPPORTED] += 1
+            continue
+        ended = archive.record(row.id) or archive.failure(row.id)
+        found[ended["class"] if ended else "missing"] += 1
+    return found
+
+
+def _begun(
+    archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
+) -> list[Task]:
+    """Write the plan; what is left to do of it. Raises StoreFullError."""
+    use = (*used(), *campaign.use)
+    try:
+        write_plan(archive, campaign, rows)
+        tables = [Task("table", name, use=use) for name in campaign.tables]
+        return [*tables, *_missing(archive, rows, use, say, fields=fields)]
+    except OSError as error:
+        raise StoreFullError(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from None
+
+
+def write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
+    """The index, and what the pages need to know of the scenes; the same bytes for the same campaign."""
+    references = [
+        {"scene": scene, **asdict(reference)} for scene in sorted(SCENES) for reference in SCENES[scene].references
+    ]
+    for table in sorted(DATA.glob("*.csv")):
+        write_text(archive.root / "references" / table.name, table.read_text(encoding="utf-8"))
+    write_json(archive.root / "references.json", {"schema": SCHEMA, "references": references})
+    told = {"schema": SCHEMA, "campaign": campaign.name, "title": campaign.title, "pages": campaign.pages}
+    cells = [row.as_json() for row in rows]
+    write_json(archive.index_path(campaign.name), {**told, "tables": campaign.tables, "cells": cells})
+
+
+def _missing(
+    archive: Archive, rows: list[Row], use: tuple[str, ...], say: Callable[[str], None], *, fields: bool
+) -> list[Task]:
+    """The cells without a record, or without the files that are wanted; a damaged one is set aside."""
+    tasks = []
+    for cell_id, row in solved_rows(rows):
+        cell = replace(row.cell, artefacts=row.cell.artefacts or fields)
+        try:
+            if archive.has(cell_id, files=cell.artefacts):
+                continue
+        except DamagedError as error:
+            say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
+        tasks.append(Task("cell", cell_id, cell, use))
+    return tasks

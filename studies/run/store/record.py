@@ -1,0 +1,25 @@
+"""The record of a cell: solve it, keep its files if they are wanted, and say everything else in one JSON text."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from studies.ask.scene import UsageError
+from studies.output.atomic import SCHEMA, as_text
+from studies.run.campaigns.cell import Cell
+from studies.run.store.schema import as_line
+from studies.solving.result import Result
+from studies.solving.solve import solve
+
+
+def record_of(cell_id: str, cell: Cell, directory: Path | None) -> str:
+    """Solve a cell and tell; a scene that refuses to be built is a record, too. Raises what solving raises."""
+    scene, request = cell.resolved()
+    try:
+        result = solve(scene, request)
+    except UsageError as error:
+        result = Result(request, unsupported=str(error))
+    files = [] if directory is None or result.unsupported else result.write_artefacts(directory)
+    told = result.as_json()
+    told["reason"] = as_line(told["reason"])
+    return as_text({"schema": SCHEMA, "id": cell_id, **told, "files": files})

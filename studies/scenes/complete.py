@@ -1,0 +1,93 @@
+"""From what a user says to a request: every default filled in, every value checked against its range."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from contact.catalogue import ALGORITHMS
+from formulations.shell import NEWTONS
+from formulations.strains.catalogue import MEASURES
+from studies.ask.algorithm_settings import parameters_of, settings_beside, settings_of, without_friction
+from studies.ask.friction_settings import completed, rubbing
+from studies.ask.request import Request, Settings, Value
+from studies.ask.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, UsageError, has_contact
+from studies.scenes import SCENES
+
+MODELS = ("auto", "full")
+LARGEST_MESH = 250_000
+
+
+def complete(
+    scene_name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
+) -> tuple[Scene, Request]:
+    """The scene and the resolved request; raises UsageError with one line.
+
+    given, mesh: text, or Python's values.  options: measure, contact, newton, model, steps.
+    """
+    scene = SCENES.get(scene_name)
+    if scene is None:
+        raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
+    known = {setting.key: setting for setting in (*scene.settings, *settings_beside(scene))}
+    if has_contact(scene):
+        known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
+    for key in given:
+        if key not in known:
+            raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
+    chosen = completed({key: known[key].parse(value) for key, value in given.items()})
+    if rubbing(chosen):
+        known = _with_friction(known, given, options.get("contact", Request.contact))
+    settings = _with_defaults(known, chosen)
+    if isinstance(scene, CompletingScene):
+        settings = scene.complete(settings)
+    request = Request(scene_name, mesh=_mesh(mesh, scene), **options)
+    for name, value, choices in (
+        ("measure", request.measure, MEASURES),
+        ("contact", request.contact, ALGORITHMS),
+        ("newton", request.newton, NEWTONS),
+        ("model", request.model, scene.models if isinstance(scene, SettlingScene) else MODELS),
+    ):
+        if value not in choices:
+            raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
+    if not isinstance(request.steps, int) or not 1 <= request.steps <= 10_000:
+        raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
+    if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
+        raise UsageError("solver 'pardiso' needs the extra mkl: pip install -e '.[mkl]' in the checkout of Footprint")
+    if has_contact(scene) and EPSILON.key not in settings:
+        settings[EPSILON.key] = ALGORITHMS[request.contact]().epsilon
+    request = replace(request, settings=Settings(settings))
+    return scene, scene.settle(request) if isinstance(scene, SettlingScene) else replace(request, model="full")
+
+
+def _with_friction(known: Mapping[str, Setting], given: Mapping[str, object], contact: str) -> dict[str, Setting]:
+    """Those that the algorithm has with friction, too; raises UsageError where another one is given."""
+    lost = without_friction(contact)
+    for key in lost:
+        if key in given:
+            has = ", ".join(each.key for each in parameters_of(contact) if each.key not in lost)
+            raise UsageError(f"{key} = {given[key]}: with friction {contact} has {has} only")
+    return {key: setting for key, setting in known.items() if key not in lost}
+
+
+def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> dict[str, Value]:
+    """Given values, before what a preset stands for, before defaults; the name of a preset is resolved away."""
+    settings = {key: setting.default for key, setting in known.items() if setting.default is not None} | dict(given)
+    for key, setting in known.items():
+        if setting.presets:
+            settings = {**setting.presets[str(settings.pop(key))], **settings}
+    return settings
+
+
+def _mesh(mesh: str | Sequence[int] | None, scene: Scene) -> tuple[int, int]:
+    if mesh is None:
+        return scene.default_mesh
+    text = mesh if isinstance(mesh, str) else "x".join(map(str, mesh)) if isinstance(mesh, Sequence) else repr(mesh)
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise UsageError(f"mesh {text!r} must be N1xN2 with two whole numbers, e.g. 42x40")
+    n1, n2 = (int(part) for part in parts)
+    if min(n1, n2) < 1 or n1 * n2 > LARGEST_MESH:
+        raise UsageError(f"mesh {text!r} must have at least 1 and in all at most {LARGEST_MESH} elements")
+    return n1, n2

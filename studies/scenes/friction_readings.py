@@ -1,0 +1,74 @@
+"""What is read off a state with friction: resultants, and a table of the candidates that touch. Nothing is solved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contact.coulomb import State
+from contact.friction.slip import slip_of
+from contact.problem import ContactProblem, ContactSolution
+from studies.ask.scene import Units
+from studies.output.tables import Table
+
+FRICTION = "friction"  # the table
+FORCES = (
+    "friction_N",
+    "bound_N",
+    "moment_N_mm",
+    "moment_bound_N_mm",
+    "sticking",
+    "slipping",
+    "dissipation_N_mm",
+)
+
+
+def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dict[str, float]:
+    """Resultants over the part that is solved, in the order of :data:`FORCES`.
+
+    friction_N: length of the resultant.  bound_N: sum of mu f.  moment_N_mm: of friction about the normal through the
+    origin of the surface, where the foundation is turned; moment_bound_N_mm: its value if all slip around there, the
+    sum of mu f r.  sticking, slipping: candidates.  dissipation_N_mm: of the path so far.  units: of the problem.
+    """
+    assert problem.surface is not None
+    assert problem.coulomb is not None
+    assert state.friction is not None
+    y, pull = problem.surface.positions(state.u), in_space(problem, state)
+    f = problem.nodal_forces(state.pressure)
+    normal = np.sum(f[:, None] * problem.surface.gradient(y), axis=0)
+    axis = normal / (float(np.linalg.norm(normal)) or 1.0)
+    arm = y - np.outer(y @ axis, axis)
+    bound = problem.coulomb.bound(f)
+    work = units.force * units.length
+    values = (
+        np.linalg.norm(pull.sum(axis=0)) / units.force,
+        bound.sum() / units.force,
+        np.cross(arm, pull).sum(axis=0) @ axis / work,
+        bound @ np.linalg.norm(arm, axis=1) / work,
+        np.sum(state.friction.state == State.STICK),
+        np.sum(state.friction.state == State.SLIP),
+        state.friction.dissipation / work,
+    )
+    return dict(zip(FORCES, map(float, values), strict=True))
+
+
+def in_space(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
+    """Friction (m, 3) [N] of the foundation on each candidate."""
+    slip = slip_of(problem, state.rubbed.since)
+    return np.asarray(np.einsum("mk,mki->mi", state.rubbed.force, slip.directions @ slip.motion.rotation.T))
+
+
+def nodal(problem: ContactProblem, state: ContactSolution, units: Units) -> Table:
+    """The candidates that touch: place, normal force, friction, slip of the last step, area, and whether they stick."""
+    assert problem.surface is not None
+    assert state.friction is not None
+    touch = np.flatnonzero(state.friction.state != State.OPEN)
+    slip = slip_of(problem, state.friction.since)
+    y, way = (each[touch] / units.length for each in (problem.surface.positions(state.u), slip(state.u)))
+    normal, pull = problem.nodal_forces(state.pressure)[touch], in_space(problem, state)[touch] / units.force
+    columns: dict[str, Any] = {"candidate": touch, "normal_N": normal / units.force}
+    columns |= {f"{axis}_mm": y[:, i] for i, axis in enumerate("xyz")}
+    columns |= {f"friction_{axis}_N": pull[:, i] for i, axis in enumerate("xyz")}
+    columns |= {"slip_mm": np.linalg.norm(way, axis=1), "area_mm2": problem.weights[touch] / units.length**2}
+    return Table.of({**columns, "sticks": (state.friction.state[touch] == State.STICK).astype(int)})

@@ -1,0 +1,122 @@
+"""Parts from outside: Python files, named by ``--use`` or by a campaign, and entry points of installed packages.
+
+A file puts its parts into the catalogues when it is imported, a line each, as ours do. An entry point of a group below
+names one part; its name is that of the part. What a part computes does not enter here.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterable, MutableMapping
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any
+
+from contact.catalogue import ALGORITHMS
+from formulations.strains.catalogue import MEASURES
+from studies.ask.scene import UsageError
+from studies.scenes import SCENES
+
+GROUPS: dict[str, MutableMapping[str, Any]] = {
+    "footprint.measures": MEASURES,
+    "footprint.contact": ALGORITHMS,
+    "footprint.scenes": SCENES,
+}
+NEEDED = {  # of a part, beside its name
+    "footprint.measures": ("reference", "rigid_body_law", "kinematics", "strain", "gradient", "contract"),
+    "footprint.contact": ("parameters", "epsilon", "supports", "solve"),
+    "footprint.scenes": ("title", "default_mesh", "settings", "references", "build"),
+}
+_used: list[str] = []  # the files of --use, which worker processes need, too
+_module_of: dict[tuple[str, str], str] = {}  # the module that a part came with, by group and name
+_entered: set[EntryPoint] = set()
+
+
+def load(files: Iterable[str | Path] = ()) -> None:
+    """Put the parts of all entry points and of these files into the catalogues; raises UsageError."""
+    load_entry_points()
+    paths = [Path(file).resolve() for file in files]
+    for path in paths:
+        load_file(path)
+    _used[:] = map(str, paths)
+
+
+def load_entry_points() -> None:
+    """Put the parts of all entry points into the catalogues, each once; raises UsageError."""
+    known = entry_points()  # of all groups: each question reads the names of everything that is installed
+    for group, catalogue in GROUPS.items():
+        for entry in known.select(group=group):
+            if entry not in _entered:
+                _enter(entry, group, catalogue)
+                _entered.add(entry)
+
+
+def used() -> tuple[str, ...]:
+    """The files that :func:`load` was last given."""
+    return tuple(_used)
+
+
+def load_file(path: Path) -> None:
+    """Import one file, whose folder is searched for what it imports; raises UsageError naming it."""
+    package = path.parent if path.name == "__init__.py" else path.with_suffix("")
+    name, folder = package.name, str(package.parent)
+    if not path.is_file():
+        raise UsageError(f"plug-in {path}: no such file")
+    if folder not in sys.path:
+        sys.path.insert(0, folder)
+    before = {group: dict(catalogue) for group, catalogue in GROUPS.items()}
+    try:
+        module = importlib.import_module(name)
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"plug-in {path}: {_line(error)}") from error
+    if Path(str(module.__file__)).resolve() != path:
+        raise UsageError(f"plug-in {path}: the name {name!r} is taken by {module.__file__}; rename the file")
+    for group, catalogue in GROUPS.items():
+        for part in catalogue.keys() - {key for key, known in before[group].items() if catalogue.get(key) is known}:
+            _check(f"plug-in {path}: {part!r} of {group}", group, catalogue[part])
+            _module_of[group, part] = name
+
+
+def modules_of(measure: str, contact: str, scene: str) -> set[str]:
+    """The modules from outside that these parts came with."""
+    asked = zip(GROUPS, (measure, contact, scene), strict=True)
+    return {_module_of[part] for part in asked if part in _module_of}
+
+
+def modules() -> set[str]:
+    """The modules of all parts from outside."""
+    return set(_module_of.values())
+
+
+def _enter(entry: EntryPoint, group: str, catalogue: MutableMapping[str, Any]) -> None:
+    said = f"plug-in {entry.name!r} of {group} ({entry.value})"
+    before = catalogue.get(entry.name)
+    try:
+        part = entry.load()
+    except (Exception, SystemExit) as error:
+        raise UsageError(f"{said}: {_line(error)}") from error
+    name = getattr(part, "name", None)
+    if name != entry.name:
+        raise UsageError(f"{said}: the name of the part is {name!r}")
+    if before is not None and before is not part:
+        raise UsageError(f"{said}: there is another part of this name")
+    _check(said, group, part)
+    catalogue[entry.name] = part
+    _module_of[group, entry.name] = entry.module
+
+
+def _check(said: str, group: str, part: object) -> None:
+    """Raises UsageError for a part that is not complete; an algorithm is a class, and each parameter a field of it."""
+    missing = [name for name in NEEDED[group] if not hasattr(part, name)]
+    if missing:
+        raise UsageError(f"{said}: the part has no {', '.join(missing)}")
+    if group == "footprint.contact":
+        missing = [each.key for each in getattr(part, "parameters", ()) if not hasattr(part, each.key)]
+        if missing or not isinstance(part, type):
+            what = f"no default for {', '.join(missing)}" if missing else "to be a class, not an instance"
+            raise UsageError(f"{said}: the part has {what}")
+
+
+def _line(error: BaseException) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())

@@ -1,0 +1,130 @@
+"""The one walk over the stages of a scene and their requested points; solving and every experiment go along it.
+
+What is recorded of a point, judged or concluded does not enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+from contact.continuation.arc_length import Trace
+from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
+from contact.continuation.starts import Starts, none_known
+from contact.events import Event, EventKind
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.swept import Crossing, crossings_along
+from studies.ask.scene import CurveStage, Stage
+
+
+@dataclass(frozen=True, eq=False)
+class Visited:
+    """A requested point of a stage, or the end of its path before it.
+
+    before: the state that the path came from, in the stage's unknowns.  trace: of a curve by arc length, of which
+    ``point`` is the end.
+    """
+
+    stage: Stage
+    problem_at: Callable[[float], ContactProblem]
+    before: ContactSolution
+    point: PathPoint
+    trace: Trace | None = None
+
+    @cached_property
+    def problem(self) -> ContactProblem:
+        """The problem at the requested point."""
+        return self.problem_at(self.point.requested)
+
+    @cached_property
+    def passed(self) -> list[Crossing]:
+        """Candidates that come here from the point before through the foundation."""
+        if self.problem.standing is None:
+            return []
+        return crossings_along((self.problem_at(t).standing, state.u) for t, state in self.point.way)
+
+    @property
+    def last_accepted(self) -> tuple[ContactProblem, ContactSolution]:
+        """The state of the path before this one, and its problem: what friction counts its slip from.
+
+        The state itself where nothing had to move: the requested point is where the path begins.
+        """
+        t, state = self.point.way[-2:][0]
+        return self.problem_at(t), state
+
+    @property
+    def converged(self) -> bool:
+        """Whether the point was reached."""
+        return self.point.outcome.converged
+
+    @property
+    def state(self) -> ContactSolution:
+        """The solution in the unknowns of the model."""
+        return self.stage.lifted(self.point.solution)
+
+    @property
+    def ends_stage(self) -> bool:
+        """Whether this is the last point of its stage."""
+        return self.point.requested == self.stage.targets[-1]
+
+    @property
+    def said(self) -> str:
+        """The last event of the history: why the path ends where it does not converge."""
+        history = self.point.solution.history
+        return str(history[-1].get("event", "")) if history else ""
+
+
+def no_starts(stage: Stage) -> Starts:
+    """Every step of a stage sets out from the last state of the path."""
+    return none_known
+
+
+def walk(
+    stages: Iterable[Stage],
+    algorithm: ContactAlgorithm,
+    steps: int = 1,
+    *,
+    previous: ContactSolution | None = None,
+    tell: Callable[[str, float], None] = lambda stage, reached: None,
+    smallest: float = SMALLEST,
+    starts: Callable[[Stage], Starts] = no_starts,
+) -> Iterator[Visited]:
+    """Every requested point of every stage, in order; the first that is not converged is the last.
+
+    previous: the state before the first stage, in the unknowns of the model.  A stage whose problem the algorithm does
+    not support is a point with the outcome REFUSED.  steps, smallest: as for :func:`follow`.  starts: of the steps
+    of a stage, from elsewhere.
+    """
+    for stage in stages:
+        problem_at, before = stage.begin(previous)
+        if isinstance(stage, CurveStage):
+            trace = stage.trace((problem_at, before), algorithm, partial(tell, stage.name))
+            last, count = trace.points[-1], len(trace.points) - 1
+            end = replace(last.state, counters=trace.counters, history=tuple(trace.history))
+            point = PathPoint(stage.targets[-1], last.factor, trace.outcome, end, count)
+            visited = Visited(stage, problem_at, before, point, trace)
+            yield visited
+        else:
+            refused = algorithm.supports(problem_at(stage.targets[0]))
+            if refused is not None:
+                said = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
+                yield Visited(stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, said, 0))
+                return
+            for point in follow(
+                problem_at,
+                0.0,
+                stage.targets,
+                algorithm,
+                before,
+                steps,
+                partial(tell, stage.name),
+                smallest,
+                starts(stage),
+            ):
+                visited = Visited(stage, problem_at, before, point)
+                yield visited
+                before = point.solution
+        if not visited.converged:
+            return
+        previous = visited.state

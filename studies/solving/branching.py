@@ -1,0 +1,99 @@
+"""The stable branches beside an unstable result, at the same load: what ``footprint solve --branch`` finds.
+
+What a branch is, and how it is reached, is the business of :mod:`contact.continuation.branches`.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from contact.continuation.branches import Branch, stable_branches
+from contact.solvers.sparse import SingularMatrixError
+from studies.ask.algorithm_settings import configured
+from studies.ask.friction_settings import rubbing
+from studies.ask.request import UsageError
+from studies.ask.scene import moved
+from studies.output.atomic import write_by
+from studies.solving.certificate import certificate
+from studies.solving.result import Result
+
+FORCE = "force_N"
+
+
+def branches_of(result: Result) -> list[dict[str, Any]]:
+    """A row each way along the unstable mode of the last state; none where it is stable.
+
+    side: +1 or -1; found: whether the descent has ended at a stable equilibrium that the judge certifies; said: of it,
+    or why not; what the scene reads off there, with ``change_of_force`` relative to the unstable state, the distance
+    ``away`` over all displacement, and the factorisations spent.  ``files`` of the fields come with :func:`write`.
+    Raises UsageError where there is no state to leave.
+    """
+    visited = result.end
+    if visited is None or not visited.converged or visited.trace is not None:
+        raise UsageError(
+            "--branch needs a converged load: a traced curve, and a path that has ended, have none to leave"
+        )
+    if rubbing(result.request.settings):
+        raise UsageError("--branch needs a potential: friction has none")
+    algorithm = configured(result.request.contact, result.request.settings)
+    try:
+        found = stable_branches(visited.problem, visited.point.solution, algorithm)
+    except (SingularMatrixError, ValueError) as error:
+        raise UsageError(f"--branch: the tangent does not tell its modes: {error}") from None
+    result.branches = [_row(result, branch) for branch in found or ()]
+    result.beside = list(found or ())
+    return result.branches
+
+
+def _row(result: Result, branch: Branch) -> dict[str, Any]:
+    """What there is at the end of a descent."""
+    visited = result.end
+    assert visited is not None
+    row: dict[str, Any] = {
+        "side": branch.sign,
+        "found": branch.found,
+        "said": branch.reason or branch.stability.sentence,
+    }
+    row |= {"away": branch.away, "factorisations": int(branch.solution.counters.get("factorisations", 0))}
+    if not branch.solution.outcome.converged:
+        return row
+    epsilon = configured(result.request.contact, result.request.settings).epsilon
+    told = certificate(visited.problem, branch.solution, epsilon)
+    if told["failures"]:
+        row |= {"found": False, "said": f"the judge finds {', '.join(told['failures'])} beyond its bounds"}
+    seen = visited.stage.observe(visited.problem, branch.solution, visited.point.requested).step or {}
+    row |= {key: value for key, value in seen.items() if isinstance(value, int | float)}
+    here = result.loads[-1].seen.get(FORCE) if result.loads else None
+    if here and FORCE in seen:
+        row["change_of_force"] = seen[FORCE] / here - 1
+    return row
+
+
+def write(result: Result, directory: Path) -> list[str]:
+    """branch_1.vtu and branch_2.vtu: the fields of the stable branches that were found; returns their names."""
+    visited, model = result.end, result.model
+    if visited is None or model is None:
+        return []
+    found = {f"branch_{number}.vtu": branch for number, branch in enumerate(result.beside, 1) if branch.found}
+    for name, branch in found.items():
+        state = visited.stage.lifted(branch.solution)
+        write_by(directory / name, partial(moved(model, visited.point.reached).write_fields, state=state))
+    return list(found)
+
+
+def lines(result: Result) -> list[str]:
+    """What a terminal shows: one line a branch."""
+    if not result.branches:
+        return ["--branch: the last state has no unstable mode: there is no branch to leave for"]
+    told = []
+    for row in result.branches:
+        side = "along" if row["side"] > 0 else "against"
+        force = f", {FORCE} {row[FORCE]:.6g}" if FORCE in row else ""
+        change = f" ({row['change_of_force']:+.3%})" if "change_of_force" in row else ""
+        kind = "stable branch" if row["found"] else "no stable branch"
+        told.append(
+            f"{kind} {side} the unstable mode: {row['said']}{force}{change}; {row['factorisations']} factorisations"
+        )
+    return told

@@ -1,0 +1,172 @@
+"""What has been chosen: verdicts on all variants, trials of algorithms, a recommendation, and what is uncertain.
+
+How it is found does not enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studies.ask.friction_settings import rubbing
+from studies.ask.request import Request
+from studies.output.atomic import write_json
+from studies.output.provenance import provenance
+from studies.output.tables import Table
+from studies.solving.choosing.offers import Offer
+from studies.solving.choosing.trials import NOT_TRIED, Question, Trial, beside
+from studies.solving.choosing.variants import REFERENCE
+from studies.solving.choosing.verdict import NO_MESH, NOT_SETTLED, Verdict
+from studies.solving.refinement.limits import Estimate
+from studies.solving.refinement.nested import touches
+
+CHOICE = "choice.json"
+ANSWERED, NOT_ANSWERED = "answered", "not-converged"
+
+
+@dataclass(eq=False)
+class Choice:
+    """The answer.
+
+    stopped: why the reference has no more grids.  limit: of the reference, the exact measure.  verdicts: measures,
+    options of the element, models, the reference first.  algorithms: from rest, on a coarse mesh and on one that is
+    enough.  offers: what is recommended, the runner-up, further ones.  refused: offers that did not hold from rest.
+    reason: why nothing is recommended.  seconds: of wall time.
+    """
+
+    question: Question
+    request: Request
+    budget: float
+    quantity: str
+    stopped: str = ""
+    limit: Estimate | None = None
+    verdicts: list[Verdict] = field(default_factory=list)
+    algorithms: list[Trial] = field(default_factory=list)
+    offers: list[Offer] = field(default_factory=list)
+    refused: list[Offer] = field(default_factory=list)
+    reason: str = ""
+    seconds: float = 0.0
+
+    @property
+    def recommended(self) -> Offer | None:
+        """The cheapest that is enough, if anything is."""
+        return self.offers[0] if self.offers else None
+
+    @property
+    def runner_up(self) -> Offer | None:
+        """The next one."""
+        return self.offers[1] if len(self.offers) > 1 else None
+
+    @property
+    def variants(self) -> list[dict[str, Any]]:
+        """A row a measure, an option of the element, a model."""
+        return [verdict.row for verdict in self.verdicts]
+
+    @property
+    def grids(self) -> list[dict[str, Any]]:
+        """A row each of their grids."""
+        return [row for verdict in self.verdicts for row in verdict.grids]
+
+    @property
+    def trials(self) -> list[dict[str, Any]]:
+        """A row an algorithm and mesh; agrees: its value with that of the one asked for, to the judge."""
+        return [
+            {
+                "name": each.contact,
+                "mesh": each.mesh,
+                "ended": each.ended,
+                "agrees": each.agrees(beside(each, self.algorithms, self.question.contact)),
+                "value": each.value,
+                "seconds": each.seconds,
+                "newton_iterations": each.iterations,
+                "said": each.said,
+            }
+            for each in self.algorithms
+        ]
+
+    @property
+    def dropped(self) -> list[str]:
+        """What there was no time for."""
+        ladders = [verdict.ladder for verdict in self.verdicts]
+        waiting = [f"{each.variant.axis} {each.variant.name} {each.waits}" for each in ladders if each.waits]
+        algorithms = [f"algorithm {each.contact} {each.mesh}" for each in self.algorithms if each.ended == NOT_TRIED]
+        return [*waiting, *algorithms]
+
+    @property
+    def uncertain(self) -> list[str]:
+        """What this answer does not know, a sentence each."""
+        return list(self._uncertain())
+
+    def _uncertain(self) -> Iterator[str]:
+        percent = f"{100 * self.question.error:g} %"
+        for verdict in self.verdicts:
+            ladder, word = verdict.ladder, verdict.word
+            name, count = f"{ladder.variant.axis} {ladder.variant.name}", len(ladder.paths)
+            if word == NOT_SETTLED:
+                yield f"{name}: whether its limit is within {percent} is not settled on {count} grids"
+            elif word == NO_MESH:
+                yield f"{name}: its limit is within {percent}, but surely none of its {count} grids"
+            elif verdict.first == count - 1:
+                yield f"{name}: finer grids than {ladder.paths[-1].mesh} were not seen, their limit is an estimate"
+        if self.verdicts and touches(self.verdicts[0].ladder.paths[-1].end):
+            values = self.verdicts[0].values
+            steps = 100 * np.abs(np.diff(values[-3:])) / (abs(values[-1]) or 1.0)
+            if len(steps):
+                yield f"the rim of contact jumps from node to node: the last grids differ by {steps.max():.2g} %"
+        if self.stopped:
+            yield f"measure {REFERENCE}: {self.stopped}"
+        if rubbing(self.request.settings):
+            yield "with friction load steps leave an error, too, which is not in these errors"
+        if self.recommended is not None and not self.recommended.holds:
+            yield "there was no time to solve what is recommended from rest"
+        if self.recommended is not None and self.recommended.trial is not None:
+            yield from self.recommended.trial.notes
+            faster = [offer for offer in self.offers if offer.untried and offer.price < self.recommended.price]
+            yield from (
+                f"{offer.words}: foreseen at {offer.seconds:.2g} s, but not solved from rest" for offer in faster
+            )
+        yield from (offer.refusal for offer in self.refused)
+        if self.dropped:
+            yield f"no time within {self.budget:g} s for {len(self.dropped)} things: finer grids or trials, as they say"
+
+    def as_json(self) -> dict[str, Any]:
+        """The content of choice.json."""
+        limit = self.limit
+        return {
+            "scene": self.question.name,
+            "quantity": self.quantity,
+            "error_asked": self.question.error,
+            "budget_s": self.budget,
+            "settings": {**self.request.settings, "steps": self.request.steps},
+            "contact": self.request.contact,
+            "newton": self.request.newton,
+            "model": self.request.model,
+            "outcome": NOT_ANSWERED if self.recommended is None else ANSWERED,
+            "reason": self.reason,
+            "reference": {
+                "measure": self.request.measure,
+                "limit": None if limit is None else limit.limit,
+                "uncertainty": None if limit is None else limit.uncertainty,
+            },
+            "recommended": None if self.recommended is None else self.recommended.data,
+            "runner_up": None if self.runner_up is None else self.runner_up.data,
+            "variants": self.variants,
+            "grids": self.grids,
+            "algorithms": self.trials,
+            "uncertain": self.uncertain,
+            "dropped": self.dropped,
+            "timing_s": {"total": self.seconds},
+            "provenance": provenance(),
+        }
+
+    def write(self, directory: Path, beside: Sequence[str] = ()) -> None:
+        """The tables, and choice.json, which names them and what is ``beside``; each whole, choice.json last."""
+        tables = {name: getattr(self, name) for name in ("variants", "grids")} | {"algorithms": self.trials}
+        kept = {f"{name}.csv": rows for name, rows in tables.items() if rows}
+        for name, rows in kept.items():
+            Table.of_rows(rows).write(directory / name)
+        write_json(directory / CHOICE, self.as_json() | {"files": [*kept, *beside]})

@@ -1,0 +1,166 @@
+"""Which measure, algorithm, element and mesh is enough on a scene, and what it costs, within a budget of wall time.
+
+The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then measures
+on the same grids, algorithms on a grid that is enough, options of the element, models, each with a share of what is
+left; last the cheapest of all that is enough, as its command line asks for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from studies.ask.request import Request
+from studies.ask.scene import has_contact
+from studies.solving.choosing.choice import Choice
+from studies.solving.choosing.clock import Clock
+from studies.solving.choosing.ladder import FAILURES, Ladder, climb_all
+from studies.solving.choosing.offers import Offer, offers_of, recommended
+from studies.solving.choosing.rule import NONE, errors, first_enough
+from studies.solving.choosing.trials import FROM_REST, Question, race
+from studies.solving.choosing.variants import ELEMENT, MEASURE, MODEL, REFERENCE, Variant, variants
+from studies.solving.choosing.verdict import Verdict, judged
+from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade, first_grid
+from studies.solving.refinement.limits import Estimate
+from studies.solving.refinement.nested import element_size, near
+from studies.solving.refinement.point_loads import no_limit
+
+ALGORITHM = "algorithm"
+SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
+OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
+BUDGET = 60.0
+ERROR = "1%"
+CHOOSING = 0.92  # of the budget; the rest is for loading, drawing and writing
+ASIDE = 1.5  # of the seconds foreseen for a solve from rest, kept for it
+DEARER = 2.8  # seconds of the next grid over those of the last, which has half the unknowns
+
+
+def choose(
+    name: str,
+    given: Mapping[str, object],
+    error: float,
+    budget: float = BUDGET,
+    quantity: str | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+    mesh: str | Sequence[int] | None = None,
+    **options: Any,
+) -> Choice:
+    """What is enough for a relative ``error`` of a quantity; without a recommendation where nothing is.
+
+    given, mesh: settings, and the coarsest grid.  budget: seconds of wall time.  quantity: by default the force, or the
+    first that the scene has references for.  options: contact, newton, model, steps.
+    Raises UsageError as :func:`studies.scenes.complete.complete` does, and for a quantity that the scene does not have.
+    """
+    clock = Clock(CHOOSING * budget)
+    scene, request = first_grid(name, given, mesh, measure=REFERENCE, **options)
+    lines = {key: value for key, value in request.settings.items() if key == "grading"}
+    question = Question(name, scene, {**lines, **given}, options, error)
+    cascade = Cascade(scene, error, quantity)
+    with clock.share(OF_REFERENCE):
+        stopped = follow(cascade, request, clock, progress)
+    found = Choice(question, request, budget, quantity or "", stopped)
+    limit = limit_stated(cascade)
+    if isinstance(limit, str):
+        found.reason = limit
+    else:
+        found.quantity, found.limit = cascade.name, limit
+        _compare(found, cascade, limit, clock, progress)
+        if not found.offers:
+            found.reason = f"nothing is surely within {100 * error:g} % on grids up to {cascade.last.mesh}"
+    found.seconds = clock.spent
+    return found
+
+
+def loosened(found: Choice, error: float) -> Choice:
+    """What the same grids say of a larger error; its own recommendation is solved from rest, within the same budget.
+
+    Algorithms are not tried again. Raises ValueError where no limit is known, or the error is smaller.
+    """
+    if found.limit is None or error < found.question.error:
+        least = min(error, found.question.error)
+        raise ValueError(f"of {found.question.name} nothing is known to {100 * least:g} %")
+    question, reference = replace(found.question, error=error), found.verdicts[0].ladder
+    verdicts = [judged(each.ladder, reference, found.limit, found.quantity, error) for each in found.verdicts]
+    clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
+    held = recommended(offers, found.quantity, found.limit, clock, lambda text: None)
+    refused = [offer for offer in offers if not offer.holds and not offer.untried]
+    reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {reference.paths[-1].mesh}"
+    answer = replace(found, question=question, verdicts=verdicts, algorithms=[], reason=reason)
+    answer.offers, answer.refused, answer.seconds = held, refused, clock.spent
+    return answer
+
+
+def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, progress: Callable[[str], None]) -> None:
+    """Measures, algorithms, options of the element and models, what is recommended, and what there is time for then."""
+    question, quantity = found.question, cascade.name
+    reference = Ladder(Variant(MEASURE, REFERENCE, cascade.grids[0].request), cascade.grids)
+    others = [Ladder(each) for each in variants(question.scene, reference.variant.request)]
+
+    def verdict(ladder: Ladder) -> Verdict:
+        return judged(ladder, reference, limit, quantity, question.error)
+
+    def climb(own: Sequence[Ladder]) -> None:
+        limits = lambda ladder: verdict(ladder).limit  # noqa: E731
+        for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
+            progress(text)
+
+    def offers() -> list[Offer]:
+        found.verdicts = [verdict(each) for each in (reference, *others)]
+        return offers_of(question, found.verdicts, found.algorithms)
+
+    path = verdict(reference).enough or cascade.last
+    foreseen = FROM_REST * path.seconds
+    for axis, part in SHARES.items():
+        with clock.share(part, ASIDE * foreseen * clock.wait):
+            if axis != ALGORITHM:
+                climb([each for each in others if each.variant.axis == axis])
+            elif has_contact(question.scene):
+                meshes = reference.paths[0].mesh, path.mesh
+                found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
+    first = offers()
+    found.offers = recommended(first, quantity, limit, clock, progress)
+    found.refused = [offer for offer in first if not offer.holds and not offer.untried]
+    climb(others)
+    known = {offer.words for offer in first}
+    found.offers += [offer for offer in offers() if offer.words not in known]
+
+
+def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> str:
+    """Follow the path on finer and finer grids until one of them is enough; returns why there are no more of them.
+
+    request: on the coarsest grid.  Raises UsageError for a quantity that the scene does not have.
+    """
+    grid: Request | None = request
+    lost, said = 0, ""
+    while grid is not None and lost < FAILURES:
+        text = grid.mesh_text
+        if cascade.grids and not clock.fits(DEARER * cascade.last.seconds):
+            return f"no time for {text}"
+        progress(f"{REFERENCE} {text}")
+        said = f"the path is not followed to its end on {text}"
+        followed = cascade.grow(grid)
+        if not followed and not cascade.grids and element_size(grid) < TOO_FINE * element_size(request):
+            break
+        lost = lost + 1 if cascade.grids and not followed else 0
+        if followed:
+            said = ""
+            cascade.check_quantity()
+            found = cascade.stated()
+            if isinstance(found, Estimate):
+                progress(f"{cascade.name} {found}")
+                if first_enough(errors(cascade.values, found), NONE, cascade.error) is not None:
+                    return ""
+        grid = near(cascade.scene, grid, FINER)
+    return said
+
+
+def limit_stated(cascade: Cascade) -> Estimate | str:
+    """The limit of the exact measure, or why there is none to compare with."""
+    if not cascade.grids:
+        return f"the path of the measure {REFERENCE} is not followed to its end on any grid"
+    limit = cascade.stated()
+    reason = no_limit(cascade.last, cascade.name, cascade.error)
+    if reason or isinstance(limit, Estimate):
+        return reason or limit
+    return f"the limit of {cascade.name} is not known: {limit}"

@@ -1,0 +1,290 @@
+"""A quantity to an error by a cascade of grids: each twice the unknowns of the one before, and started from it.
+
+It ends with the first grid whose interval is narrow enough, or with the last that a budget of seconds allows. A cascade
+that is foreseen to need more than MOST unknowns is left to grids that are cut where the error is
+(:mod:`studies.solving.refinement.error_control`), which pay where something singular decides.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from studies.ask.request import Request
+from studies.ask.scene import RefinedScene, Scene, UsageError
+from studies.scenes import SCENES
+from studies.scenes.complete import complete
+from studies.solving.refinement.error_control import coarsest, default_quantity, solve_to_error
+from studies.solving.refinement.limits import FEW, Estimate, Seen, limit_of
+from studies.solving.refinement.nested import (
+    AdaptedScene,
+    Sketch,
+    element_size,
+    near,
+    quarter,
+    sketch,
+    solve_from,
+    touches,
+    ways,
+)
+from studies.solving.refinement.point_loads import no_limit
+from studies.solving.refinement.records import record_estimate, record_grids, record_loads
+from studies.solving.refinement.trees import Family, parts_of
+from studies.solving.result import Result
+
+FINER = math.sqrt(2)  # elements along a coordinate from grid to grid
+MOST = 100_000  # unknowns of a grid of a cascade
+TIGHT = 1e-2  # of the error asked for: what the iteration on a grid may leave of the forces
+LOOSEST, TIGHTEST = 1e-5, 1e-9
+DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those of the last grid
+ALMOST = 1.2  # of the unknowns of the next grid, up to which it is foreseen to be the last
+SLOW = 1.5  # the lowest order that a cascade is foreseen to have
+TOO_FINE = 0.4  # size of elements over that of the first grid, below which a path that fails is not tried again
+ENOUGH = 2  # grids that show what quantities there are
+STARTS = 2  # first grids from which paths of other measures and elements may start
+
+
+@dataclass
+class Cascade:
+    """Grids of a request, coarse to fine."""
+
+    scene: Scene
+    error: float
+    quantity: str | None
+    grids: list[Sketch] = field(default_factory=list)
+
+    def grow(self, asked: Request) -> bool:
+        """Follow the path on one grid more; False where it does not get there."""
+        loose = min(LOOSEST, max(TIGHTEST, TIGHT * self.error))
+        found = sketch(self.scene, asked, self.grids[-1] if self.grids else None, loose)
+        if found is not None:
+            self.quantity = self.quantity or default_quantity(self.scene, found.quantities)
+            self._append(found)
+        return found is not None
+
+    def solved(self, asked: Request, progress: Callable[[str], None]) -> Result | None:
+        """The judged result on one grid more, from the last one, in place of a sketch; None where it is no answer."""
+        result = solve_from(self.scene, asked, self.last, progress)
+        if not result.outcome.converged:
+            return None
+        self._append(Sketch.of(result))
+        return result
+
+    def _append(self, path: Sketch) -> None:
+        """The states of the first grids stay, where others may start from; those of finer ones until the next."""
+        if len(self.grids) > STARTS:
+            self.grids[-1] = self.grids[-1].values_only
+        self.grids.append(path)
+
+    @property
+    def name(self) -> str:
+        """Of the quantity."""
+        assert self.quantity is not None
+        return self.quantity
+
+    @property
+    def last(self) -> Sketch:
+        """The finest grid."""
+        return self.grids[-1]
+
+    def stated(self) -> Estimate | str:
+        """What all grids so far say of the limit, or why they do not."""
+        return self._limit(self.values)
+
+    @property
+    def values(self) -> list[float]:
+        """Of the quantity, by grid; NaN where one does not have it."""
+        return [each.quantities.get(self.name, math.nan) for each in self.grids]
+
+    def check_quantity(self, most: int = ENOUGH) -> None:
+        """Raise UsageError where more grids than ``most`` do not have the quantity, and none does."""
+        if len(self.grids) > most and not any(self.name in each.quantities for each in self.grids):
+            has = ", ".join(self.last.quantities)
+            raise UsageError(f"{self.scene.name} has no quantity {self.name!r}; it has {has}")
+
+    def at_loads(self) -> list[Estimate | str]:
+        """The same at every requested load; empty where loads do not have the quantity."""
+        rows = [[step.get(self.name) for step in each.loads] for each in self.grids]
+        if any(value is None for row in rows for value in row):
+            return []
+        return [self._limit(values) for values in zip(*rows, strict=True)]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a grid: its unknowns, the value and the CPU seconds of its path."""
+        return [
+            {
+                "quantity": self.name,
+                "mesh": each.mesh,
+                "unknowns": each.unknowns,
+                "value": each.quantities.get(self.name),
+                "seconds": each.seconds,
+            }
+            for each in self.grids
+        ]
+
+    def _limit(self, values: Sequence[float]) -> Estimate | str:
+        seen = [Seen(grid.size, float(value)) for grid, value in zip(self.grids, values, strict=True)]
+        return limit_of(seen, touching=touches(self.last.end))
+
+
+def parse_budget(text: str | None) -> float:
+    """Seconds of "5s" or "5"; raises UsageError unless they are above 0."""
+    if text is None:
+        return math.inf
+    try:
+        value = float(text.removesuffix("s"))
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise UsageError(f"budget {text!r} must be a number of seconds above 0, as 5s")
+    return value
+
+
+def first_grid(
+    name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
+) -> tuple[Scene, Request]:
+    """The scene and its request on the first grid of a cascade, as :func:`studies.scenes.complete.complete`.
+
+    mesh: by default a quarter of that of the scene both ways. Lines that may follow an estimate of the error do, unless
+    their grading is given: errors of contact scatter less on them.
+    """
+    scene = SCENES.get(name)
+    if isinstance(scene, AdaptedScene) and "grading" not in given:
+        with suppress(UsageError):  # where there is no estimate the lines are those of the scene
+            n1, n2 = scene.default_mesh
+            _, request = complete(
+                name, {**given, "grading": "adapted"}, mesh or (n1 // 2 & ~1, n2 // 2 & ~1), **options
+            )
+            return scene.adapted(request), request
+    if scene is None or mesh is not None:
+        return complete(name, given, mesh, **options)
+    found = complete(name, given, quarter(scene), **options)
+    try:
+        scene.build(found[1])
+    except UsageError:  # a scene may take no such mesh
+        return coarsest(name, given, mesh, **options)
+    return found
+
+
+def answer(
+    scene: Scene,
+    request: Request,
+    error: float,
+    quantity: str | None = None,
+    progress: Callable[[str], None] = lambda text: None,
+    budget: float = math.inf,
+) -> tuple[Result, bool]:
+    """The result on the first grid that knows its quantity to a relative ``error``, and whether there is one.
+
+    request: on the coarsest mesh.  quantity: by default the force, or the first that the scene has references for.
+    budget: CPU seconds, beyond which no grid is begun; the best answer in that time is one. The quantities hold
+    the estimate, the table ``refinement`` the grids, ``loads`` what is stated of every load. No limit is stated for
+    what has none under a point load. What a cascade does not get at is left to grids that are cut where the error is,
+    if the scene names no coarsest grid for them. Raises UsageError for a quantity that the scene does not have.
+    """
+    start, cascade = time.process_time(), Cascade(scene, error, quantity)
+    asked: Request | None = request
+    found: Estimate | str = FEW
+    late = False
+    widths: list[tuple[float, float]] = []
+    judged: Result | None = None  # on the last grid
+    while asked is not None and not late:
+        progress(asked.mesh_text)
+        if widths and _more(widths, error, ways(request)) <= ALMOST * FINER ** ways(request):
+            answered = cascade.solved(asked, progress)  # what is foreseen to be the last is solved once
+            if answered is None:
+                break
+            judged = answered
+        elif not cascade.grow(asked) and (cascade.grids or element_size(asked) < TOO_FINE * element_size(request)):
+            break
+        if cascade.grids:
+            cascade.check_quantity()
+            found = cascade.stated()
+            if isinstance(found, Estimate):
+                progress(f"{cascade.name} {found}")
+                widths.append((cascade.last.size, found.uncertainty))
+                if found.uncertainty <= error:
+                    break
+            last, more = cascade.last, _more(widths, error, ways(request))
+            if math.isinf(budget) and last.unknowns * more > MOST:
+                break
+            spent = time.process_time() - start
+            late = spent + DEARER * last.seconds > budget or last.unknowns > MOST
+        asked = near(scene, asked, FINER)
+    known = isinstance(found, Estimate) and (found.uncertainty <= error or late)
+    if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
+        return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress)
+    last = cascade.last
+    if judged is None or judged.request is not last.request:
+        judged = solve_from(scene, last.request, last, progress)
+    result = judged
+    if not result.outcome.converged:
+        return result, False
+    longer = _longer(scene, result, request)
+    if longer is not None:
+        return answer(scene, longer, error, quantity, progress, budget - (time.process_time() - start))
+    return result, _stated(result, cascade, found) and known
+
+
+def _stated(result: Result, cascade: Cascade, found: Estimate | str) -> bool:
+    """Whether a cascade states the error of a judged result on its finest grid, with tables and the reason if not."""
+    name, error = cascade.name, cascade.error
+    record_grids(result, cascade.rows())
+    if name not in result.quantities:
+        cascade.check_quantity(0)
+        result.reason = f"the finest grid has no {name}, though a coarser one has it"
+        return False
+    endless = no_limit(result, name, error)
+    if isinstance(found, str) or endless:
+        result.reason = endless or f"the error of {name} is not known: {found}"
+        return False
+    value, sketched = result.quantities[name], cascade.last.quantities[name]
+    if abs(value - sketched) > max(found.uncertainty, LOOSEST) * max(abs(value), abs(sketched)):
+        result.reason = f"from rest {name} is another than from coarser grids: there are two branches"
+        return False
+    record_estimate(result, name, found, error)
+    record_loads(result, name, cascade.at_loads())
+    if found.uncertainty > error:
+        result.reason = f"{name} is known to {100 * found.uncertainty:.2g} %, not to {100 * error:g} %"
+    return True
+
+
+def _for_cuts(scene: Scene, request: Request) -> Request:
+    """The request on the coarsest grid that the scene names, no coarser than its own."""
+    if not isinstance(scene, RefinedScene):
+        return request
+    n1, n2 = map(max, request.mesh, scene.coarsest_mesh)
+    return replace(request, mesh=(n1, n2))
+
+
+def _more(widths: Sequence[tuple[float, float]], error: float, ways: int) -> float:
+    """How many times the unknowns the error asks for, by the order that intervals (size, width) have shown.
+
+    ways: coordinates that are refined. The order is taken to be SLOW to 2, for it comes with finer grids.
+    """
+    least = FINER**ways
+    if not widths:
+        return least
+    (size, width), order = widths[-1], 2.0
+    if len(widths) > 2:
+        before, wider = widths[-3]
+        order = float(np.clip(math.log(wider / width) / math.log(before / size), SLOW, 2.0))
+    return max(least, (width / error) ** (ways / order))
+
+
+def _longer(scene: Scene, result: Result, request: Request) -> Request | None:
+    """The coarsest request with more elements where those of the result are too long and have modes by themselves."""
+    if max(parts_of(result)) == 1:
+        return None
+    family = Family.of(scene, result.request)
+    shorter = family.shortened(scene, result)
+    if shorter is family:
+        return None
+    n1, n2 = (n * k // m for n, k, m in zip(request.mesh, shorter.request.mesh, result.request.mesh, strict=True))
+    return replace(request, mesh=(n1, n2))

@@ -1,0 +1,165 @@
+"""What a quantity on a ladder of grids says of its limit, and how well. Nothing is solved here.
+
+Bilinear elements converge with the square of their size h. Of two grids with sizes r h and h that says::
+
+    c = (J - J_coarser)/(r^2 - 1),    L = J + c
+
+and of three grids, each about half as coarse as the one before, how well: L is within ::
+
+    u = max(SAFETY |L - L_before|, s |c|, guard)
+
+of the limit; s = 1, or SURE where more than three grids have corrections c that fall as the order 2 has them fall.
+guard: where differences change their sign, the last one; where they grow, SAFETY times the larger one. Where they grow
+and are large there is no statement.
+
+The rim of a patch of contact jumps from node to node: errors scatter about an order of 1 to 2. There L is the mean of
+two limits by least squares on the last four or five grids, J = L_p + c h^p for p = 1 and 2, and ::
+
+    u = max(|L_1 - L_2|/2 + SPREAD s, |J - L|/2),    s: the larger standard error of the two
+
+with weights 1/h of four grids, and 1/h^2 of five, which lean on the finest. On three grids, which are no sample, u is
+that of above with both differences as guard.
+
+The constants were chosen on ladders of grids, against limits of grids four times finer: tyres with dead and follower
+pressure, orthotropic and isotropic, at 5 to 20 mm, on lines that are even or closer in the patch. 89 of 89 intervals of
+their force hold (86 with SPREAD 2), half of them narrower than 2.9 times the error of the last grid; on three grids 343
+of 347 intervals of all their quantities. On tyres with dead and follower pressure, orthotropic and isotropic, and with
+cords at 40 deg, on lines that follow the error up to 80x80, 118 of 120 intervals of four grids hold, and 48 of 48 of
+five; at 80x80 four state 1.2 to 1.7 %, five 0.95 to 1.8 %. Without contact 150 of 151 hold, 138 of 145 with SAFETY = 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from studies.solving.refinement.richardson import correction
+
+SAFETY = 1.5
+SURE = 0.25  # of the last correction, where two of them have shown the order
+SHOWN = (0.7, 1.4)  # of the factor by which the order 2 has corrections fall
+LARGE = 0.1  # of the value, above which growing differences say nothing
+LEAST = 1e-9  # of the value: what the iteration leaves
+FITTED, SPREAD = {4: 1, 5: 2}, 3.0  # grids: power of 1/h in their weights
+ORDERS = (1, 2)  # that errors scatter about in contact
+FEWEST = 3  # grids that state a limit; whose first has often no order yet
+FEW = "fewer than three grids"
+GROWING = "it does not converge on these grids"
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A quantity on a grid whose elements have the size [any unit]."""
+
+    size: float
+    value: float
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """limit: within +-uncertainty; error: of the last grid's value, in [low, high]. All but the limit are relative."""
+
+    limit: float
+    uncertainty: float
+    error: float
+
+    def __str__(self) -> str:
+        return f"{self.limit:.6g} +- {100 * self.uncertainty:.2g} %"
+
+    @property
+    def interval(self) -> dict[str, float]:
+        """low and high: what the limit lies between."""
+        width = self.uncertainty * abs(self.limit)
+        return {"low": self.limit - width, "high": self.limit + width}
+
+    @property
+    def low(self) -> float:
+        """The least that the error of the last grid's value may be."""
+        return max(self.error - self.uncertainty, 0.0)
+
+    @property
+    def high(self) -> float:
+        """The most that it may be."""
+        return self.error + self.uncertainty
+
+
+def three_of(grids: Sequence[Seen]) -> tuple[Seen, Seen, Seen] | None:
+    """The finest, the one nearest to twice its size, and the one nearest to twice that; None without three."""
+    last = len(grids) - 1
+    middle = _twice(grids, last)
+    first = None if middle is None else _twice(grids, middle)
+    return None if middle is None or first is None else (grids[first], grids[middle], grids[last])
+
+
+def _twice(grids: Sequence[Seen], k: int) -> int | None:
+    """The grid before the k-th whose elements are most nearly twice as large."""
+    return min(range(k), key=lambda i: abs(math.log2(grids[i].size / grids[k].size) - 1), default=None)
+
+
+def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str:
+    """What grids, coarse to fine, say of the limit, or why they do not.
+
+    touching: the quantity depends on the rim of a patch of contact.
+    """
+    if touching and len(grids) >= min(FITTED):
+        return _fitted(grids[-max(FITTED) :])
+    found = three_of(grids)
+    if found is None:
+        return FEW
+    first, middle, last = found
+    before, now = middle.value - first.value, last.value - middle.value
+    if not (math.isfinite(before) and math.isfinite(now)) or abs(now) > max(abs(before), LARGE * abs(last.value)):
+        return GROWING
+    corrections = [
+        correction((coarse.size, fine.size), (coarse.value, fine.value))
+        for coarse, fine in ((first, middle), (middle, last))
+    ]
+    limit, known_before = last.value + corrections[1], middle.value + corrections[0]
+    falls = corrections[0] / (corrections[1] or math.inf) / (middle.size / last.size) ** 2
+    sure = len(grids) > FEWEST and SHOWN[0] <= falls <= SHOWN[1] and not touching
+    guard = max(abs(before), abs(now)) if touching else 0.0
+    if before * now <= 0:
+        guard = max(guard, abs(now))
+    if abs(now) > abs(before):
+        guard = max(guard, SAFETY * abs(now))
+    within = max(SAFETY * abs(limit - known_before), (SURE if sure else 1.0) * abs(corrections[1]), guard)
+    return _estimate(last.value, limit, within)
+
+
+def order_of(grids: Sequence[Seen]) -> float | None:
+    """p of J = L + c h^p through three grids, each half as coarse as the one before; None where differences grow."""
+    found = three_of(grids)
+    if found is None:
+        return None
+    first, middle, last = found
+    before, now = middle.value - first.value, last.value - middle.value
+    if not abs(before) > abs(now) or before * now <= 0:
+        return None
+    return math.log(before / now) / math.log(middle.size / last.size)
+
+
+def _fitted(grids: Sequence[Seen]) -> Estimate | str:
+    sizes, values = (np.array(each, float) for each in zip(*((g.size, g.value) for g in grids), strict=True))
+    if not np.isfinite(values).all():
+        return GROWING
+    h = sizes / sizes[-1]
+    limits, errors = np.transpose([_least_squares(h**order, values, h ** -FITTED[len(grids)]) for order in ORDERS])
+    limit = float(limits.mean())
+    within = float(np.ptp(limits)) / 2 + SPREAD * float(errors.max())
+    return _estimate(float(values[-1]), limit, max(within, abs(values[-1] - limit) / 2))
+
+
+def _least_squares(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+    """a of y = a + b x, and its standard error."""
+    A = np.stack([np.ones_like(x), x], axis=1) * weight[:, None]
+    (a, b), *_ = np.linalg.lstsq(A, weight * y, rcond=None)
+    scatter = np.sum((weight * (a + b * x - y)) ** 2) / (len(x) - 2)
+    return float(a), float(np.sqrt(scatter * np.linalg.inv(A.T @ A)[0, 0]))
+
+
+def _estimate(value: float, limit: float, within: float) -> Estimate:
+    scale = abs(limit) or math.ulp(0.0)
+    return Estimate(limit, max(within, LEAST * abs(value)) / scale, abs(value - limit) / scale)

@@ -1,0 +1,218 @@
+"""What a plain solve says of the error of its mesh: the same path on two coarser grids, from which it sets out, too.
+
+Every quantity has an interval for its limit (:mod:`studies.solving.refinement.limits`), or a reason why there is none.
+Both coarser grids have half the elements of the next along each coordinate: what is said holds of grids that are fine
+enough to have an order, and so none is coarser than a quarter of the mesh of the scene. No grid is made finer here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from studies.ask.request import Request
+from studies.ask.scene import Scene
+from studies.output.tables import Table
+from studies.solving.refinement.limits import Estimate, Seen, limit_of, order_of
+from studies.solving.refinement.nested import (
+    FEWEST,
+    AdaptedScene,
+    Sketch,
+    element_size,
+    near,
+    quarter,
+    sketch,
+    solve_from,
+    touches,
+    ways,
+)
+from studies.solving.refinement.point_loads import HALVINGS, growth
+from studies.solving.result import SOLVED, Result
+from studies.solving.step import COUNTS, unit_of
+
+TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the table, and two times
+NESTED, COLD = "nested", "cold"
+STARTS = (NESTED, COLD)
+TWICE = 2  # grids below that of the request
+GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly, and of the factorisation
+NOISE = 1e-7  # of the largest quantity in a unit: what is smaller is 0
+POINT_LOAD = "it grows by {:.2g} % with every halving of the elements under a point load"
+NO_GRIDS = "not known: grids of half and a quarter of the elements need {} or more"
+FAILED = "not known: {} does not reach the last load"
+
+
+@dataclass(frozen=True)
+class MeshError:
+    """A quantity, at a requested load or of the whole path, and what the grids say of its limit.
+
+    load: 0 for the first; None of the whole path.  order: that the three grids show; None where they show none.
+    """
+
+    load: int | None
+    quantity: str
+    value: float
+    limit: Estimate | str
+    order: float | None = None
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """As plain data."""
+        named = {"load": self.load, "quantity": self.quantity, "value": self.value, "order": self.order}
+        if isinstance(self.limit, str):
+            return {**named, "limit": None, "low": None, "high": None, "error": None, "unknown": self.limit}
+        known = self.limit
+        return {**named, "limit": known.limit, **known.interval, "error": known.error, "unknown": None}
+
+
+def solve_with_error(
+    scene: Scene,
+    request: Request,
+    progress: Callable[[str], None] = lambda text: None,
+    *,
+    start: str = NESTED,
+    error: bool = True,
+) -> Result:
+    """The result on the grid of the request: ``errors`` of its quantities, the table :data:`TABLE`, and two times.
+
+    start: ``nested`` from the path on the coarser grids, or ``cold`` from rest.  error: False leaves it out, and with
+    ``cold`` no coarser grid is solved. The answer is the same. timing: CPU seconds of the coarser grids, and those that
+    elements of half the size are foreseen to take. Raises PartError where a part from outside breaks.
+    """
+    if start == COLD and not error:
+        return solve_from(scene, request, None, progress)
+    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
+        scene = scene.adapted(request)  # once for all grids
+    asked = coarser_grids(scene, request)
+    grids = list[Sketch]()
+    for each in reversed(asked):
+        progress(each.mesh_text)
+        found = sketch(scene, each, grids[-1] if grids else None)
+        if found is not None:
+            grids.append(found)
+    known = grids[-1] if grids and start == NESTED else None
+    result = solve_from(scene, request, known, progress)
+    if error and result.verdict in SOLVED:
+        _state(result, grids, _too_few(scene, asked, grids))
+    return result
+
+
+def coarser_grids(scene: Scene, request: Request) -> list[Request]:
+    """Of half the elements and of half those, as far as there are such grids of that shape; fine to coarse."""
+    found = list[Request]()
+    least = [min(n, q) for n, q in zip(request.mesh, quarter(scene), strict=True)]
+    while len(found) < TWICE and not request.leaves:
+        half = near(scene, found[-1] if found else request, 0.5)
+        if half is None or any(n < m for n, m in zip(half.mesh, least, strict=True)):
+            break
+        found.append(half)
+    return found
+
+
+def enough(scene: Scene) -> tuple[int, int]:
+    """The coarsest mesh that has grids of half and of a quarter of its elements; the finer ones have them, too."""
+    n1, n2 = scene.default_mesh
+    q1, q2 = (max(q, FEWEST) * 2**TWICE for q in quarter(scene))
+    return 1 if n1 == 1 else q1, 1 if n2 == 1 else q2
+
+
+def _too_few(scene: Scene, asked: Sequence[Request], grids: Sequence[Sketch]) -> str:
+    """Why the error is not known; empty where it may be."""
+    if len(asked) < TWICE:
+        return NO_GRIDS.format("{}x{}".format(*enough(scene)))
+    missing = [each for each in asked if each not in [grid.request for grid in grids]]
+    return FAILED.format(" and ".join(each.mesh_text for each in reversed(missing))) if missing else ""
+
+
+def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:
+    """What the grids say, into the result."""
+    if grids:
+        result.timing[COARSER] = sum(each.seconds for each in grids)
+        result.timing[HALF_SIZE] = result.timing["cpu"] * _growth(result, grids[-1])
+    if too_few:
+        result.remarks.append(f"the error of the mesh is {too_few}")
+        return
+    found = list(_stated(result, grids))
+    result.tables[TABLE] = [Table.of_rows([each.row for each in found])]
+    headline = {each.quantity: each.limit for each in found if each.quantity in result.quantities}  # the last counts
+    result.errors |= {name: each.interval for name, each in headline.items() if isinstance(each, Estimate)}
+
+
+def _stated(result: Result, grids: Sequence[Sketch]) -> Iterator[MeshError]:
+    """At every requested load, then of the whole path."""
+    judge, steps = _Judge.of(result, grids), list[Mapping[str, Any]]()
+    if all(len(each.loads) == len(result.loads) for each in grids):
+        steps = [step.quantities for step in result.loads]
+    for index, seen in enumerate(steps):
+        for name in _compared(seen):
+            last = index == len(steps) - 1
+            yield judge.of_values(index, name, [*(each.loads[index].get(name) for each in grids), seen[name]], last)
+    for name in _compared(result.quantities):
+        if not steps or name not in steps[-1]:
+            values = [*(each.quantities.get(name) for each in grids), result.quantities[name]]
+            yield judge.of_values(None, name, values, True)
+
+
+def _compared(quantities: Mapping[str, Any]) -> list[str]:
+    """Those that have a limit, counts and what is none but for rounding left out."""
+    values = {k: v for k, v in quantities.items() if k not in COUNTS and isinstance(v, float) and math.isfinite(v)}
+    largest = {unit: max(abs(v) for k, v in values.items() if unit_of(k) == unit) for unit in map(unit_of, values)}
+    return [name for name, value in values.items() if abs(value) > NOISE * largest[unit_of(name)]]
+
+
+@dataclass(frozen=True)
+class _Judge:
+    """The sizes of the elements of all grids, whether the rim of a patch decides, and what grows under a point load."""
+
+    sizes: Sequence[float]
+    touching: bool
+    growth: Callable[[str], float]
+
+    @classmethod
+    def of(cls, result: Result, grids: Sequence[Sketch]) -> _Judge:
+        sizes = [*(each.size for each in grids), element_size(result.request)]
+        return cls(sizes, touches(grids[-1].end), partial(growth, result))
+
+    def of_values(self, load: int | None, name: str, values: Sequence[Any], last: bool) -> MeshError:
+        """last: the state that can be asked how it grows under a point load."""
+        if not all(isinstance(value, float) and math.isfinite(value) for value in values):
+            return MeshError(load, name, values[-1], "a coarser grid does not have it")
+        seen = [Seen(size, value) for size, value in zip(self.sizes, values, strict=True)]
+        limit = limit_of(seen, touching=self.touching)
+        if isinstance(limit, Estimate) and last:
+            grown = self.growth(name)
+            if HALVINGS * grown > limit.high * abs(limit.limit):
+                limit = POINT_LOAD.format(100 * grown / abs(values[-1]))
+        return MeshError(load, name, values[-1], limit, order_of(seen))
+
+
+def _growth(result: Result, half: Sketch) -> float:
+    """How many times the seconds elements of half the size take, from what the last halving has taken."""
+    more = float(2 ** ways(result.request))
+    return min(max(result.timing["cpu"] / half.seconds, more ** GROWS[0]), more ** GROWS[1])
+
+
+def lines(result: Result) -> list[str]:
+    """For people: the limit of every quantity at the last load, and what half the size costs."""
+    said = list[str]()
+    if TABLE in result.tables:
+        rows = {row["quantity"]: row for row in result.table(TABLE).rows()}  # the last load counts
+        unknown = dict[str, list[str]]()
+        for name, row in rows.items():
+            if row["unknown"] is not None:
+                unknown.setdefault(row["unknown"], []).append(name)
+            else:
+                said.append(_line(row))
+        said += [f"limit not known, {why}: {', '.join(names)}" for why, names in unknown.items()]
+    if HALF_SIZE in result.timing:
+        said.append(f"elements of half the size would take about {result.timing[HALF_SIZE]:.2g} s")
+    return said
+
+
+def _line(row: Mapping[str, Any]) -> str:
+    width = 100 * (row["high"] - row["low"]) / 2 / abs(row["limit"])
+    order = "" if row["order"] is None else f", order {row['order']:.2g}"
+    head = f"{row['quantity']} {row['value']:.6g}: limit {row['limit']:.6g} +- {width:.2g} %"
+    return f"{head}, error {100 * row['error']:.2g} %{order}"

@@ -1,0 +1,119 @@
+"""Ladders of meshes: every one is nested in the next, and closer lines are where they are asked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import KDTree
+
+from studies.ask.scene import UsageError
+from studies.run.campaigns.ladder_cells import LADDERS
+from studies.scenes.closed_forms.beams_on_planes import lifted_strip, strip_contact
+from studies.scenes.contact.base import rim_lines
+from studies.scenes.element import spaced_lines, tree_over
+from studies.scenes.ladders import Ladder
+from studies.solving.solve import resolve
+
+SAME = 1e-12
+BUILT = 1500  # elements, of a mesh that is built in a test
+
+
+def sides(mesh: str) -> tuple[int, int]:
+    n1, n2 = mesh.split("x")
+    return int(n1), int(n2)
+
+
+def nodes(ladder: Ladder, mesh: str) -> np.ndarray:
+    """(N, 2): those of the grid that is solved on."""
+    scene, request = resolve(ladder.scene, ladder.settings, mesh, measure=ladder.measure, model="full")
+    return np.asarray(scene.build(request).shell.discretisation.grid.nodes)
+
+
+@pytest.mark.parametrize("ladder", LADDERS, ids=[ladder.name for ladder in LADDERS])
+def test_every_mesh_is_nested_in_the_next(ladder: Ladder) -> None:
+    """All nodes of a mesh are nodes of the next one, which halves its elements, in one direction or in both."""
+    built = {mesh: nodes(ladder, mesh) for mesh in ladder.meshes if math.prod(sides(mesh)) <= BUILT}
+    for coarse, fine in zip(ladder.meshes[:-1], ladder.meshes[1:], strict=True):
+        (n1, n2), (m1, m2) = sides(coarse), sides(fine)
+        assert m1 == 2 * n1
+        assert m2 in (n2, 2 * n2)
+        if fine in built:
+            few, many = built[coarse], built[fine]
+            extent = np.ptp(many, axis=0)
+            apart, _ = KDTree(many / extent).query(few / extent, p=math.inf)
+            assert apart.max() <= SAME
+
+
+def test_a_ladder_has_three_meshes_with_every_element() -> None:
+    for ladder in LADDERS:
+        assert len(ladder.climbed(finest=True)) >= 3
+        assert len(ladder.climbed(finest=False)) >= 3
+        assert set(ladder.causes) <= set(ladder.quantities)
+
+
+@pytest.mark.parametrize(("to_start", "to_end"), [(False, False), (True, False), (False, True), (True, True)])
+def test_lines_get_closer_where_they_are_asked_to(to_start: bool, to_end: bool) -> None:
+    """By the slope of the map at the ends, 0 where lines gather: the last element is of second order there."""
+    n = 64
+    lines = spaced_lines(2.0, 5.0, n, to_start, to_end)
+    assert (lines[0], lines[-1]) == (2.0, 5.0)
+    size = np.diff(lines) * n / 3.0
+    second = np.pi**2 / (4 * n) if to_start and to_end else np.pi**2 / (8 * n)
+    for closer, end in ((to_start, size[0]), (to_end, size[-1])):
+        assert end == pytest.approx(second, rel=1e-3) if closer else end >= 1 - SAME
+    assert np.all(np.abs(np.diff(size)) <= 0.08)  # smooth: no element jumps in size
+    assert spaced_lines(2.0, 5.0, 2 * n, to_start, to_end)[::2] == pytest.approx(lines, abs=SAME)
+
+
+@pytest.mark.parametrize("n", [16, 20, 24, 28, 30])
+@pytest.mark.parametrize("rim", [0.01, 0.2797, 0.5, 0.57, 0.999])
+def test_lines_with_a_rim_are_nested(n: int, rim: float) -> None:
+    coarse, fine, finest = (rim_lines(k * n, (0.0, 1.0), rim) for k in (1, 2, 4))
+    assert np.any(coarse == rim)
+    assert len(coarse) == n + 1
+    assert fine[::2] == pytest.approx(coarse, abs=SAME)
+    assert finest[::2] == pytest.approx(fine, abs=SAME)
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "rim"),
+    [
+        ("strip-contact", {"lam_over_a": "0.2", "load_fraction": "2,5"}, 100 * strip_contact(120, 0.2).free_length),
+        ("strip-contact", {"lam_over_a": "0.001", "load_fraction": "5"}, 100 * (72 / 120) ** 0.25),
+        ("heavy-strip", {"load_fraction": "1"}, 100 * lifted_strip(0.2)[0]),
+        ("heavy-strip", {"load_fraction": "0.0625"}, 50 * lifted_strip(0.4)[0]),  # lengths go with its fourth root
+    ],
+)
+def test_the_rim_is_where_the_closed_form_has_it_at_the_last_load(scene, settings, rim) -> None:
+    ladder = Ladder("", (), (), "linear", settings | {"lines": "rim"}, scene=scene)
+    assert np.min(np.abs(nodes(ladder, "16x1")[:, 0] - rim)) <= 100 * SAME
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings"),
+    [
+        ("strip-contact", {"load_fraction": "0.5"}),
+        ("ring", {"delta_mm": "10"}),
+        ("plate-contact", {"load_fraction": "1"}),
+    ],
+)
+def test_where_nothing_has_a_rim_its_lines_are_refused(scene, settings) -> None:
+    found, request = resolve(scene, settings | {"lines": "rim"}, "16x16")
+    with pytest.raises(UsageError, match="needs a rim of contact"):
+        found.build(request)
+
+
+@pytest.mark.parametrize("scene", ["strip-contact", "heavy-strip", "plate-contact", "ring"])
+@pytest.mark.parametrize("lines", ["even", "rim"])
+def test_lines_of_contact_scenes_are_refined_as_asked(scene: str, lines: str) -> None:
+    """All elements cut once: the mesh of twice as many along the strip."""
+    at = {"delta_mm": "50"} if scene == "ring" else {"load_fraction": "1" if scene == "heavy-strip" else "5"}
+    asked, twice = ("16x16", "32x32") if scene == "ring" else ("16x1", "32x1")
+    found, request = resolve(scene, at | {"lines": lines}, asked, measure="exact" if scene == "ring" else "linear")
+    tree = tree_over(request, np.arange(request.mesh[0] + 1.0), np.arange(request.mesh[1] + 1.0)).everywhere()
+    grid = found.build(replace(request, leaves=tuple(map(tuple, tree.leaves.tolist())))).shell.discretisation.grid
+    wanted = nodes(Ladder("", (), (), request.measure, at | {"lines": lines}, scene=scene), twice)
+    assert np.sort(grid.nodes, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-9)

@@ -1,0 +1,63 @@
+"""What is looked at in a store before pages are made of it."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from studies.ask.scene import UsageError
+from studies.run.store import layout
+from studies.run.store.layout import check_store
+
+ROW = {"label": "a", "id": "a", "scene": "panel"}
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Path:
+    """A plan of one cell, a record of no plan that is none, and a table."""
+    for path, text in (
+        ("campaigns/one.json", json.dumps({"campaign": "one", "cells": [ROW]})),
+        ("cells/a.json", json.dumps({"reason": "converged"})),
+        ("cells/b.json", "{"),
+        ("tables/t.csv", "a,b\n1,2\n"),
+    ):
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text)
+    return tmp_path
+
+
+def test_what_is_missing_or_asked_for_by_no_plan_is_passed_over(store: Path) -> None:
+    check_store(store)
+    check_store(store, "one")
+    check_store(store / "nowhere")
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "says"),
+    [
+        ("cells/a.json", '{"reason": 1}', "reason = 1 must be a text"),
+        ("cells/a.json", "[]", "expected a record"),
+        ("failures/a.json", "[" * 100_000, "nests deeper"),
+        ("campaigns/one.json", '{"cells": [{"id": "../x"}]}', "must be a name"),
+        ("references.json", '{"references": 1}', "must be a list"),
+    ],
+)
+def test_values_are_of_their_types(store: Path, path: str, text: str, says: str) -> None:
+    (store / path).parent.mkdir(exist_ok=True)
+    (store / path).write_text(text)
+    with pytest.raises(UsageError, match=says) as caught:
+        check_store(store)
+    assert str(store / path) in str(caught.value)
+
+
+def test_tables_are_files_within_bounds(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(layout, "MOST", 3)
+    with pytest.raises(UsageError, match="more than 3 values"):
+        check_store(store)
+    (store / "tables" / "t.csv").unlink()
+    os.mkfifo(store / "tables" / "u.csv")
+    with pytest.raises(UsageError, match="no regular file"):
+        check_store(store)

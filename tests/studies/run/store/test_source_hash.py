@@ -1,0 +1,177 @@
+"""The import closure that identities are made of, on a copy of our sources that a test may edit."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import pytest
+
+from studies.commands.tables import TABLES
+from studies.run.campaigns import plan
+from studies.run.campaigns.cell import Cell
+from studies.run.campaigns.plan import SOLVERS, identity
+from studies.run.store.source_hash import BESIDE_A_CELL, FRICTION, PACKAGES, ROOT, closure, hashed, sources_hash
+
+TYRE = (*SOLVERS, "studies.scenes.tyre.scene", "contact.algorithms.lcp")
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Path:
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("file", "matters"),
+    [
+        ("formulations/element/mixed.py", True),
+        ("formulations/strains/__init__.py", True),
+        ("contact/newton/step.py", True),
+        ("contact/algorithms/lcp.py", True),
+        ("contact/algorithms/qp.py", False),
+        ("contact/catalogue.py", False),
+        ("studies/solving/solve.py", True),
+        ("studies/scenes/tyre/scene.py", True),
+        ("studies/scenes/tyre/press.py", True),
+        ("studies/scenes/element.py", True),
+        ("studies/scenes/benchmarks/hemisphere.py", False),
+        ("studies/scenes/__init__.py", False),
+        ("studies/run/campaigns/run.py", False),
+        ("studies/run/campaigns/report_cells.py", False),
+        ("studies/experiments/epsilon.py", False),
+        ("studies/cli.py", False),
+        ("studies/scenes/complete.py", False),
+        ("studies/output/provenance.py", False),
+    ],
+)
+def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path, file: str, matters: bool) -> None:
+    before = sources_hash(TYRE, copied, without=BESIDE_A_CELL)
+    assert before == sources_hash(TYRE, ROOT, without=BESIDE_A_CELL)  # of the sources, not of where they lie
+    path = copied / file
+    path.write_text(path.read_text(encoding="utf-8") + "\nEDITED = True\n", encoding="utf-8")
+    second = copied.rename(copied.with_name(f"{copied.name}-edited"))  # sources are read once from a place
+    assert (sources_hash(TYRE, second, without=BESIDE_A_CELL) != before) == matters
+
+
+def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With it they decide; without it nothing of theirs is called, but for what tells that there is none."""
+    asked: list[set[str]] = []
+
+    def seen(modules, root=ROOT, *, without=()):
+        asked.append(closure(modules, root, without=without))
+        return ""
+
+    monkeypatch.setattr(plan, "sources_hash", seen)
+    for mu in ("0", "0.3"):
+        identity(Cell("a", "strip-contact", {"mesh": "4x1"}, {"mu": mu}))
+    smooth, rubbed = asked
+    rubs = {name for name in rubbed if any(fnmatchcase(name, each) for each in FRICTION)}
+    assert rubs > {"contact.friction.run", "studies.solving.friction.stages"}
+    assert not smooth & rubs
+    code = "import sys; from studies.solving.solve import resolve, solve; import studies.run.store.record\n"
+    code += "called = set()\n"
+    code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
+    code += "solve(*resolve('strip-contact', {}, '4x1')); sys.setprofile(None); print(*filter(None, called))"
+    called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "contact.newton.loop" in called
+    assert set(called) & rubs <= {"contact.coulomb", "studies.solving.friction", "studies.ask.friction_settings"}
+
+
+@pytest.mark.parametrize(("scene", "files"), [("cantilever", 80), ("strip-contact", 85)])
+def test_a_cell_is_made_of_few_files(scene: str, files: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every one that is hashed makes all cells anew when it is edited."""
+    asked: list[dict[str, str]] = []
+
+    def seen(modules, *, without):
+        asked.append(hashed(modules, without=without))
+        return ""
+
+    monkeypatch.setattr(plan, "sources_hash", seen)
+    identity(Cell("a", scene, {"mesh": "4x1"}))
+    assert len(asked[0]) <= files
+
+
+def test_what_is_imported_for_annotations_decides_nothing(tmp_path: Path) -> None:
+    """Nor do packages that state nothing; without the future import annotations are evaluated."""
+    future = "from __future__ import annotations\n"
+    for name, text in {
+        "__init__": '"""Nothing but words."""\n' + future,
+        "a": future + "from studies.b import B, make\nfrom studies.c import C\nfrom studies.d import D\n"
+        "def f(b: B, c: C | None) -> D:\n    return D(make(b))\n",
+        "b": "B, make = 1, 2",
+        "c": "C = 1",
+        "d": "from studies.e import E\ndef D(e: E): pass",
+        "e": "E = 1",
+    }.items():
+        path = tmp_path / "studies" / f"{name}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    assert list(hashed(["studies.a"], tmp_path)) == [f"studies.{name}" for name in "abde"]
+
+
+def test_comments_and_docstrings_decide_nothing(tmp_path: Path) -> None:
+    """And everything else does, a text among the statements, too."""
+
+    def hashed(name: str, text: str) -> str:
+        path = tmp_path / name / "studies" / "a.py"
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
+        return sources_hash(["studies.a"], tmp_path / name)
+
+    plain = hashed("plain", 'def f(x):\n    y = 2 * x\n    return "y", y\n')
+    said = '"""A module."""\n\n# why\ndef f(x):\n    """Twice."""\n    y = (2 * x)  # 2\n\n    return "y", y\n'
+    assert hashed("said", said) == plain
+    assert hashed("text", 'def f(x):\n    y = 2 * x\n    return "z", y\n') != plain
+    assert hashed("number", 'def f(x):\n    y = 3 * x\n    return "y", y\n') != plain
+    assert hashed("alone", 'def f(x):\n    """Nothing else."""\n') == hashed("empty", "def f(x):\n    pass\n")
+
+
+def test_data_that_a_module_names_beside_it_decide(tmp_path: Path) -> None:
+    def hashed(name: str, data: str) -> str:
+        path = tmp_path / name / "studies" / "a.py"
+        path.parent.mkdir(parents=True)
+        path.write_text('from pathlib import Path\ntext = Path(__file__).with_name("a.txt").read_text()\n')
+        path.with_name("a.txt").write_text(data)
+        path.with_name("b.txt").write_text(name)
+        return sources_hash(["studies.a"], tmp_path / name)
+
+    assert hashed("one", "1") == hashed("same", "1") != hashed("other", "2")
+
+
+def test_a_table_depends_on_the_scenes_that_it_solves() -> None:
+    modules = closure([TABLES["epsilon"].__module__])
+    assert {"studies.experiments.epsilon", "studies.scenes.tyre.scene", "contact.newton.step"} <= modules
+    assert not {"studies.cli", "studies.run.campaigns.run", "studies.experiments.locking"} & modules
+
+
+def test_imports_are_followed_wherever_they_stand(tmp_path: Path) -> None:
+    for name, text in {
+        "__init__": "",
+        "a": "def f():\n    from studies import b",
+        "b": "if 0:\n    import studies.c, numpy",
+        "c": "from studies.d import name",
+        "d": "name = {'of a catalogue': 'studies.e'}",
+        "e": "",
+        "f": "",
+    }.items():
+        path = tmp_path / "studies" / f"{name}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    assert closure(["studies.a"], tmp_path) == {"studies", *(f"studies.{name}" for name in "abcde")}
+    assert closure(["studies.a"], tmp_path, without=("studies.c",)) == {"studies", "studies.a", "studies.b"}
+
+
+def test_identity_follows_what_decides_the_result() -> None:
+    base = Cell("a", "cantilever", {"mesh": "4x1"})
+    assert identity(base) == identity(Cell("another label", "cantilever", {"mesh": "4x1"}, artefacts=False))
+    others = [
+        Cell("a", "cantilever", {"mesh": "8x1"}),
+        Cell("a", "cantilever", {"mesh": "4x1"}, {"load_fraction": "1"}),
+        Cell("a", "cantilever", {"mesh": "4x1"}, {"tolerance": "1e-8"}),
+    ]
+    assert len({identity(cell) for cell in (base, *others)}) == len(others) + 1

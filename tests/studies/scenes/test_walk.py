@@ -1,0 +1,68 @@
+"""The walk over stages and requested points: what it visits, in which unknowns, and where it ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact.algorithms.qp import Qp
+from contact.algorithms.semismooth import Semismooth
+from contact.problem import Outcome
+from studies.ask.scene import SceneModel
+from studies.experiments.extremes.maps import CONVERGED, attempt
+from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import complete
+from studies.scenes.walk import walk
+
+TYRE = {"delta_mm": "2,4", "element": "paper"}
+
+
+def tyre(**settings: str) -> SceneModel:
+    scene, request = complete("tyre", {**TYRE, **settings}, "8x8", model="full")
+    return scene.build(request)
+
+
+def test_every_requested_point_of_every_stage_is_visited() -> None:
+    model, told = tyre(), []
+    visited = list(walk(model.stages(), Semismooth(), 2, tell=lambda stage, at: told.append((stage, at))))
+    assert [(each.stage.name, each.point.requested) for each in visited] == [
+        ("inflation", 1.0),
+        ("press", 2.0),
+        ("press", 4.0),
+    ]
+    assert [each.ends_stage for each in visited] == [True, False, True]
+    assert all(each.converged for each in visited)
+    assert all(each.state.u.shape == (model.n_unknowns,) for each in visited)
+    np.testing.assert_array_equal(visited[2].before.u, visited[1].point.solution.u)
+    assert told == [("inflation", 0.5), ("inflation", 1.0), *(("press", float(at)) for at in (1, 2, 3, 4))]
+
+
+def test_a_walk_goes_on_from_a_state() -> None:
+    whole = list(walk(tyre().stages(), Semismooth()))
+    inflation, press = tyre().stages()
+    *_, inflated = walk([inflation], Semismooth())
+    *_, last = walk([press], Semismooth(), previous=inflated.state)
+    np.testing.assert_allclose(last.state.u, whole[-1].state.u, rtol=1e-12, atol=1e-14)
+
+
+def test_a_failure_is_the_last_point() -> None:
+    visited = list(walk(tyre().stages(), Semismooth(max_iterations=1), smallest=0.6))
+    assert len(visited) == 1
+    assert not visited[0].converged
+    assert visited[0].said
+
+
+def test_a_refusal_is_a_point_with_a_reason() -> None:
+    visited = list(walk(tyre(section="nonsymmetric").stages(), Qp()))
+    assert visited[-1].point.outcome is Outcome.REFUSED
+    assert "no energy to minimise" in visited[-1].said
+
+
+@pytest.mark.parametrize("newton", ["mixed", "plain"])
+def test_a_point_of_a_map_is_solved_to_the_tolerance_that_it_asks_for(newton: str) -> None:
+    loose, tight = (
+        attempt(Cell("point", "panel", {"mesh": "4x4", "newton": newton}, {"tolerance": tolerance}))
+        for tolerance in ("1e-2", "1e-12")
+    )
+    assert loose.kind == tight.kind == CONVERGED
+    assert loose.iterations < tight.iterations

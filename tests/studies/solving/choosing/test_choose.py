@@ -1,0 +1,178 @@
+"""Choosing on small scenes: what is recommended holds on finer grids, what is off is named, and budgets are kept."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from pathlib import Path
+
+import pytest
+
+from studies import choose as choose_in_notebook
+from studies.ask.scene import UsageError
+from studies.cli import INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE, main
+from studies.scenes.complete import complete
+from studies.solving.choosing import choose as choosing
+from studies.solving.choosing.choice import ANSWERED, NOT_ANSWERED
+from studies.solving.choosing.choose import choose, loosened
+from studies.solving.choosing.clock import Clock
+from studies.solving.choosing.verdict import ENOUGH, NOT_ENOUGH, WORDS
+from studies.solving.solve import solve
+
+PLUGIN = Path(__file__).parents[3] / "plugin" / "stranger.py"
+RING = ["ring", "--set", "delta_mm=50"]
+
+
+@pytest.fixture(scope="module")
+def ring(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The answer on a ring, as files."""
+    out = tmp_path_factory.mktemp("ring")
+    assert main(["choose", *RING, "--error", "2%", "--out", str(out)]) == OK
+    return out
+
+
+def told(out: Path) -> dict:
+    return json.loads((out / "choice.json").read_text())
+
+
+@pytest.mark.slow
+def test_what_is_recommended_is_within_the_error_of_a_closed_form(ring: Path, tmp_path: Path) -> None:
+    """The elastica, whose P R²/EI is 5.74216 at R/2, higher than that of this wall by 2.4e-4."""
+    found = told(ring)
+    words = shlex.split(found["recommended"]["command"])
+    assert words[:3] == ["footprint", "solve", "ring"]
+    assert main([*words[1:-1], str(tmp_path)]) == OK
+    value = json.loads((tmp_path / "result.json").read_text())["quantities"]["P_R2_over_EI"]
+    assert value == pytest.approx(5.74216, rel=0.02)
+    assert found["reference"]["limit"] == pytest.approx(5.74216, rel=found["reference"]["uncertainty"] + 3e-4)
+
+
+@pytest.mark.slow
+def test_a_classical_measure_is_off_in_the_limit_as_on_a_fine_grid(ring: Path) -> None:
+    rows = {row["name"]: row for row in told(ring)["variants"]}
+    for name in ("donnell", "thin-green-lagrange"):
+        fine = {
+            measure: solve(*complete("ring", {"delta_mm": "50"}, "1x256", measure=measure)).quantities["P_R2_over_EI"]
+            for measure in (name, "exact")
+        }
+        off = fine[name] / fine["exact"] - 1
+        assert rows[name]["formulation_error"] == pytest.approx(off, abs=rows[name]["within"])
+        assert (rows[name]["verdict"], rows[name]["mesh"]) == (NOT_ENOUGH, None)
+
+
+@pytest.mark.slow
+def test_the_files_of_an_answer(ring: Path) -> None:
+    found = told(ring)
+    assert found["outcome"] == ANSWERED
+    keys = {"scene", "quantity", "error_asked", "budget_s", "settings", "reference", "recommended", "runner_up"}
+    assert keys <= {*found}
+    assert {row["verdict"] for row in found["variants"]} <= {*WORDS}
+    assert found["variants"][0]["name"] == "exact"
+    enough = [row for row in found["variants"] if row["verdict"] == ENOUGH]
+    for row in enough:
+        own = [grid for grid in found["grids"] if (grid["axis"], grid["name"]) == (row["axis"], row["name"])]
+        meshes = [grid["mesh"] for grid in own]
+        rest = own[meshes.index(row["mesh"]) :]
+        assert all(grid["error_at_most"] <= 0.02 for grid in rest)
+        before = own[: meshes.index(row["mesh"])][-1:]
+        assert all(grid["error_at_most"] > 0.02 for grid in before)
+    by_name = {row["name"]: row for row in found["algorithms"] if row["mesh"] != "1x16"}
+    assert by_name["lcp"]["agrees"]
+    assert {*found["files"]} == {path.relative_to(ring).as_posix() for path in ring.rglob("*") if path.is_file()} - {
+        "choice.json"
+    }
+    for name in ("measures", "elements"):
+        drawn = (ring / "figures" / f"{name}.svg").read_text()
+        assert drawn.startswith("<?xml")
+
+
+def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A clock of its own: every look at it is a minute, beside which a slow machine's seconds are few."""
+    looks = []
+
+    def now() -> float:
+        looks.append(None)
+        return 60.0 * len(looks)
+
+    monkeypatch.setattr(choosing, "Clock", lambda budget: Clock(budget, now, lambda: 60.0 * len(looks)))
+    found = choose("ring", {"delta_mm": "50"}, 0.05, 1500.0)
+    assert found.limit is not None
+    assert found.dropped
+    assert any("no time" in sentence for sentence in found.uncertain)
+    spent = choose("ring", {"delta_mm": "50"}, 0.01, 1e-3)
+    assert spent.recommended is None
+    assert spent.as_json()["outcome"] == NOT_ANSWERED
+    assert "fewer than three grids" in spent.reason
+    for known, error in ((spent, 0.05), (found, 0.01)):
+        with pytest.raises(ValueError, match="of ring nothing is known to 1 %"):
+            loosened(known, error)
+
+
+@pytest.mark.slow
+def test_a_point_load_has_no_limit() -> None:
+    """It grows by ln 2/(2 pi S) with every halving; an interval that is narrow on each ladder of grids would lie."""
+    found = choose("pinched-cylinder", {}, 0.005, 10.0, mesh="4x4")
+    assert (found.recommended, found.limit) == (None, None)
+    assert "has no limit in a theory with shear under a point load: it grows by 0.1" in found.reason
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["no-such-scene"], "must be one of"),
+        (["ring", "--error", "0"], "must be a part of the quantity in"),
+        (["ring", "--budget", "-1s"], "seconds above 0"),
+        (["ring", "--set", "delta_mm=-3"], "delta_mm"),
+        (["ring", "--set", "thickness=3"], "has no setting 'thickness'"),
+        (["ring", "--contact", "magic"], "must be one of"),
+        (["ring", "--mesh", "big"], "N1xN2"),
+        ([*RING, "--of", "weight_N"], "has no quantity 'weight_N'; it has P_R2_over_EI"),
+    ],
+)
+def test_wrong_use_is_one_line_and_writes_nothing(words, says, tmp_path, capsys) -> None:
+    out = tmp_path / "out"
+    given = words if "--error" in words else [*words, "--error", "1%"]
+    assert main(["choose", *given, "--out", str(out)]) == WRONG_USE
+    (line,) = capsys.readouterr().err.splitlines()
+    assert says in line
+    assert not out.exists()
+
+
+def test_what_is_interrupted_writes_nothing(tmp_path, capsys, monkeypatch) -> None:
+    def interrupted(*asked, **more):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(choosing, "_compare", interrupted)
+    out = tmp_path / "out"
+    assert main(["choose", *RING, "--error", "5%", "--out", str(out)]) == INTERRUPTED
+    assert "nothing is written" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_nothing_that_is_enough_is_not_converged(tmp_path, capsys) -> None:
+    assert main(["choose", *RING, "--error", "1%", "--budget", "0.01s", "--out", str(tmp_path)]) == NOT_CONVERGED
+    assert capsys.readouterr().out.splitlines()[-1].startswith("no recommendation: ")
+    found = told(tmp_path)
+    assert (found["outcome"], found["recommended"], found["variants"]) == (NOT_ANSWERED, None, [])
+
+
+@pytest.mark.slow
+def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
+    words = ["choose", "pressed-arch", "--error", "3%", "--use", str(PLUGIN), "--out", str(tmp_path)]
+    assert main(words) == OK
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("  footprint solve pressed-arch --mesh 1x") for line in lines)
+    names = [row["name"] for row in told(tmp_path)["variants"]]
+    assert "no-drilling" in names
+
+
+@pytest.mark.slow
+def test_a_notebook_has_tables(tmp_path: Path) -> None:
+    found = choose_in_notebook("ring", "5%", budget=2.0, delta_mm=50)
+    assert {"name", "formulation_error", "within", "mesh"} <= {*found.variants.columns}
+    assert found.recommended is not None
+    assert found.recommended["error_at_most"] <= 0.05
+    found.write(tmp_path)
+    assert told(tmp_path)["scene"] == "ring"
+    with pytest.raises(UsageError, match="error"):
+        choose_in_notebook("ring", 7.0)

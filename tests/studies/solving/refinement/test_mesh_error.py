@@ -1,0 +1,180 @@
+"""What a plain solve says of the error of its mesh: against finer grids, and where it has nothing to say."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from studies.ask.request import Request
+from studies.ask.scene import Scene
+from studies.cli import main
+from studies.scenes.complete import complete
+from studies.solving.refinement import mesh_error
+from studies.solving.refinement.limits import Seen, order_of
+from studies.solving.refinement.mesh_error import COLD, HALF_SIZE, TABLE, coarser_grids, solve_with_error
+from studies.solving.refinement.nested import sketch
+from studies.solving.result import Result
+from studies.solving.solve import solve
+
+
+def stated(scene: str, mesh: str | None = None, settings: dict[str, str] | None = None, **options: str) -> Result:
+    return solve_with_error(*complete(scene, settings or {}, mesh, **options))
+
+
+@pytest.mark.parametrize(
+    ("scene", "mesh", "finer", "settings"),
+    [
+        ("ring", "1x64", ("1x96", "1x192"), {"delta_mm": "45"}),
+        ("plate-contact", "64x1", ("128x1", "256x1"), {"load_fraction": "7"}),
+        ("manufactured", "16x16", ("24x24", "48x48"), {}),
+        ("cantilever", "16x1", ("64x1", "128x1"), {}),
+        ("hemisphere", "16x16", ("24x24", "48x48"), {"load_fraction": "0.5"}),
+    ],
+)
+def test_the_limit_lies_in_the_interval(
+    scene: str, mesh: str, finer: tuple[str, str], settings: dict[str, str]
+) -> None:
+    """The limit of two finer grids of twice the elements from one to the next, of the order 2."""
+    seen = stated(scene, mesh, settings)
+    before, last = (solve(*complete(scene, settings, each)).quantities for each in finer)
+    assert seen.errors
+    for name, interval in seen.errors.items():
+        limit = (4 * last[name] - before[name]) / 3
+        assert interval["low"] < limit < interval["high"], name
+
+
+def test_the_answer_is_the_same_from_rest_and_without_an_error() -> None:
+    asked = complete("tyre", {"delta_mm": "5,10"}, "40x40")
+    nested, cold = solve_with_error(*asked), solve_with_error(*asked, start=COLD, error=False)
+    assert nested.quantities == pytest.approx(cold.quantities, rel=1e-7, abs=1e-9)
+    assert nested.verdict == cold.verdict == "converged"
+    assert nested.errors
+    assert TABLE in nested.tables
+    assert not cold.errors
+    assert TABLE not in cold.tables
+    assert HALF_SIZE not in cold.timing
+
+
+def test_every_load_has_its_error() -> None:
+    result = stated("ring", "1x64")
+    rows = list(result.table(TABLE).rows())
+    assert [row["load"] for row in rows if row["quantity"] == "P_R2_over_EI"] == [0, 1, 2]
+    for row in rows:
+        assert row["low"] < row["limit"] < row["high"]
+        value = result.loads[row["load"]].quantities[row["quantity"]]
+        assert row["value"] == value
+        assert row["error"] == pytest.approx(abs(value / row["limit"] - 1))
+    assert not {row["quantity"] for row in rows} & {"contact_nodes"}  # a count has no limit
+
+
+def test_the_work_on_elements_of_half_the_size_is_foreseen() -> None:
+    result = stated("cantilever", "64x1")
+    finer = stated("cantilever", "128x1")
+    assert 0.3 < result.timing[HALF_SIZE] / finer.timing["cpu"] < 4
+
+
+@pytest.mark.parametrize(
+    ("scene", "mesh", "coarser"),
+    [
+        ("tyre", "42x40", [(20, 20), (10, 10)]),
+        ("tyre", "20x20", [(10, 10)]),
+        ("tyre", "10x10", []),
+        ("ring", "1x64", [(1, 32), (1, 16)]),
+    ],
+)
+def test_coarser_grids_are_no_coarser_than_a_quarter_of_the_mesh_of_the_scene(scene: str, mesh: str, coarser) -> None:
+    assert [each.mesh for each in coarser_grids(*complete(scene, {}, mesh))] == coarser
+
+
+def test_fewer_grids_state_nothing_and_say_which_do() -> None:
+    result = stated("tyre", "20x20", {"delta_mm": "5"})
+    assert not result.errors
+    assert TABLE not in result.tables
+    assert result.notes[-1] == (
+        "the error of the mesh is not known: grids of half and a quarter of the elements need 40x40 or more"
+    )
+
+
+def test_a_coarser_grid_that_does_not_carry_the_load_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(scene: Scene, request: Request, coarser=None):
+        return None if request.mesh == (1, 16) else sketch(scene, request, coarser)
+
+    monkeypatch.setattr(mesh_error, "sketch", fails)
+    result = stated("ring", "1x64")
+    assert not result.errors
+    assert "the error of the mesh is not known: 1x16 does not reach the last load" in result.notes
+
+
+def test_a_deflection_under_a_point_load_has_no_limit() -> None:
+    """It grows with every halving in a theory with shear; what is left without the growth converges."""
+    result = stated("roof-a", "16x16", {"until": "limit"})
+    rows = {row["quantity"]: row for row in result.table(TABLE).rows()}
+    assert "under a point load" in rows["w_C_mm"]["unknown"]
+    assert "w_C_mm" not in result.errors
+    assert "w_C_even_mm" in result.errors
+    assert any(line.startswith("limit not known, it grows by") for line in mesh_error.lines(result))
+
+
+def test_with_friction_the_interval_is_that_of_grids_and_of_load_steps() -> None:
+    from studies.solving.friction import load_steps
+
+    result = stated("heavy-strip", "64x1", {"mu": "0.2"})
+    grids = dict(result.errors["friction_N"])
+    load_steps.estimate(result)
+    both, steps = result.errors["friction_N"], {r["quantity"]: r for r in result.table(load_steps.TABLE).rows()}
+    width = steps["friction_N"]["high"] - steps["friction_N"]["value"]
+    assert width > 0
+    assert both == pytest.approx({"low": grids["low"] - width, "high": grids["high"] + width})
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 3.5])
+def test_the_order_that_grids_show(order: float) -> None:
+    sizes = np.array([4.0, 2.0, 1.0])
+    assert order_of([Seen(h, 3.0 + h**order) for h in sizes]) == pytest.approx(order)
+
+
+@pytest.mark.parametrize("values", [(1.0, 2.0, 3.1), (1.0, 2.0, 1.5), (1.0, 1.0, 1.0)])
+def test_grids_that_grow_apart_or_turn_show_no_order(values: tuple[float, ...]) -> None:
+    assert order_of([Seen(h, value) for h, value in zip((4, 2, 1), values, strict=True)]) is None
+
+
+def test_two_grids_show_no_order() -> None:
+    assert order_of([Seen(2, 1.0), Seen(1, 1.5)]) is None
+
+
+def test_the_command_prints_and_stores_it(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "ring", "--mesh", "1x64", "--out", str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "P_R2_over_EI" in said
+    assert ": limit " in said
+    assert "elements of half the size would take about" in said
+    written = json.loads((tmp_path / "result.json").read_text())
+    low, high = (written["errors"]["P_R2_over_EI"][end] for end in ("low", "high"))
+    assert low < written["quantities"]["P_R2_over_EI"] < high
+    assert math.isfinite(written["timing_s"]["half_size"])
+    assert (tmp_path / "mesh_error.csv").exists()
+
+
+def test_the_command_leaves_it_out(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "ring", "--mesh", "1x64", "--no-error", "--out", str(tmp_path)]) == 0
+    assert "limit" not in capsys.readouterr().out.split("converged:")[1]
+    assert "errors" not in json.loads((tmp_path / "result.json").read_text())
+
+
+def test_the_command_starts_cold(tmp_path) -> None:
+    def spent(start: str) -> int:
+        asked = ["solve", "hemisphere", "--set", "load_fraction=1", "--mesh", "32x32", "--start", start]
+        assert main([*asked, "--out", str(tmp_path)]) == 0
+        return json.loads((tmp_path / "result.json").read_text())["counters"]["newton_iterations"]
+
+    assert spent("nested") < 0.7 * spent("cold")
+
+
+@pytest.mark.parametrize("scene", ["panel", "tyre", "ring", "plate-contact"])
+def test_the_mesh_that_is_named_has_two_coarser_ones(scene: str) -> None:
+    asked = complete(scene, {})
+    named = mesh_error.enough(asked[0])
+    assert len(coarser_grids(*complete(scene, {}, named))) == 2

@@ -1,0 +1,133 @@
+"""Orders, limits and verdicts of sequences of meshes whose law is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from studies.solving.refinement.richardson import MeshSequence, correction, limit_of, order_against, order_of
+
+SIZES = (1.0, 0.5, 0.25)
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 3.5])
+def test_orders_against_the_limit_and_correction_of_a_power_law(order: float) -> None:
+    f = [7.0 + 0.3 * h**order for h in SIZES]
+    assert order_against(SIZES[:2], f[:2], 7.0) == pytest.approx(order, abs=1e-10)
+    assert f[-1] + correction(SIZES, f, order) == pytest.approx(7.0, abs=1e-12)
+    assert order_against((0.6, 0.5), [7.0 + 0.3 * h**order for h in (0.6, 0.5)], 7.0) == pytest.approx(order, abs=1e-10)
+
+
+def test_orders_that_mean_nothing_are_not_given() -> None:
+    assert math.isnan(order_against((1, 0.5), (1.2, 0.9), 1.0))  # the error changes its sign
+    assert math.isnan(order_against((1, 0.5), (1.2, 1.01), 1.0, noise=0.05))  # below the error of the reference
+    assert math.isnan(order_of(SIZES, (1.0, 2.0, 1.5)))
+    assert math.isnan(order_of(SIZES, (1.0, 2.0, 2.0)))
+    assert math.isnan(order_of(SIZES, (1.0, 2.0, 4.0)))  # diverges
+    assert math.isnan(order_of(SIZES, (1.0, 2.0, math.nan)))
+    assert math.isnan(order_of(SIZES, (1.0, 1 + 2e-6, 1 + 3e-6)))  # nothing but what Newton leaves
+
+
+def power_law(order: float, sizes: tuple[float, ...], limit: float = 7.0, c: float = 0.3) -> MeshSequence:
+    return MeshSequence(sizes, tuple(limit + c * h**order for h in sizes))
+
+
+@pytest.mark.parametrize("sizes", [(1.0, 0.5, 0.25), (1.0, 2 / 3, 1 / 3), (1.0, 0.6, 0.5)])
+@pytest.mark.parametrize("order", [0.5, 1.0, 1.8, 2.0, 4.0])
+def test_order_and_limit_through_meshes_of_any_sizes(order: float, sizes: tuple[float, ...]) -> None:
+    s = power_law(order, sizes)
+    assert order_of(s.sizes, s.values) == pytest.approx(order, rel=1e-8)
+    assert s.limit == pytest.approx(7.0, rel=1e-10)
+    assert s.asymptotic == (order in (1.8, 2.0))
+    assert s.uncertainty == pytest.approx((1.25 if s.asymptotic else 3) * 0.3 * sizes[-1] ** order, rel=1e-6)
+
+
+def test_order_is_that_of_the_last_three_meshes() -> None:
+    """A fourth-order error that leads on coarse meshes and a second-order one that is left."""
+    sizes = (1.0, 0.5, 0.25, 0.125, 0.0625)
+    s = MeshSequence(sizes, tuple(7 + 10 * h**4 + h**2 for h in sizes))
+    first, second, third = s.orders
+    assert 4 > first > second > third > 2
+    assert MeshSequence(sizes[:4], s.values[:4]).verdict == "not asymptotic: the orders differ"
+    fine = MeshSequence(sizes, tuple(7 + 1e-6 * value for value in s.values))
+    assert fine.verdict == "same on every mesh"
+    assert fine.limit == fine.values[-1]
+
+
+VERDICTS = {
+    "asymptotic": power_law(1.4, (1, 0.5, 0.25, 0.125)).values,
+    "not asymptotic: no order": (1.0, 2.0, 1.5, 1.8),
+    "not asymptotic: no order before the last": (2.0, 1.0, 1.5, 1.6),
+    "not asymptotic: the orders differ": (0.0, 4.0, 5.0, 5.5),
+    "same on the last three meshes": (1.1, 1.0 + 1e-6, 1.0, 1.0 + 4e-6),
+    "same on every mesh": (1.0, 1.0 + 1e-7, 1.0, 1.0),
+    "not solved on every mesh": (1.0, math.nan, 1.2, 1.25),
+}
+
+
+@pytest.mark.parametrize(("verdict", "values"), VERDICTS.items(), ids=list(VERDICTS))
+def test_verdicts_of_four_meshes(verdict: str, values: tuple[float, ...]) -> None:
+    s = MeshSequence((1.0, 0.5, 0.25, 0.125), values)
+    assert s.verdict == verdict
+    assert s.asymptotic is (verdict == "asymptotic" or verdict.startswith("same"))
+
+
+def test_three_meshes_are_held_against_the_order_of_the_element() -> None:
+    sizes = (1.0, 0.5, 0.25)
+    assert power_law(2.2, sizes).verdict == "asymptotic"
+    assert power_law(1.4, sizes).verdict == "not asymptotic: one order, not 2"
+
+
+def test_scatter_has_no_asymptotic_range() -> None:
+    """Values that only scatter about a limit: monotone by chance in 1 of 12 cases, with two equal orders far less."""
+    scatter = np.random.default_rng(14).uniform(0.99, 1.01, (2000, 4))
+    found = [MeshSequence((1, 0.5, 0.25, 0.125), tuple(values)).asymptotic for values in scatter.tolist()]
+    assert 0 < np.mean(found) < 0.02
+
+
+def test_a_rim_that_jumps_between_lines_spoils_the_order() -> None:
+    """h^2 (1 + a (s - 1/2)), s the place of a rim in its element: even grids keep an order by luck, nested ones do."""
+    sizes = tuple(1 / n for n in (16, 32, 64, 128))
+
+    def share(a: float) -> float:
+        places = np.linspace(0.5, 0.9, 401)[:, None]
+        values = 1 + np.square(sizes) * (1 + a * (places / np.array(sizes) % 1 - 0.5))
+        return float(np.mean([MeshSequence(sizes, tuple(each)).asymptotic for each in values.tolist()]))
+
+    assert share(0.0) == 1
+    assert share(0.1) > 0.9
+    assert share(2.0) < 0.3
+
+
+def test_a_logarithm_has_no_limit_and_is_not_taken_for_one() -> None:
+    """A point load on a shell with shear: the order falls for ever, and without the logarithm it is the rest's."""
+    sizes = tuple(2.0**-i for i in range(4, 8))
+    with_it = MeshSequence(sizes, tuple(10 - h**2 - 0.02 * math.log(h) for h in sizes))
+    without = MeshSequence(sizes, tuple(v + 0.02 * math.log(h) for h, v in zip(sizes, with_it.values, strict=True)))
+    assert not with_it.asymptotic
+    assert without.verdict == "asymptotic"
+    assert without.limit == pytest.approx(10, abs=1e-9)
+
+
+def test_uncertainty_of_the_limit_is_larger_outside_the_asymptotic_range() -> None:
+    good, poor = power_law(2.0, (1.0, 0.5, 0.25)), power_law(1.0, (1.0, 0.5, 0.25))
+    assert good.uncertainty == pytest.approx(1.25 * abs(good.values[-1] - 7.0))
+    assert poor.uncertainty == pytest.approx(3.0 * abs(poor.values[-1] - 7.0))
+    assert math.isnan(power_law(0.1, (1.0, 0.5, 0.25)).limit)  # too slow to be extrapolated
+    assert math.isnan(MeshSequence((1.0, 0.5, 0.25), (1.0, 2.0, 1.5)).uncertainty)
+
+
+def test_a_limit_is_there_for_every_sequence_and_says_what_the_sequence_says() -> None:
+    """Without an order the finest value stands for it, and three times what the last meshes are apart."""
+    for values in VERDICTS.values():
+        if not any(map(math.isnan, values)):
+            sequence, found = MeshSequence((1.0, 0.5, 0.25, 0.125), values), limit_of((1.0, 0.5, 0.25, 0.125), values)
+            assert found.asymptotic is sequence.asymptotic
+            if math.isnan(sequence.limit):
+                assert (found.value, found.uncertainty) == (values[-1], 3 * (max(values[-3:]) - min(values[-3:])))
+            else:
+                assert (found.value, found.uncertainty) == (sequence.limit, sequence.uncertainty)
+    with pytest.raises(ValueError, match="a limit takes three"):
+        limit_of((1, 0.5), (1.0, 1.0))
