@@ -29,6 +29,7 @@ BESIDE_A_CELL = (
 )
 FRICTION = (  # what only a cell with friction executes
     *("contact.coulomb", "contact.friction", "contact.friction.*"),
+    *("studies.ask.friction_settings", "studies.scenes.friction_readings"),
     *("studies.solving.friction", "studies.solving.friction.*"),
 )
 
