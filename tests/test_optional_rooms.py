@@ -13,7 +13,14 @@ ROOT = Path(__file__).parents[1]
 OURS = ("formulations", "contact", "studies", "reports")
 WITHOUT = (
     *("studies.arena", "studies.bench", "studies.exchange", "studies.experiments", "studies.analysis"),
-    *("studies.fuzz", "studies.gate", "studies.run.pool", "studies.run.campaigns", "studies.solving.friction", "reports"),
+    *(
+        "studies.fuzz",
+        "studies.gate",
+        "studies.run.pool",
+        "studies.run.campaigns",
+        "studies.solving.friction",
+        "reports",
+    ),
 )
 MOST = 150  # modules of ours
 SOLVED = """

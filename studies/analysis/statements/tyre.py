@@ -27,7 +27,11 @@ def force_known(work_precision: pd.DataFrame, tyre_budget: pd.DataFrame) -> Iter
             key = name.split()[0].replace("-", "_")
             values |= {key: float(own["change"]), f"{key}_known": float(own["within"])}
             said.append(f"{words} changes it by {{{key}:+.1%}} ± {{{key}_known:.1%}}")
+    values |= {
+        "total": sum(float(values[name.split()[0].replace("-", "_")]) for name in CHANGES if name in changes.index)
+    }
     text += f"; that is the error of the mesh alone: {', '.join(said)}" if said else ""
+    text += ", {total:+.0%} if all are added: the model decides, not the mesh" if len(said) > 1 else ""
     text += ". Beyond 14.5 mm short waves beside the patch cost no energy: finer grids may leave this path."
     scope = "dead load, mid-surface area, exact measure; a follower load or a solid has another force"
     yield Statement("force-known", "cost", text, values, len(work_precision), scope)
