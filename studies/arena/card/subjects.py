@@ -82,7 +82,7 @@ def _of_file(path: Path) -> list[Subject]:
 
 
 def _check(path: Path, subject: Subject) -> None:
-    """Raises UsageError for an entry that is not what its catalogue holds; the open door has checked the others."""
+    """Raises UsageError for an entry that is not what its catalogue holds; who loads a file has checked the others."""
     if subject.kind == SOLVER and not isinstance(SOLVERS[subject.name], Solver):
         raise UsageError(f"plug-in {path}: {subject.name!r} of SOLVERS must be a studies.arena.solvers.base.Solver")
     if subject.kind == SOLVER:

@@ -1,4 +1,4 @@
-"""Contact algorithms that are not in the catalogue and enter through the open door, a file each.
+"""Contact algorithms that are not in the catalogue and enter by ``--use``, a file each.
 
 ``footprint solve tyre --use studies/arena/entries/barrier.py --contact barrier``: see :mod:`studies.scenes.plugins`.
 Nothing of the suite imports them; :mod:`studies.arena.entries.entry` has what they share. Each comes near the answer in
