@@ -286,7 +286,7 @@ def test_nothing_reads_the_clock_of_the_wall() -> None:
     packages = ("contact", "formulations", "reports", "studies")
     paths = [path for package in packages for path in (ROOT / package).rglob("*.py")]
     assert len(paths) > 200
-    dated = ROOT / "studies" / "store" / "provenance.py"
+    dated = ROOT / "studies" / "output" / "provenance.py"
     assert [path for path in paths if path != dated and WALL.search(path.read_text(encoding="utf-8"))] == []
     assert WALL.search("began = time.time()")
     assert not WALL.search("time.monotonic(), time.process_time(), datetime.date.today()")
