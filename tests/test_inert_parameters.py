@@ -66,6 +66,6 @@ def test_a_parameter_counts_where_the_others_are_the_same() -> None:
 @pytest.mark.slow
 def test_parameters_of_the_suite_that_change_no_request_are_known() -> None:
     """Where a problem is solved by its name: the tests of scenes, commands and error control."""
-    named = ("scenes", "test_cli.py", "refinement/test_error_control.py")
+    named = ("scenes", "test_cli.py", "solving/refinement/test_error_control.py")
     found = listed("-m", "not slow", *(f"tests/studies/{name}" for name in named))
     assert found == sorted(KNOWN)
