@@ -194,7 +194,8 @@ def _numbered(
     found: dict[str, Value] = {}
     texts = []
     for n, (_, own) in enumerate(groups):
-        number = str(own[declared["number"]].iloc[0]) if "number" in declared else str(n)
+        number = own[declared["number"]].iloc[0] if "number" in declared else n
+        number = number if isinstance(number, str) else f"{number:g}"
         found |= {key.replace("#", number): _value(each, own, tables, values) for key, each in declared["each"].items()}
         texts.append(declared["text"].replace("#", number))
     return {**found, f"_{name}": _joined(texts, declared)}

@@ -1,7 +1,7 @@
 """Requests near hard ones: one of the file hard_requests.txt with one thing changed.
 
-The file lists near-misses and findings of earlier campaigns, a command a line: those whose ``hard`` in the table of a
-campaign was largest. A case is still its number: it chooses the request and the change.
+The file lists near-misses and findings of earlier campaigns, a command a line, chosen by the largest ``hard`` in their
+tables; it is kept by hand. A case is still its number: it chooses the request and the change.
 """
 
 from __future__ import annotations

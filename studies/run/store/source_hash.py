@@ -61,7 +61,7 @@ def hashed(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...
         assert path is not None
         source = _read(path.read_bytes(), "")
         if source.statements:
-            data = (path.with_name(file).read_bytes() for file in source.beside)
+            data = (place.read_bytes() for file in source.beside if (place := path.with_name(file)).is_file())
             found[name] = " ".join((source.statements, *(hashlib.sha256(each).hexdigest() for each in data)))
     return found
 
@@ -134,10 +134,13 @@ def _read(source: bytes, package: str) -> _Source:
 
 
 def _data(tree: ast.Module) -> Iterator[str]:
-    """Files that a module names as they lie beside it."""
+    """Names of files beside a module, those that it spells out."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "Path(__file__).with_name":
-            yield ast.literal_eval(node.args[0])
+            values = (each.value for each in node.args if isinstance(each, ast.Constant))
+            yield from (
+                name for name in values if isinstance(name, str) and "\0" not in name and Path(name).name == name
+            )
 
 
 def _named(tree: ast.Module, package: str = "") -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 import subprocess
 import sys
@@ -141,6 +142,22 @@ def test_data_that_a_module_names_beside_it_decide(tmp_path: Path) -> None:
         return sources_hash(["studies.a"], tmp_path / name)
 
     assert hashed("one", "1") == hashed("same", "1") != hashed("other", "2")
+
+
+@pytest.mark.parametrize("named", ["NAME", '"missing.csv"', '"folder"', 'f"{NAME}.csv"', '"folder/a.csv"', "1"])
+def test_what_is_no_file_beside_a_module_stops_no_hash(named: str, tmp_path: Path) -> None:
+    path = tmp_path / "studies" / "a.py"
+    (path.parent / "folder").mkdir(parents=True)
+    path.write_text(f"from pathlib import Path\nNAME = 'x'\nplace = Path(__file__).with_name({named})\n")
+    assert sources_hash(["studies.a"], tmp_path)
+
+
+def test_our_modules_spell_out_the_data_beside_them() -> None:
+    for package in PACKAGES:
+        for path in (ROOT / package).rglob("*.py"):
+            for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(call, ast.Call) and ast.unparse(call.func) == "Path(__file__).with_name":
+                    assert path.with_name(ast.literal_eval(call.args[0])).is_file(), path
 
 
 def test_a_table_depends_on_the_scenes_that_it_solves() -> None:
