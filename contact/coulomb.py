@@ -98,7 +98,7 @@ class Coulomb:
 
     def __post_init__(self) -> None:
         if not np.all(self.mu >= 0):
-            raise ValueError(f"mu must be {len(self.mu)} numbers in [0, inf]")
+            raise ValueError("mu must be numbers in [0, inf]")
 
     def bound(self, normal: np.ndarray) -> np.ndarray:
         """mu f (m,) [N]: the radii of the discs."""

@@ -176,7 +176,11 @@ class ContactProblem:
 
     @property
     def unfit_for_friction(self) -> str | None:
-        """Why friction has no place in the problem, or None."""
+        """Why the friction that a problem has has no place in it, or None."""
+        if self.coulomb is None:
+            return None
+        if self.coulomb.mu.shape != self.weights.shape:
+            return f"mu must be {len(self.weights)} numbers in [0, inf]"
         if self.coupling is not None:
             return "friction needs lumped coupling: each normal force a candidate's own"
         return "friction needs a foundation whose travel is given" if self.driven else None

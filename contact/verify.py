@@ -140,7 +140,9 @@ def judge(
     epsilon: float = np.inf,
     since: np.ndarray | None = None,
 ) -> Verdict:
-    """Recompute all residuals; raises ValueError when the forces do not fit the candidates.
+    """Recompute all residuals.
+
+    Raises ValueError when the forces do not fit the candidates, or friction does not fit the problem.
 
     friction (m, 2) [N]: of a problem that has some.
     epsilon [MPa/mm]: with a finite one the conditions are those of its law, that is of the gap g + p/epsilon; with
@@ -150,6 +152,8 @@ def judge(
     """
     if problem.coulomb is not None:
         return _with_friction(problem, u, pressure, friction, epsilon, since)
+    if friction is not None:
+        raise ValueError("friction is given of a problem that has none")
     if pressure.shape != problem.weights.shape:
         raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
     if not np.all(np.isfinite(u)):
@@ -193,6 +197,8 @@ def _with_friction(
     """Of the contact under the given friction, and of the law."""
     law, m = problem.coulomb, len(problem.weights)
     assert law is not None
+    if problem.unfit_for_friction:
+        raise ValueError(problem.unfit_for_friction)
     if friction is None or pressure.shape != (m,) or friction.shape != (m, 2):
         shapes = f"{pressure.shape} and {None if friction is None else friction.shape}"
         raise ValueError(f"forces of shapes {shapes} for {m} contact candidates")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 
@@ -38,15 +38,21 @@ class NewtonAlgorithm:
     friction: ClassVar[bool] = False
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Applies to every problem."""
-        return None if problem.coulomb is None else problem.unfit_for_friction
+        """Applies to every problem; with friction, as far as the algorithm and what is set of it know friction."""
+        return (
+            None
+            if problem.coulomb is None
+            else problem.unfit_for_friction or unfit_with_friction(cast(ContactAlgorithm, self))
+        )
 
     def run(self, problem: ContactProblem) -> NewtonRun:
         """A new run of this algorithm on a problem."""
         return NewtonRun(problem, self.epsilon, self.solver, self.tolerance)
 
     def rubbing(self, problem: ContactProblem, start: ContactSolution, *, lawful: bool = True) -> FrictionalRun:
-        """A new run on a problem with friction."""
+        """A new run on a problem with friction; raises ValueError where that has no place in it."""
+        if problem.unfit_for_friction:
+            raise ValueError(problem.unfit_for_friction)
         return FrictionalRun.of(self.run(problem), start, lawful=lawful)
 
 
@@ -55,12 +61,27 @@ def frictionless_parameters(algorithm: ContactAlgorithm | type[ContactAlgorithm]
     return tuple(parameter.key for parameter in algorithm.parameters if parameter.frictionless)
 
 
-def require_friction(algorithm: ContactAlgorithm) -> None:
-    """Raises ValueError unless the algorithm knows friction, and all that is set of it means something there."""
-    if not getattr(algorithm, "friction", False):
-        raise ValueError(f"{algorithm.name!r} knows no friction")
+def knows_friction(algorithm: ContactAlgorithm) -> bool:
+    """Whether it says so; a ``solve`` of a subclass's own is not what its parent has said that of."""
+    order = type(algorithm).__mro__
+    said, solves = ([i for i, each in enumerate(order) if name in vars(each)] for name in ("friction", "solve"))
+    return bool(said and getattr(algorithm, "friction", False) and said[0] <= solves[0])
+
+
+def unfit_with_friction(algorithm: ContactAlgorithm) -> str | None:
+    """Why it takes no problem with friction, or what is set of it and means nothing there; None where it takes them."""
+    if not knows_friction(algorithm):
+        return f"{algorithm.name!r} knows no friction"
     usual, lost = type(algorithm)(), frictionless_parameters(algorithm)
     for key in lost:
         if getattr(algorithm, key) != getattr(usual, key):
             allowed = ", ".join(each.key for each in algorithm.parameters if each.key not in lost)
-            raise ValueError(f"{key} = {getattr(algorithm, key)}: with friction {algorithm.name} has {allowed} only")
+            return f"{key} = {getattr(algorithm, key)}: with friction {algorithm.name} has {allowed} only"
+    return None
+
+
+def require_friction(algorithm: ContactAlgorithm) -> None:
+    """Raises ValueError unless the algorithm knows friction, and all that is set of it means something there."""
+    unfit = unfit_with_friction(algorithm)
+    if unfit:
+        raise ValueError(unfit)

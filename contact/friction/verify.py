@@ -109,6 +109,7 @@ def under(contact: ContactProblem, law: Coulomb, friction: np.ndarray) -> Contac
         residual=residual,
         energy=None if contact.energy is None else energy,
         weights=np.ones(len(law.mu)),
+        coupling=None,
         directions=None,
         others=None,
         only=None,

@@ -161,7 +161,7 @@ def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
     """The error of load steps with friction, into the result; what there is to print of it."""
     if not rubbing(result.request.settings):
         return []
-    from studies.solving.friction import load_steps  # nothing of friction is imported without it
+    from studies.solving.friction import load_steps  # loaded with friction alone
 
     load_steps.estimate(result, tell)
     return load_steps.lines(result)

@@ -106,7 +106,8 @@ def walk(
             visited = Visited(stage, problem_at, before, point, trace)
             yield visited
         else:
-            refused = algorithm.supports(problem_at(stage.targets[0]))
+            first = problem_at(stage.targets[0])
+            refused = first.unfit_for_friction or algorithm.supports(first)
             if refused is not None:
                 said = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
                 yield Visited(stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, said, 0))

@@ -145,7 +145,7 @@ def stages_of(model: SceneModel, request: Request) -> Iterable[Stage]:
     """Those of the model; with friction, if it is asked for."""
     if not rubbing(request.settings):
         return model.stages()
-    from studies.solving.friction.stages import Stages  # nothing of friction is imported without it
+    from studies.solving.friction.stages import Stages  # loaded with friction alone
 
     return Stages(model.stages(), request.settings)
 

@@ -28,7 +28,7 @@ BESIDE_A_CELL = (
     *("contact.interchange", "contact.interchange.*"),  # of frozen problems, which a cell does not keep
 )
 FRICTION = (  # what only a cell with friction executes
-    *("contact.coulomb", "contact.friction", "contact.friction.*"),
+    *("contact.friction", "contact.friction.*"),
     *("studies.ask.friction_settings", "studies.scenes.friction_readings"),
     *("studies.solving.friction", "studies.solving.friction.*"),
 )

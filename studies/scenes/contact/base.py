@@ -125,7 +125,7 @@ def _friction(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
     """Of the foundation on the candidates (m, 3) [N]."""
     if problem.coulomb is None or state.friction is None:
         return np.zeros((len(problem.weights), 3))
-    from studies.scenes.friction_readings import in_space  # nothing of friction is imported without it
+    from studies.scenes.friction_readings import in_space  # loaded with friction alone
 
     return in_space(problem, state)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from contact.continuation.critical_points import State
 from contact.continuation.starts import Start, Starts, none_known
+from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
 from formulations.element.mixed import MODE_ROWS
 from formulations.geometry.transfer import Transfer
@@ -97,8 +98,6 @@ class Carrier:
         start = replace(start, pressure=np.where(active, self._at_candidates(state.pressure), 0.0), active=active)
         if state.friction is None:
             return start
-        from contact.coulomb import State as Rubs  # nothing of friction is imported without it
-
         weights = visited.problem_at(t).weights
         traction = state.friction.force / np.where(weights > 0, weights, 1.0)[:, None]
         slips, closed = (

@@ -139,6 +139,24 @@ def test_all_of_the_catalogue_know_friction(name: str) -> None:
     assert (algorithm.supports(two_ways()) is None) == (name != "augmented-lagrangian")
     coupled = replace(two_ways(), coupling=sparse.eye_array(1, format="csr"))
     assert "lumped" in ALGORITHMS[name]().supports(coupled)
+    with pytest.raises(ValueError, match="lumped"):
+        ALGORITHMS[name]().solve(coupled, ContactSolution.at_rest(2, 1))
+    with pytest.raises(ValueError, match="lumped"):
+        judge(coupled, np.zeros(2), np.zeros(1), np.zeros((1, 2)))
+
+
+@pytest.mark.parametrize("mu", [np.ones(2), np.ones((1, 1)), np.ones(())])
+def test_other_numbers_of_coefficients_than_candidates_are_refused(mu: np.ndarray) -> None:
+    problem = two_ways()
+    other = replace(problem, coulomb=replace(problem.coulomb, mu=mu))
+    assert Semismooth().supports(other) == "mu must be 1 numbers in [0, inf]"
+    with pytest.raises(ValueError, match="mu must be 1 numbers"):
+        judge(other, np.zeros(2), np.zeros(1), np.zeros((1, 2)))
+
+
+def test_friction_of_a_problem_without_a_law_is_refused() -> None:
+    with pytest.raises(ValueError, match="has none"):
+        judge(replace(two_ways(), coulomb=None), np.zeros(2), np.zeros(1), np.zeros((1, 2)))
 
 
 @pytest.mark.parametrize(
@@ -147,14 +165,27 @@ def test_all_of_the_catalogue_know_friction(name: str) -> None:
 def test_a_parameter_that_friction_does_not_have_is_refused(name: str, key: str, value: object) -> None:
     with pytest.raises(ValueError, match=rf"{key} = {value}: with friction {name} has epsilon, tolerance, solver"):
         require_friction(ALGORITHMS[name](**{key: value}))
+    assert f"{key} = {value}" in str(ALGORITHMS[name](**{key: value}).supports(two_ways()))
 
 
 def test_who_knows_no_friction_is_refused() -> None:
     class Other(NewtonAlgorithm):
         name = "other"
 
-    with pytest.raises(ValueError, match="'other' knows no friction"):
-        require_friction(Other())
+    class Inherits(Semismooth):
+        name = "inherits"
+
+        def solve(self, problem, start):
+            raise NotImplementedError
+
+    class Says(Inherits):
+        friction = True
+
+    for algorithm in (Other(), Inherits()):
+        with pytest.raises(ValueError, match=f"'{algorithm.name}' knows no friction"):
+            require_friction(algorithm)
+        assert "knows no friction" in str(algorithm.supports(two_ways()))
+    require_friction(Says())
 
 
 @pytest.mark.parametrize("mu", [1.0, 3.0])

@@ -111,3 +111,20 @@ def test_steps_without_friction_and_with_consistent_coupling_are_refused(made, t
     coupled.write(tmp_path / "coupled.npz")
     with pytest.raises(FrozenStepError, match="lumped"):
         FrozenFrictionalStep.read(tmp_path / "coupled.npz")
+
+
+def test_cut_and_flipped_files_are_refused_or_still_the_same(made, tmp_path, rng) -> None:
+    path, refused = tmp_path / "step.npz", 0
+    made[0].write(path)
+    whole = path.read_bytes()
+    for length in rng.integers(0, len(whole), 8):
+        path.write_bytes(whole[:length])
+        with pytest.raises(FrozenStepError):
+            FrozenFrictionalStep.read(path)
+    for place in rng.integers(0, len(whole), 40):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ (1 << rng.integers(8))]) + whole[place + 1 :])
+        try:
+            assert same(FrozenFrictionalStep.read(path), made[0])
+        except FrozenStepError:
+            refused += 1
+    assert refused > 20

@@ -77,10 +77,13 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     code = "import sys; from studies.solving.solve import resolve, solve; import studies.run.store.record\n"
     code += "called = set()\n"
     code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
-    code += "solve(*resolve('strip-contact', {}, '4x1')); sys.setprofile(None); print(*filter(None, called))"
+    code += "for scene, mesh in ('strip-contact', '4x1'), ('panel', '4x4'), ('tyre', '6x6'):\n"
+    code += "    for name in 'semismooth', 'trial-and-error', 'regularised', 'augmented-lagrangian', 'qp', 'lcp':\n"
+    code += "        solve(*resolve(scene, {}, mesh, contact=name))\n"
+    code += "sys.setprofile(None); print(*filter(None, called))"
     called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "contact.newton.loop" in called
-    assert set(called) & rubs <= {"contact.coulomb", "studies.solving.friction", "studies.ask.friction_settings"}
+    assert set(called) & rubs <= {"studies.solving.friction", "studies.ask.friction_settings"}
 
 
 @pytest.mark.parametrize(("scene", "files"), [("cantilever", 80), ("strip-contact", 85)])
