@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from studies.ask.scene import UsageError
     from studies.catalogue.descriptions import Description
-    from studies.interface.notebook import Chosen, Run, choose, describe, solve
+    from studies.notebook import Chosen, Run, choose, describe, solve
 
 __all__ = ["Chosen", "Description", "Run", "UsageError", "choose", "describe", "solve"]
 
@@ -19,6 +19,6 @@ __all__ = ["Chosen", "Description", "Run", "UsageError", "choose", "describe", "
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from studies.interface import notebook
+    from studies import notebook
 
     return getattr(notebook, name)

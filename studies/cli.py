@@ -17,7 +17,7 @@ from typing import Any, NoReturn
 
 from studies.ask.request import PartError, UsageError
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE
-from studies.output.escaping import Escaping
+from studies.output.terminal import Escaping
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 

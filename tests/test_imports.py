@@ -29,7 +29,7 @@ MORE = {
     "studies/commands/compare.py": {"reports"},  # and how words stand in Markdown
     "studies/commands/exchange/card.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
-    "studies/interface/notebook.py": {"reports"},  # as does that of a notebook, and a choice
+    "studies/notebook.py": {"reports"},  # as does that of a notebook, and a choice
     "studies/cli.py": {"?"},  # the module of the command that is asked for
     "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for
     "studies/scenes/plugins.py": {"?"},  # modules of a user's own
@@ -142,7 +142,7 @@ def test_a_circle_is_seen_even_a_lazy_one() -> None:
 
 ROOMS = (  # of studies, each imports those before it
     *("output", "ask", "scenes", "solving", "run", "experiments", "catalogue", "exchange", "bench", "analysis", "fuzz"),
-    *("arena", "gate", "interface", "commands", "cli"),
+    *("arena", "gate", "notebook", "commands", "cli"),
 )
 
 

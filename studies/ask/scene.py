@@ -27,8 +27,8 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, L
 from formulations.shell import ShellModel
 from studies.ask.request import Request, Value, text_of
 from studies.ask.request import UsageError as UsageError  # scenes are what raises it
-from studies.output.fields import write_fields
-from studies.output.tables import Table
+from studies.output.atomic import Table
+from studies.output.vtu import write_fields
 
 UNITS = ("mm", "MPa", "deg", "N")  # a key ends in its unit; all others count
 

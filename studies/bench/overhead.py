@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 
 from studies.output.atomic import SCHEMA, as_text, write_json
-from studies.output.columns import columns
 from studies.output.stopwatch import WALL, timed
+from studies.output.terminal import columns
 from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.file import Campaign
 from studies.run.campaigns.plan import identity, plan

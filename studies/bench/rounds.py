@@ -12,8 +12,8 @@ from typing import Any
 
 import pandas as pd
 
-from studies.output.columns import columns
 from studies.output.stopwatch import CPU, Clock, timed
+from studies.output.terminal import columns
 
 COLUMNS = ("group", "line", "what", "median", "low", "high", "at_most", "holds")
 NO_BAR = float("nan")

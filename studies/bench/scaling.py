@@ -32,8 +32,8 @@ from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import UsageError
 from studies.bench.newton import asked, parts, pressed, tyre
-from studies.output.columns import columns
 from studies.output.stopwatch import CPU, timed
+from studies.output.terminal import columns
 from studies.scenes.tyre.model import TyreModel
 
 MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200", "416x410")  # 2, 10, 40, 100, 250, 1000 thousand unknowns

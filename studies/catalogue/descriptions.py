@@ -18,7 +18,7 @@ from formulations.strains.measure import RigidBodyLaw, StrainMeasure
 from studies.ask.algorithm_settings import parameters_of, settings_beside
 from studies.ask.request import text_of
 from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError
-from studies.output.columns import columns
+from studies.output.terminal import columns
 from studies.scenes import SCENES
 
 if TYPE_CHECKING:

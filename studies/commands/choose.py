@@ -12,8 +12,8 @@ import numpy as np
 
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, add_solving, check_directory, named, pairs, progress_line
-from studies.interface.notebook import write_choice
-from studies.output.columns import columns
+from studies.notebook import write_choice
+from studies.output.terminal import columns
 from studies.solving.choosing.choice import Choice
 from studies.solving.choosing.choose import BUDGET, ERROR, choose
 from studies.solving.choosing.offers import Offer

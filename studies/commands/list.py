@@ -9,7 +9,7 @@ from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.catalogue.descriptions import meaning_of
 from studies.commands import OK
-from studies.output.columns import columns
+from studies.output.terminal import columns
 from studies.run.campaigns.file import find, names
 from studies.scenes import SCENES
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.ask.request import UsageError
-from studies.output.escaping import behind, printable
+from studies.output.terminal import behind, printable
 
 SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
 STORE = Path(".footprint/store")

@@ -23,9 +23,8 @@ from studies.commands.options import (
     pairs,
     progress_line,
 )
-from studies.output.atomic import write_by
-from studies.output.columns import columns
-from studies.output.tables import Table
+from studies.output.atomic import Table, write_by
+from studies.output.terminal import columns
 from studies.scenes.complete import complete
 from studies.solving import branching
 from studies.solving.refinement import mesh_error

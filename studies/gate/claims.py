@@ -18,8 +18,7 @@ from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Stage, moved
 from studies.gate.foreign import ClaimError, Foreign
 from studies.gate.recompute import Opened, Recomputed, arrays_of, as_written
-from studies.output.atomic import plain
-from studies.output.tables import Table
+from studies.output.atomic import Table, plain
 from studies.solving.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG
 from studies.solving.step import seen_in
 

@@ -28,7 +28,7 @@ from studies.gate.baseline import (
     read_bounds,
 )
 from studies.output.atomic import write_table
-from studies.output.columns import columns
+from studies.output.terminal import columns
 from studies.run.cells.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
 from studies.solving.refinement.richardson import order_of
 from studies.solving.result import CONVERGED, SOLVED

@@ -10,7 +10,7 @@ from contact.coulomb import State
 from contact.friction.slip import slip_of
 from contact.problem import ContactProblem, ContactSolution
 from studies.ask.scene import Units
-from studies.output.tables import Table
+from studies.output.atomic import Table
 
 FRICTION = "friction"  # the table
 FORCES = (

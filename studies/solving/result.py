@@ -21,9 +21,8 @@ from contact.problem import ContactSolution, Outcome
 from contact.swept import between_nodes
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel, moved
-from studies.output.atomic import write_by, write_json
+from studies.output.atomic import Table, write_by, write_json
 from studies.output.provenance import provenance
-from studies.output.tables import Table
 from studies.scenes.walk import Visited
 from studies.solving.step import Step
 

@@ -24,8 +24,7 @@ from studies.ask.friction_settings import rubbing
 from studies.ask.outside import blamed
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Observation, Scene, SceneModel, ShellSceneModel, Stage, UsageError
-from studies.output.atomic import plain
-from studies.output.tables import Table
+from studies.output.atomic import Table, plain
 from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.certificate import certificate, refusal

@@ -16,8 +16,8 @@ import pandas as pd
 from contact.solvers.sparse import factorise
 from studies.bench.costs import at_rest, shell_of
 from studies.bench.peers.problems import Line, problems
-from studies.output.columns import columns
 from studies.output.stopwatch import timed
+from studies.output.terminal import columns
 
 ROUNDS = 3
 LONG = 20.0  # seconds of a solve that is not repeated

@@ -28,8 +28,8 @@ from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH
 from studies.output.atomic import write_table_once
-from studies.output.columns import columns
 from studies.output.stopwatch import WALL, timed
+from studies.output.terminal import columns
 from studies.run.store.source_hash import sources_hash
 from studies.scenes import SCENES
 from studies.scenes.complete import complete

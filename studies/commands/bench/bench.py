@@ -9,7 +9,7 @@ from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.bench import solvers
 from studies.commands.options import STORE, count, progress_bar
-from studies.output.columns import columns
+from studies.output.terminal import columns
 
 MESH, REPEATS, ROUNDS = "42x40", 9, 3
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, count, positive, progress_bar
-from studies.output.columns import columns
+from studies.output.terminal import columns
 
 if TYPE_CHECKING:
     import pandas as pd

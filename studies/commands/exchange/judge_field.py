@@ -12,7 +12,7 @@ from studies.commands.exchange.export import add_problem, problem_asked
 from studies.commands.options import named, pairs
 from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.results import read_results
-from studies.output.columns import columns
+from studies.output.terminal import columns
 from studies.solving.refinement.error_control import parse_error
 
 HEAD = ("load", "quantity", "found", "against", "value", "difference", "allowed", "")

@@ -11,7 +11,7 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import check_directory, check_file, positive, progress_bar
-from studies.output.columns import columns
+from studies.output.terminal import columns
 
 PROBLEMS = Path(".footprint/problems")
 RUBBED = ("name", "unknowns", "candidates", "open", "sticking", "slipping", "mu", "kind", "friction")

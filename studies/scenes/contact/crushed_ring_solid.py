@@ -32,7 +32,7 @@ from studies.ask.scene import (
     candidates_at,
     nodal_pressure,
 )
-from studies.output.fields import write_solid_fields
+from studies.output.vtu import write_solid_fields
 from studies.scenes.contact.crushed_ring import DATA, FILE, QUANTITIES, RING, TOP, WIDTH, experiment, plate, ring
 from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import spaced_lines

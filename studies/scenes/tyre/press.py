@@ -20,7 +20,7 @@ from contact.problem import ContactProblem, ContactSolution, Outcome, without_co
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
 from studies.ask.scene import Begun, Observation, PressedStage, Stage, UsageError
-from studies.output.tables import Table
+from studies.output.atomic import Table
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.parts import Part

@@ -21,7 +21,7 @@ from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import Request, Value
 from studies.ask.scene import Reference, Scene, Setting, UsageError, candidates_at, nodal_pressure
-from studies.output.fields import write_solid_fields
+from studies.output.vtu import write_solid_fields
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre import press_path
 from studies.scenes.tyre.foundation import foundation

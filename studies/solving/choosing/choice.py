@@ -14,9 +14,8 @@ import numpy as np
 
 from studies.ask.friction_settings import rubbing
 from studies.ask.request import Request
-from studies.output.atomic import write_json
+from studies.output.atomic import Table, write_json
 from studies.output.provenance import provenance
-from studies.output.tables import Table
 from studies.solving.choosing.offers import Offer
 from studies.solving.choosing.trials import NOT_TRIED, Question, Trial, beside
 from studies.solving.choosing.variants import REFERENCE

@@ -21,7 +21,7 @@ from typing import Any
 
 from studies.ask.algorithm_settings import configured
 from studies.ask.scene import Observation, Stage
-from studies.output.tables import Table
+from studies.output.atomic import Table
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate
 from studies.solving.friction.stages import Stages

@@ -18,7 +18,7 @@ from contact.problem import ContactProblem, ContactSolution
 from studies.ask.friction_settings import DRAG, MU, TURN, WAY
 from studies.ask.request import Settings, UsageError
 from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage
-from studies.output.tables import Table
+from studies.output.atomic import Table
 from studies.scenes.friction_readings import FORCES, FRICTION, forces, nodal
 
 STEEP = 0.8  # cosine of an axis with the normal

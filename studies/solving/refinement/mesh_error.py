@@ -15,7 +15,7 @@ from typing import Any
 
 from studies.ask.request import Request
 from studies.ask.scene import Scene
-from studies.output.tables import Table
+from studies.output.atomic import Table
 from studies.solving.refinement.limits import Estimate, Seen, limit_of, order_of
 from studies.solving.refinement.nested import (
     FEWEST,

@@ -25,7 +25,7 @@ import numpy as np
 
 from studies.ask.request import Request
 from studies.ask.scene import ShellSceneModel
-from studies.output.tables import Table
+from studies.output.atomic import Table
 from studies.solving.refinement.limits import SAFETY, Estimate
 from studies.solving.refinement.richardson import correction
 from studies.solving.result import Result

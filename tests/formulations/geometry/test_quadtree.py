@@ -23,7 +23,7 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.output.fields import write_fields
+from studies.output.vtu import write_fields
 from studies.scenes.contact.base import outer_face
 from support.problems.shells import PATCHES, SKEW_LAMINATE, Patch, make_shell
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.output.tables import Table
+from studies.output.atomic import Table
 
 
 def test_files_are_those_of_pandas_to_the_byte(rng: np.random.Generator, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
 from studies.ask.scene import UsageError
-from studies.output.fields import write_solid_fields
+from studies.output.vtu import write_solid_fields
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
 from studies.solving.solve import resolve, solve

@@ -1,4 +1,4 @@
-"""Text of others as text: what a terminal would take for its own is written out.
+"""Words for a terminal: aligned columns, and text of others with its control characters written out.
 
 All that is printed passes :class:`Escaping`. What is said does not enter here, nor what a page would take for its own.
 """
@@ -6,10 +6,22 @@ All that is printed passes :class:`Escaping`. What is said does not enter here, 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from typing import Any, TextIO
 
 # all control characters but the ends of lines and tabs; marks that turn the direction of text or are not seen; halves
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
+
+
+def columns(rows: Sequence[Sequence[str]], indent: str = "", *, right: range = range(0)) -> Iterator[str]:
+    """Each column as wide as its longest word, those in ``right`` flush right; the last one takes what it needs."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        words = (
+            f"{word:{'>' if i in right else '<'}{width}s}"
+            for i, (word, width) in enumerate(zip(row, widths, strict=True))
+        )
+        yield (indent + "  ".join(words)).rstrip()
 
 
 def printable(text: str) -> str:
