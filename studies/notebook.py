@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from studies.ask.friction_settings import rubbing
 from studies.ask.scene import UsageError
+from studies.ask.settings import rubbing
 from studies.catalogue import descriptions
 from studies.catalogue.descriptions import Description
 from studies.scenes.complete import complete

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from studies.ask.algorithm_settings import settings_of
 from studies.ask.request import Request
+from studies.ask.settings import settings_of
 
 SEED, RESAMPLES, COVER = 2004, 999, 0.95
 FEWEST = 5  # problems that a ratio needs

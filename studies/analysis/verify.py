@@ -20,10 +20,10 @@ from dataclasses import astuple
 import numpy as np
 import pandas as pd
 
-from studies.ask.algorithm_settings import own_keys
+from studies.ask.scene import judged_of
+from studies.ask.settings import own_keys
 from studies.run.cells.rows import PRICES, STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.scenes import SCENES
-from studies.scenes.ladders import judged_of
 from studies.solving.refinement.richardson import limit_of
 from studies.solving.result import SOLVED, WRONG
 

@@ -1,1 +1,1 @@
-"""What may be asked: settings, requests, what a scene is, and parts from outside. Nothing is solved here."""
+"""What may be asked: settings, requests, and what a scene is and declares. Nothing is solved here."""

@@ -1,156 +1,34 @@
-"""What a scene is: its settings with their ranges, its references, and the stages that a solve walks through.
+"""What a scene is, and the stages of the model that it builds, which a solve walks through.
 
-A scene is one file in :mod:`studies.scenes` and one line in its catalogue. How stages are solved does not enter here.
+A scene is one file in :mod:`studies.scenes` and one line in its catalogue. What it declares is made of
+:mod:`studies.ask.settings` and :mod:`studies.ask.declarations`. How stages are solved does not enter here.
 """
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from contact import parameters
 from contact.continuation.arc_length import ArcLength, Trace
 from contact.continuation.equilibrium_curve import ArcPoint
-from contact.continuation.load_stepping import follow
-from contact.continuation.power_series import Expand
-from contact.continuation.pressed_curve import PressedCurve
 from contact.continuation.series_path import PowerSeries
-from contact.parameters import Parameter
-from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearise, Outcome
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.ask.request import Request, Value, text_of
-from studies.ask.request import UsageError as UsageError  # scenes are what raises it
+from studies.ask.declarations import BENCHMARKS, Ladder
+from studies.ask.declarations import Reference as Reference  # what the file of a scene needs beside this
+from studies.ask.request import Request, Value
+from studies.ask.request import UsageError as UsageError
+from studies.ask.settings import EPSILON as EPSILON
+from studies.ask.settings import MU, SLIDING, TOLERANCE
+from studies.ask.settings import SOLVER as SOLVER
+from studies.ask.settings import Setting as Setting
 from studies.output.atomic import Table
 from studies.output.vtu import write_fields
-
-UNITS = ("mm", "MPa", "deg", "N")  # a key ends in its unit; all others count
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A key of ``--set KEY=VALUE`` with its meaning, unit, range and default.
-
-    help: its meaning, for people.  kind: "float", "int", "choice", "floats" (comma-separated, increasing) or "path"
-    (comma-separated, from 0 to each in turn, back and forth).
-    low, high: range of each number, the bounds included unless ``open_low``/``open_high``; infinity only where
-    ``infinite``.  default None: the scene works it out, and ``otherwise`` says how.  presets: what each choice stands
-    for, values of other keys; it gives way to those that are given.  unit: by default what the key ends in.
-    """
-
-    key: str
-    default: Value | None
-    help: str
-    kind: str = "float"
-    low: float = -math.inf
-    high: float = math.inf
-    open_low: bool = False
-    open_high: bool = False
-    infinite: bool = False
-    choices: tuple[str, ...] = ()
-    presets: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
-    unit: str = ""
-    otherwise: str = ""
-
-    def __post_init__(self) -> None:
-        ending = self.key.rpartition("_")[2]
-        by_key = ending if ending in UNITS else "-" if self.kind == "choice" else "1"
-        object.__setattr__(self, "unit", self.unit or by_key)
-
-    @classmethod
-    def one_of(cls, key: str, choices: Iterable[str], default: str | None, meaning: str, **more: Any) -> Setting:
-        """A word."""
-        return cls(key, default, meaning, "choice", choices=tuple(choices), **more)
-
-    @classmethod
-    def positive(cls, key: str, default: Value | None, meaning: str, high: float = math.inf, **more: Any) -> Setting:
-        """A number above 0 and up to ``high``."""
-        return cls(key, default, meaning, low=0, high=high, open_low=True, **more)
-
-    @classmethod
-    def of(cls, parameter: Parameter, default: Value | None, otherwise: str = "") -> Setting:
-        """The parameter of an algorithm as a setting."""
-        values = {name: value for name, value in vars(parameter).items() if name != "frictionless"}
-        return cls(help=values.pop("meaning"), default=default, otherwise=otherwise, **values)
-
-    @property
-    def range_text(self) -> str:
-        """The allowed values in words."""
-        if self.kind == "choice":
-            return "one of " + ", ".join(self.choices)
-        left = "(" if self.open_low or math.isinf(self.low) else "["
-        right = ")" if self.open_high or (math.isinf(self.high) and not self.infinite) else "]"
-        words = {
-            "int": "a whole number in",
-            "float": "a number in",
-            "floats": "increasing numbers in",
-            "path": "numbers, from 0 on no two alike in a row, in",
-        }[self.kind]
-        return f"{words} {left}{text_of(self.low)}, {text_of(self.high)}{right}"
-
-    @property
-    def default_text(self) -> str:
-        """The default as it is written after KEY=, or how the scene works it out."""
-        if self.default is None:
-            return self.otherwise
-        return text_of(self.default)
-
-    def parse(self, value: object) -> Value:
-        """The value of a text or of Python's numbers and sequences; raises UsageError naming it and the range."""
-        wrong = UsageError(f"{self.key} = {value!r} must be {self.range_text}")
-        if self.kind == "choice":
-            if value not in self.choices:
-                raise wrong
-            return str(value)
-        parts = value.split(",") if isinstance(value, str) else np.atleast_1d(np.asarray(value, dtype=object)).tolist()
-        try:
-            numbers = tuple(float(part) for part in parts if not isinstance(part, bool))
-        except (TypeError, ValueError):
-            raise wrong from None
-        if len(numbers) != len(parts) or not numbers or not all(self._inside(number) for number in numbers):
-            raise wrong
-        if self.kind == "floats":
-            if any(b <= a for a, b in pairwise(numbers)):
-                raise wrong
-            return numbers
-        if self.kind == "path":
-            if any(a == b for a, b in pairwise((0.0, *numbers))):
-                raise wrong
-            return numbers
-        if len(numbers) != 1 or (self.kind == "int" and numbers[0] != int(numbers[0])):
-            raise wrong
-        return int(numbers[0]) if self.kind == "int" else numbers[0]
-
-    def _inside(self, number: float) -> bool:
-        above = number > self.low if self.open_low else number >= self.low
-        below = number < self.high if self.open_high else number <= self.high
-        return above and below and (self.infinite or math.isfinite(number))  # NaN is neither above nor below
-
-
-EPSILON = Setting.of(parameters.EPSILON, None, otherwise="that of the algorithm")
-SOLVER = Setting.of(parameters.SOLVER, "auto")
-
-
-@dataclass(frozen=True)
-class Reference:
-    """A value to compare with: quantity name as in the result, where it holds, its kind and source.
-
-    kind: "printed" (in the source itself), "read" (in a public transcription), "computed" (independent program),
-    "exact" (closed form), "refined" (limit of grids of ours beyond those that it judges). uncertainty: relative.
-    """
-
-    quantity: str
-    value: float
-    at: Mapping[str, float | str]
-    kind: str
-    source: str
-    uncertainty: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,54 +99,6 @@ class CurveStage(Stage, ABC):
     @abstractmethod
     def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
         """The curve from where the stage begins; its first point is that."""
-
-
-@dataclass(frozen=True, eq=False)
-class ArcStage(CurveStage):
-    """The curve of a body without contact from rest, t the factor of its load.
-
-    linearise: the model without its load; load (n,): the dead force at t = 1.  expand: its recurrence for power series.
-    """
-
-    linearise: Linearise
-    load: np.ndarray
-    expand: Expand
-
-    def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
-        """No contact: no algorithm. Who asks for the first limit point alone has what was asked for at it."""
-        if isinstance(self.continuation, PowerSeries):
-            found = self.continuation.trace(self.linearise, self.expand, self.load, self.targets, tell)
-        else:
-            found = self.continuation.trace(self.linearise, self.load, self.targets, tell)
-        asked = self.continuation.to_limit and found.outcome is Outcome.LIMIT_POINT
-        return replace(found, outcome=Outcome.CONVERGED) if asked else found
-
-
-@dataclass(frozen=True, eq=False)
-class PressedStage(CurveStage):
-    """The curve of a body that a foundation presses, t its travel.
-
-    first: travel up to which plain steps lead; from there on by arc length to the targets beyond.
-    """
-
-    continuation: ArcLength
-    first: float
-
-    def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
-        """With the contact of the algorithm."""
-        problem_at, start = begun
-        (point,) = follow(problem_at, 0.0, [self.first], algorithm, start)
-        rest = ArcPoint(start.u, 0.0, pressure=start.pressure, active=start.active)
-        if not point.outcome.converged:
-            said = str(point.solution.history[-1].get("event", point.outcome.value))
-            return Trace(
-                (rest,), point.outcome, said, dict(point.solution.counters), list(map(dict, point.solution.history))
-            )
-        curve, begin = PressedCurve.through(problem_at, self.first, point.solution, algorithm)
-        curve.tally.add(point.solution)
-        beyond = [target for target in self.targets if target > self.first]
-        trace = self.continuation.along(curve, begin, beyond, tell)
-        return replace(trace, points=(rest, *trace.points))
 
 
 class SceneModel(Protocol):
@@ -398,3 +228,26 @@ class SettlingScene(Protocol):
 def has_contact(scene: Scene) -> bool:
     """Whether something may touch: the scene takes the regularisation of a contact condition."""
     return any(setting.key == EPSILON.key for setting in scene.settings)
+
+
+def settings_beside(scene: Scene) -> tuple[Setting, ...]:
+    """What every scene has beside its own settings and those of an algorithm.
+
+    With contact there is friction; a foundation is dragged and turned where a whole body lies on it.
+    """
+    if not has_contact(scene):
+        return (TOLERANCE,)
+    return (TOLERANCE, MU, *(SLIDING if isinstance(scene, SlidingScene) else ()))
+
+
+def ladders_of(scene: Scene) -> tuple[Ladder, ...]:
+    """What a scene declares, with its name; none of one from outside that declares nothing."""
+    declared: tuple[Ladder, ...] = getattr(scene, "ladders", ())
+    return tuple(replace(each, name=each.name or scene.name, scene=scene.name) for each in declared)
+
+
+def judged_of(scene: Scene) -> tuple[str, ...]:
+    """The quantities that a scene is judged by, its headline first: those of its ladders, else of its references."""
+    ladders = [each for each in ladders_of(scene) if each.family != BENCHMARKS]
+    names = [name for ladder in ladders for name in ladder.quantities]
+    return tuple(dict.fromkeys(names or [reference.quantity for reference in scene.references]))

@@ -15,9 +15,9 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
-from studies.ask.algorithm_settings import parameters_of, settings_beside
 from studies.ask.request import text_of
-from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError
+from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError, settings_beside
+from studies.ask.settings import parameters_of
 from studies.output.terminal import columns
 from studies.scenes import SCENES
 

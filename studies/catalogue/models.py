@@ -20,8 +20,8 @@ from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
 from studies.scenes.manufactured.scene import ManufacturedModel, carrying
+from studies.scenes.tyre.model import checked_wall
 from studies.scenes.tyre.press import PressedTyre
-from studies.scenes.tyre.wall import checked_wall
 
 
 @dataclass(frozen=True, eq=False)

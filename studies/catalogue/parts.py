@@ -23,7 +23,7 @@ from studies.catalogue.models import Built
 from studies.catalogue.supports import solid_supports, supports
 from studies.catalogue.surfaces import shape_of
 from studies.scenes import SCENES
-from studies.scenes.benchmarks.area_loads import ShearCorrected
+from studies.scenes.element import ShearCorrected
 
 PARTS = ("kind", "part", "meaning", "about", "source", "module")
 SETTINGS = ("kind", "part", "key", "meaning", "unit", "range", "default")

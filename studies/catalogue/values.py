@@ -8,14 +8,13 @@ from typing import Any
 import pandas as pd
 
 from studies.ask.request import text_of
-from studies.ask.scene import Reference
+from studies.ask.scene import Reference, judged_of, ladders_of
 from studies.catalogue.quantities import definition, unit
 from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.sheet_cells import sheet_cell
 from studies.run.cells.answers import Answer, Answers, number
 from studies.run.cells.rows import STEP_KEYS, holding
 from studies.scenes import SCENES
-from studies.scenes.ladders import judged_of, ladders_of
 
 COLUMNS = (
     *(

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from contact.problem import Outcome
-from studies.ask.friction_settings import rubbing
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene, has_contact
+from studies.ask.settings import rubbing
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import (
     add_settings,

@@ -14,10 +14,9 @@ import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.shell import ShellModel
-from studies.ask.algorithm_settings import configured
-from studies.ask.friction_settings import rubbing
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene, SceneModel
+from studies.ask.settings import configured, rubbing
 from studies.exchange.of_body import Body, of_shell, of_solid
 from studies.exchange.problem import LoadStep, Plane, Problem, materials
 from studies.scenes.complete import complete
@@ -25,11 +24,10 @@ from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
 from studies.scenes.statics import StaticModel
-from studies.scenes.tyre.model import InflatedTyre, TyreModel
+from studies.scenes.tyre.model import InflatedTyre, TyreModel, checked_wall
 from studies.scenes.tyre.parts import mirrored
 from studies.scenes.tyre.press import PressedTyre
 from studies.scenes.tyre.solid import SolidTyreModel
-from studies.scenes.tyre.wall import checked_wall
 from studies.scenes.walk import walk
 
 CLEARANCE = 0.1  # of the growth of a tyre: how far the plane stays off while it is inflated, or shrinks

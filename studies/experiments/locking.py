@@ -29,9 +29,8 @@ from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import LINEAR
 from studies.experiments.rows import Row, tabulated
-from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
-from studies.scenes.statics import edge_shares, normal_forces
+from studies.scenes.statics import area_load, edge_shares, normal_forces
 
 UNMET = 1e-2  # of the largest nodal force
 THINNESS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)

@@ -22,8 +22,9 @@ from contact.friction.verify import CHORD
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
 from contact.verify import EQUILIBRIUM
 from studies.ask.request import Request
-from studies.ask.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
+from studies.ask.scene import Begun, Scene, SceneModel, Stage, UsageError
 from studies.fuzz.cases import Asked
+from studies.scenes.curves import ArcStage
 from studies.solving.result import UNSTABLE, WRONG, Result
 from studies.solving.solve import solve
 

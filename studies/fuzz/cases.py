@@ -15,10 +15,9 @@ import numpy as np
 from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.ask.algorithm_settings import TOLERANCE, settings_of
-from studies.ask.friction_settings import DRAG, MU, SLIDING, TURN, WAY
 from studies.ask.request import Request
 from studies.ask.scene import Scene, Setting, SettlingScene, SlidingScene, UsageError, has_contact
+from studies.ask.settings import DRAG, MU, SLIDING, TOLERANCE, TURN, WAY, settings_of
 from studies.fuzz.values import drawn, generator
 from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES

@@ -15,7 +15,7 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, linear_mechanics
 from contact.verify import claim, judge
-from studies.ask.algorithm_settings import configured, parameters_of
+from studies.ask.settings import configured, parameters_of
 from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, no_traceback, one_line, quiet, watched
 from studies.fuzz.comparing import Answer, compared
 from studies.fuzz.values import drawn, generator

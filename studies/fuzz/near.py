@@ -14,9 +14,8 @@ import numpy as np
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
-from studies.ask.algorithm_settings import settings_of
-from studies.ask.friction_settings import DRAG, MU, TURN
 from studies.ask.scene import has_contact
+from studies.ask.settings import DRAG, MU, TURN, settings_of
 from studies.fuzz.cases import FRICTION, Asked, asked_of
 from studies.fuzz.values import drawn, generator
 from studies.scenes import SCENES

@@ -13,9 +13,9 @@ from contact.coulomb import State
 from contact.friction.run import FrictionalRun, Point
 from contact.friction.slip import Slip
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
-from studies.ask import algorithm_settings
-from studies.ask.friction_settings import DRAG, MU
+from studies.ask import settings
 from studies.ask.request import Value
+from studies.ask.settings import DRAG, MU
 from studies.experiments.planting import Fault, fault, swapped
 from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
@@ -101,7 +101,7 @@ def anchored_elsewhere(sound: Callable[..., np.ndarray], *arguments: Any) -> np.
 @contextmanager
 def _settings_dropped() -> Iterator[None]:
     """All but the stiffness of springs, where it is solved and where it is looked at."""
-    sound = algorithm_settings.configured
+    sound = settings.configured
 
     def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
         found = sound(contact, settings)

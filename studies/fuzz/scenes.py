@@ -13,10 +13,9 @@ import numpy as np
 
 from contact.parameters import STIFFNESS
 from studies.analysis.comparisons.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
-from studies.ask.algorithm_settings import configured, settings_of
-from studies.ask.friction_settings import MU, SLIDING, rubbing
 from studies.ask.request import Request, text_of
 from studies.ask.scene import has_contact
+from studies.ask.settings import MU, SLIDING, configured, rubbing, settings_of
 from studies.fuzz import state_laws
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked

@@ -21,8 +21,7 @@ from contact.friction.slip import sliding_of
 from contact.problem import ContactProblem, ContactSolution
 from contact.rounding import rounding_floor
 from contact.solvers.sparse import symmetric
-from studies.ask.algorithm_settings import configured, settings_of
-from studies.ask.friction_settings import rubbing
+from studies.ask.settings import configured, rubbing, settings_of
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, attempt, quiet
 from studies.fuzz.comparing import Answer, signs
 from studies.fuzz.values import generator

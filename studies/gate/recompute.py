@@ -23,19 +23,9 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, O
 from contact.verify import Verdict, claim, gap_residuals, judge
 from formulations.discretisation import Discretisation
 from formulations.solid.body import SolidDiscretisation
-from studies.ask.algorithm_settings import configured
-from studies.ask.friction_settings import rubbing
 from studies.ask.request import Request, UsageError
-from studies.ask.scene import (
-    CurveStage,
-    Observation,
-    Scene,
-    SceneModel,
-    ShellSceneModel,
-    Stage,
-    candidates_at,
-    moved,
-)
+from studies.ask.scene import CurveStage, Observation, Scene, SceneModel, ShellSceneModel, Stage, candidates_at, moved
+from studies.ask.settings import configured, rubbing
 from studies.gate.foreign import ClaimError
 from studies.output.vtu import PackedArray, packed_arrays
 from studies.scenes import SCENES

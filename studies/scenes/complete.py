@@ -10,10 +10,18 @@ from typing import Any
 from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.ask.algorithm_settings import parameters_of, settings_beside, settings_of, without_friction
-from studies.ask.friction_settings import completed, rubbing
 from studies.ask.request import Request, Settings, Value
-from studies.ask.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, UsageError, has_contact
+from studies.ask.scene import (
+    EPSILON,
+    CompletingScene,
+    Scene,
+    Setting,
+    SettlingScene,
+    UsageError,
+    has_contact,
+    settings_beside,
+)
+from studies.ask.settings import completed, parameters_of, rubbing, settings_of, without_friction
 from studies.scenes import SCENES
 
 MODELS = ("auto", "full")

@@ -1,20 +1,17 @@
-"""Scenes without contact: a shell under loads that grow with a load fraction, stepped or traced as a curve."""
+"""Scenes without contact: a shell under loads that grow with a load fraction; how loads are made and states read."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from types import MappingProxyType
 from typing import TypedDict, Unpack
 
 import numpy as np
 
-from contact.continuation.arc_length import ArcLength
-from contact.continuation.equilibrium_curve import ArcPoint
-from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
+from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.element_modes import ElementModes
 from formulations.geometry.grid import Grid
 from formulations.loads.lines import edge_lengths
@@ -22,24 +19,17 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request
-from studies.ask.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel, Stage, UsageError
+from studies.ask.scene import SOLVER, Begun, Observation, Setting, ShellSceneModel, Stage
+from studies.scenes.element import ELEMENT
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
-CURVE_FRACTIONS = replace(LOAD_FRACTIONS, default=(1.0,), help="load fractions to hit; the last ends the curve")
-UNTIL = Setting.one_of("until", ("load", "limit"), "load", "end of the curve: the last load, or the first limit point")
-ARC_STEP = Setting(
-    "arc_step", 0.01, "load fraction of the first step of arc length; --steps divides it", low=1e-6, high=1
+LOAD_FRACTION = replace(LOAD_FRACTIONS, default=(1.0,))
+SHELL_SETTINGS = (
+    Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4),
+    *ELEMENT,
+    SOLVER,
 )
-SERIES, ARC_LENGTH = "series", "arc-length"
-PATH = Setting.one_of(
-    "path",
-    (SERIES, ARC_LENGTH),
-    None,
-    "how the curve is followed: by power series, itself, or by points at an arc length",
-    otherwise="series for a measure quadratic in the displacements, else arc-length",
-)
-
 
 Reading = Callable[[ShellModel, np.ndarray], dict[str, float]]  # (shell, u) -> {name_unit: value}
 
@@ -62,22 +52,28 @@ def normal_at(discretisation: Discretisation, places: Mapping[str, tuple[int | n
     return read
 
 
-def point_rise(force: float, shear_stiffness: float, thickness: float, size: float) -> float:
-    """What elements of a size other than the wall's thickness h add [mm] to the deflection under a point force F [N].
+def area_load(
+    discretisation: Discretisation,
+    density: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    shares: tuple[float, float] = (0.5, 0.5),
+) -> np.ndarray:
+    """Consistent nodal forces (N, 6) in the local frames: F_i^r = int N_r (p . e_i) dA with the area dA of mubar.
 
-    Under it a shell of the shear stiffness S [N/mm] sinks in by a logarithm without bound, S lap w = -F delta, so
-    w = -F/(2 pi S) ln r. Elements of the size l see that at r ~ l: they have F/(2 pi S) ln(h/l) more than those as
-    large as the wall is thick, and the deflection without it has a limit. force: of the whole plane around the point,
-    of which symmetry may leave a quarter.
+    ``density(a1, a2)``: dead force per area p, (..., 3) or (3,), in Cartesian components. ``shares`` go to the inner
+    and to the outer face. p is projected on the frame at every Gauss point and does work on the displacement that the
+    element interpolates there; projecting it at the nodes instead would differ by O(l^2).
     """
-    return force / (2 * np.pi * shear_stiffness) * float(np.log(thickness / size))
-
-
-def element_size(discretisation: Discretisation, node: int) -> float:
-    """Geometric mean of the sides [mm] of the elements at a node."""
-    elements = discretisation.grid.elements
-    corners = discretisation.positions()[0][elements[np.any(elements == node, axis=1)]]
-    return float(np.sqrt(np.linalg.norm(corners[:, [1, 3]] - corners[:, [0]], axis=-1).prod(axis=-1).mean()))
+    grid = discretisation.grid
+    a1, a2 = np.moveaxis(grid.points(GAUSS), -1, 0)
+    p = np.broadcast_to(density(a1, a2), (*a1.shape, 3))
+    local = np.einsum("...ij,...j->...i", discretisation.surface.frame(a1, a2), p)
+    weight = discretisation.geometry.weight / N_GAUSS
+    value = np.broadcast_to(discretisation.geometry.value, (len(weight), N_GAUSS, 4, 3, 3))
+    nodal = np.einsum("e,egrij,egi->erj", weight, value, local, optimize=True)
+    forces = np.zeros((grid.n_nodes, 6))
+    for face, share in enumerate(shares):
+        np.add.at(forces[:, face::2], grid.elements, share * nodal)
+    return forces
 
 
 class Loads(TypedDict, total=False):
@@ -163,67 +159,3 @@ class StaticModel(ShellSceneModel):
     def _observe(self, problem: ContactProblem, state: ContactSolution, fraction: float) -> Observation:
         displacements = self._displacements(state.u, fraction)
         return Observation({"load_fraction": fraction, **displacements}, displacements)
-
-
-@dataclass(frozen=True, eq=False)
-class CurveModel(StaticModel):
-    """The same under dead forces only, its curve traced through limit points until its last load fraction or UNTIL.
-
-    rises: of displacements by name under a point load, see :func:`point_rise`, at load fraction 1; what is left without
-    them is reported, too: of w_mm as w_even_mm.
-    """
-
-    continuation: ArcLength | PowerSeries
-    rises: Mapping[str, float]
-
-    @classmethod
-    def of(
-        cls,
-        request: Request,
-        discretisation: Discretisation,
-        measure_at: Reading,
-        rises: Mapping[str, float] = MappingProxyType({}),
-        **loads: Unpack[Loads],
-    ) -> CurveModel:
-        """The first arc step is ``arc_step`` over the number of steps.
-
-        Raises UsageError where power series are asked for and do not apply.
-        """
-        static = StaticModel.of(request, discretisation, measure_at, **loads)
-        return cls(**vars(static), continuation=_continuation(request, static.shell), rises=rises)
-
-    def stages(self) -> Iterator[Stage]:
-        """The curve from rest."""
-        assert self.shell.forces is not None
-        unloaded = self.shell.scaled(0.0)
-        path = ("curve", self._begin, self.fractions, self._observe)
-        shell = (unloaded.linearise, self.shell.forces, unloaded.series)
-        yield ArcStage(*path, self.continuation, self._summarise, *shell)
-
-    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
-        found = self.measure_at(self.shell, u)
-        even = {key.replace("_mm", "_even_mm"): found[key] - fraction * rise for key, rise in self.rises.items()}
-        return found | even
-
-    def _summarise(self, points: Sequence[ArcPoint]) -> dict[str, float]:
-        """Number of limit points, load and displacements of the first."""
-        limits = [point for point in points if point.limit]
-        summary = {"limit_points": float(len(limits))}
-        if limits:
-            summary["limit_load_fraction"] = limits[0].factor
-            at_limit = self._displacements(limits[0].u, limits[0].factor)
-            summary |= {f"limit_{key}": value for key, value in at_limit.items()}
-        return summary
-
-
-def _continuation(request: Request, shell: ShellModel) -> ArcLength | PowerSeries:
-    """What follows the curve: what was asked for, else power series where they apply; raises UsageError."""
-    asked, obstacle = request.settings.get("path"), shell.quadratic
-    if asked == SERIES and obstacle is not None:
-        raise UsageError(f"path = {SERIES} does not apply: {obstacle}; it must be {ARC_LENGTH}")
-    solver, tolerance, ordered = request.choice("solver"), request.number("tolerance"), shell.ordered
-    to_limit = request.settings.get("until") == "limit"
-    if obstacle is None and asked != ARC_LENGTH:
-        return PowerSeries(to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=ordered)
-    first = request.number("arc_step") / request.steps
-    return ArcLength(first, to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=ordered)

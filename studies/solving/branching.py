@@ -11,10 +11,9 @@ from typing import Any
 
 from contact.continuation.branches import Branch, stable_branches
 from contact.solvers.sparse import SingularMatrixError
-from studies.ask.algorithm_settings import configured
-from studies.ask.friction_settings import rubbing
 from studies.ask.request import UsageError
 from studies.ask.scene import moved
+from studies.ask.settings import configured, rubbing
 from studies.output.atomic import write_by
 from studies.solving.certificate import certificate
 from studies.solving.result import Result

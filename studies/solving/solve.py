@@ -19,13 +19,12 @@ from contact.friction.slip import anchors_left
 from contact.interchange.linearised_step import freeze
 from contact.problem import ContactAlgorithm, Outcome
 from contact.swept import crossings
-from studies.ask.algorithm_settings import configured
-from studies.ask.friction_settings import rubbing
-from studies.ask.outside import blamed
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Observation, Scene, SceneModel, ShellSceneModel, Stage, UsageError
+from studies.ask.settings import configured, rubbing
 from studies.output.atomic import Table, plain
 from studies.scenes.complete import complete
+from studies.scenes.plugins import blamed
 from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.certificate import certificate, refusal
 from studies.solving.operations import counted

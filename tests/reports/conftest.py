@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import written
+from studies.ask.declarations import Ladder
 from studies.catalogue.models import built
 from studies.catalogue.tables import catalogue_tables
 from studies.experiments import epsilon as epsilon_study
@@ -36,7 +37,6 @@ from studies.run.campaigns.report_cells import LISTS
 from studies.run.campaigns.sheet_cells import GROUP as SHEETS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.scenes.ladders import Ladder
 from studies.solving.solve import resolve
 from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena

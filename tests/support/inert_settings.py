@@ -18,9 +18,9 @@ import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
-from studies.ask.algorithm_settings import configured, parameters_of
 from studies.ask.request import Request, Value
 from studies.ask.scene import CurveStage, Scene, Setting, Stage, UsageError
+from studies.ask.settings import configured, parameters_of
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.refinement.error_control import coarsest_mesh

@@ -17,10 +17,9 @@ import pandas as pd
 
 from contact.newton.step import RESIDUAL_TOLERANCE
 from studies.analysis.verify import headline
-from studies.ask.algorithm_settings import own_keys
-from studies.ask.friction_settings import MU
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON
+from studies.ask.settings import MU, own_keys
 from studies.run.cells.rows import keys
 from studies.solving.result import CONVERGED, SOLVED
 from studies.solving.step import unit_of

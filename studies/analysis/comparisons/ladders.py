@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from studies.ask.declarations import Ladder
 from studies.ask.scene import Reference
 from studies.run.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS
 from studies.run.cells.answers import Answer, Answers
 from studies.run.cells.rows import STEP_KEYS, holding, ladders
-from studies.scenes.ladders import Ladder
 from studies.solving.refinement.richardson import MeshSequence, order_against
 
 COLUMNS = (

@@ -14,9 +14,9 @@ import pandas as pd
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.analysis.comparisons.element_choice import EQUAL
+from studies.ask.declarations import Ladder
 from studies.run.campaigns.share_cells import COMPARED, LABEL, meshes_of, read_at
 from studies.run.cells.answers import Answer, Answers, number
-from studies.scenes.ladders import Ladder
 
 FARTHER = 0.05  # a finer mesh that goes this much farther does not confirm the end of a path
 END = "_limit_point"  # ends the quantity, named by its stage, that says where a path turned back for good

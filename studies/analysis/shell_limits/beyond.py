@@ -24,8 +24,12 @@ from studies.scenes.benchmarks import (
     pressurised,
     roofs,
     scordelis_lo,
+    semicylinder,
+    sze_annulus,
+    sze_moment,
+    sze_pinched,
+    sze_pullout,
 )
-from studies.scenes.benchmarks.sze import annulus, moment, pinched, pullout, semicylinder
 from studies.scenes.contact import plate, ring, strip
 
 SHIPPED = Path(__file__).with_name("shipped.csv")
@@ -91,15 +95,15 @@ KINDS: Mapping[str, Kind] = {
     "pagano": Kind("cross-ply plate", lambda settings: 1 / settings.number("S")),
     "scordelis-lo": Kind(ROOF, _of(scordelis_lo.H, scordelis_lo.RADIUS)),
     "cantilever": Kind(BEAM, _of(cantilever.H, cantilever.L)),
-    "sze-moment": Kind(BEAM, _of(moment.H, moment.L), own=False),
-    "sze-annulus": Kind(BEAM, _of(annulus.H, annulus.OUTER - annulus.INNER), own=False),
+    "sze-moment": Kind(BEAM, _of(sze_moment.H, sze_moment.L), own=False),
+    "sze-annulus": Kind(BEAM, _of(sze_annulus.H, sze_annulus.OUTER - sze_annulus.INNER), own=False),
     "strip-contact": Kind(PRESSED, _of(strip.H, strip.A)),
     "plate-contact": Kind(PRESSED, _of(plate.H, plate.A), own=False),
     "panel": Kind("crushed ring", lambda settings: settings.number("h_over_R"), own=False),
     "hemisphere": Kind(BENT, _of(hemisphere.H, hemisphere.RADIUS), own=False),
     "pinched-cylinder": Kind(BENT, _of(pinched_cylinder.H, pinched_cylinder.RADIUS), own=False),
-    "sze-pinched": Kind(BENT, _of(pinched.H, pinched.RADIUS), own=False),
-    "sze-pullout": Kind(BENT, _of(pullout.H, pullout.RADIUS), own=False),
+    "sze-pinched": Kind(BENT, _of(sze_pinched.H, sze_pinched.RADIUS), own=False),
+    "sze-pullout": Kind(BENT, _of(sze_pullout.H, sze_pullout.RADIUS), own=False),
     **{name: Kind(BENT, _SEMI, own=False) for name in ("semicylinder", "semicylinder-0-90-0", "semicylinder-90-0-90")},
     **_HINGED,
 }

@@ -22,9 +22,9 @@ from contact.verify import claim, judge
 from studies.arena.card.problems import Asked, Posed
 from studies.arena.card.quadratics import random_quadratic
 from studies.arena.watched import Watched
-from studies.ask.algorithm_settings import configured
 from studies.ask.request import Request, Value
 from studies.ask.scene import Scene, UsageError
+from studies.ask.settings import configured
 from studies.fuzz.attempt import quiet
 from studies.fuzz.comparing import ALIKE as COARSE
 from studies.fuzz.comparing import MARGIN, Answer, compared, difference, error_of

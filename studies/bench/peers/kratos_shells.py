@@ -22,7 +22,7 @@ from KratosMultiphysics import python_linear_solver_factory
 from studies.bench.peers.problems import Solved, size
 from studies.output.stopwatch import timed
 from studies.scenes.benchmarks import cantilever, hemisphere
-from studies.scenes.benchmarks.sze import pullout
+from studies.scenes.benchmarks import sze_pullout as pullout
 
 STEPS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 20, 30, 40, 80)  # numbers of equal load steps that are tried
 ITERATIONS = 40  # of a step

@@ -19,7 +19,7 @@ from ngsolve.nonlinearsolvers import NewtonSolver
 
 from studies.bench.peers.problems import Solved, size
 from studies.scenes.tyre.grid_lines import tyre_lines
-from studies.scenes.tyre.wall import ORTHOTROPIC
+from studies.scenes.tyre.model import ORTHOTROPIC
 
 RING, INNER, WALL = 200.0, 50.0, 4.8  # mm: centre of the tube from the axis, radius of its inner face, thickness
 CROWN = RING + INNER + WALL  # mm, outer equator from the axis

@@ -18,8 +18,8 @@ import numpy as np
 import pandas as pd
 
 from formulations.solid import SolidDiscretisation, SolidModel
-from studies.ask.algorithm_settings import configured
 from studies.ask.request import UsageError, text_of
+from studies.ask.settings import configured
 from studies.bench.programs import calculix
 from studies.bench.programs.case import Case
 from studies.exchange.deck import deck, element
@@ -33,8 +33,8 @@ from studies.output.terminal import columns
 from studies.run.store.source_hash import sources_hash
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
+from studies.scenes.tyre.model import checked_wall
 from studies.scenes.tyre.solid import SolidTyreModel
-from studies.scenes.tyre.wall import checked_wall
 from studies.scenes.walk import walk
 
 SOLID = "tyre-solid"

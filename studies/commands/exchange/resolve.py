@@ -8,9 +8,9 @@ from pathlib import Path
 from contact.interchange.linearised_step import FrozenFrictionalStep
 from studies.arena.friction_replay import resolve_with_friction
 from studies.arena.replay import Resolved, algorithm_of, read_step, resolve_step
-from studies.ask.outside import blamed
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.scenes.plugins import blamed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -23,9 +23,9 @@ from studies.experiments.extremes.maps import CONVERGED, UNTOUCHED, Found, attem
 from studies.experiments.rows import Row, tabulated
 from studies.run.campaigns.cell import Cell
 from studies.scenes.benchmarks import pagano
-from studies.scenes.benchmarks.sze.moment import L, circular_arc
-from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring
-from studies.scenes.closed_forms.laminated_plate import middle_deflection
+from studies.scenes.benchmarks.sze_moment import L, circular_arc
+from studies.scenes.closed_forms.contact import flattened_ring, pinched_ring
+from studies.scenes.closed_forms.elasticity import middle_deflection
 from studies.scenes.contact.ring import RADIUS, THIN
 
 SCAN = 6  # steps of the logarithm between the ordinary value and the bound

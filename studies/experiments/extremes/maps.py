@@ -18,9 +18,9 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import SMALLEST
 from contact.problem import Outcome
-from studies.ask.algorithm_settings import configured
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel, UsageError
+from studies.ask.settings import configured
 from studies.experiments.extremes.bisection import BUDGET, Located, distance, locate
 from studies.experiments.rows import Row, tabulated
 from studies.run.campaigns.cell import Cell

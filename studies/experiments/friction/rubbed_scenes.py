@@ -14,8 +14,8 @@ import pandas as pd
 
 from contact.operations import SPENT
 from contact.problem import ContactAlgorithm
-from studies.ask.algorithm_settings import configured
 from studies.ask.scene import Stage
+from studies.ask.settings import configured
 from studies.experiments.rows import Row, tabulated
 from studies.scenes.complete import complete
 from studies.scenes.data import reference_rows

@@ -29,9 +29,9 @@ from studies.experiments.rigid_body import rotation
 from studies.experiments.rows import Row, tabulated
 from studies.experiments.specimens import Element
 from studies.scenes.complete import complete
-from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.parts import settle_model
+from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
 from studies.scenes.walk import walk
 

@@ -21,7 +21,7 @@ from scipy import sparse
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution
 from studies.experiments.obstacle_problems.collection import Bounded
-from studies.scenes.closed_forms.sphere_obstacle import SphereObstacle
+from studies.scenes.closed_forms.contact import SphereObstacle
 
 if TYPE_CHECKING:
     from skfem import Basis, MeshQuad

@@ -20,11 +20,9 @@ from formulations.strains.catalogue import LINEAR
 from studies.experiments.shell_limits.bodies import Answer, Solid, solved_shell, usual_shell
 from studies.experiments.shell_limits.ladder import Variant
 from studies.scenes.benchmarks import pagano, scordelis_lo
-from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
-from studies.scenes.closed_forms.laminated_plate import middle_deflection
-from studies.scenes.closed_forms.thick_walls import golovin_turn, ovalised
-from studies.scenes.element import spaced_lines
-from studies.scenes.statics import edge_shares
+from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
+from studies.scenes.element import ShearCorrected, spaced_lines
+from studies.scenes.statics import area_load, edge_shares
 
 E, NU, R = 1000.0, 0.3, 100.0  # MPa, -, mm
 QUARTER = np.pi / 2

@@ -24,9 +24,9 @@ from formulations.strains.catalogue import EXACT
 from studies.experiments.shell_limits.bending import STRIP, E, R, layered, wall
 from studies.experiments.shell_limits.bodies import Answer, Solid, usual_shell
 from studies.experiments.shell_limits.ladder import Variant
-from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.contact.base import outer_face
 from studies.scenes.element import spaced_lines
+from studies.scenes.statics import area_load
 from studies.solving.solve import resolve, solve
 
 ALGORITHM = "semismooth"

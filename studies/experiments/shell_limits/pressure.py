@@ -18,7 +18,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import LINEAR
 from studies.experiments.shell_limits.bodies import Answer, Solid, solved_shell, usual_shell
 from studies.experiments.shell_limits.ladder import Variant
-from studies.scenes.closed_forms.thick_walls import lame_growth
+from studies.scenes.closed_forms.elasticity import lame_growth
 
 E, NU = 1000.0, 0.3  # MPa
 P = 1.0  # MPa: everything is linear

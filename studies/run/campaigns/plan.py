@@ -12,10 +12,9 @@ import numpy as np
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearised, without_contact
-from studies.ask.algorithm_settings import configured
-from studies.ask.friction_settings import rubbing
 from studies.ask.request import Request
 from studies.ask.scene import UsageError, has_contact
+from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.file import Campaign

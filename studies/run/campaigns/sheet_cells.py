@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from studies.ask.scene import ladders_of
 from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
-from studies.scenes.ladders import ladders_of
 
 LABEL, FRAME, GROUP = "sheet {scene}", "sheet tyre at {delta} mm", "sheets"
 FRAMES = ("1", "4", "8", "12", "16", "20")  # mm of travel

@@ -24,12 +24,12 @@ MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+")
 BESIDE_A_CELL = (
     *("studies.scenes", "contact.catalogue"),  # they name all of theirs, and a cell names its own
     "studies.scenes.complete",  # it decides the request, which is hashed as such
-    *("studies", "studies.ask.outside", "studies.output.provenance"),  # they tell of a solve, and do nothing in it
+    *("studies", "studies.scenes.plugins", "studies.output.provenance"),  # they tell of a solve, and do nothing in it
     *("contact.interchange", "contact.interchange.*"),  # of frozen problems, which a cell does not keep
 )
 FRICTION = (  # what only a cell with friction executes
     *("contact.friction", "contact.friction.*"),
-    *("studies.ask.friction_settings", "studies.scenes.friction_readings"),
+    "studies.scenes.friction_readings",
     *("studies.solving.friction", "studies.solving.friction.*"),
 )
 

@@ -11,11 +11,11 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
+from studies.ask.declarations import BENCHMARKS, FULL, LONG, ROTATIONS, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
-from studies.scenes.ladders import BENCHMARKS, FULL, LONG, ROTATIONS, Ladder
 from studies.scenes.statics import LOAD_FRACTIONS, Reading, StaticModel, edge_forces
 
 E, L, B, H = 1.2e6, 10.0, 1.0, 0.1  # MPa, mm; nu = 0

@@ -10,11 +10,11 @@ import numpy as np
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import BENCHMARKS, EDGES, ROTATIONS, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, discretise, even_grid
-from studies.scenes.ladders import BENCHMARKS, EDGES, ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm

@@ -15,14 +15,13 @@ import numpy as np
 
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
+from studies.ask.declarations import LINEAR, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
-from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, ShearCorrected, area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
-from studies.scenes.element import LINES, patch
-from studies.scenes.ladders import LINEAR, Ladder, meshes
-from studies.scenes.statics import StaticModel, normal_at
+from studies.scenes.element import LINES, ShearCorrected, patch
+from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, area_load, normal_at
 
 E, NU, RADIUS, LOAD = 2.85e4, 0.3, 1.0, 1e4  # MPa, -, mm; p = LOAD (t/R)^3 cos 2 phi MPa
 HARMONIC, REISSNER = 2, 5 / 6

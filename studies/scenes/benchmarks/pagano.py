@@ -15,13 +15,12 @@ import numpy as np
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
+from studies.ask.declarations import LINEAR, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.data import Row, reference_rows, references
-from studies.scenes.element import patch
-from studies.scenes.ladders import LINEAR, Ladder, meshes
-from studies.scenes.statics import StaticModel, loaded_shell
+from studies.scenes.element import centred_laminate, patch
+from studies.scenes.statics import SHELL_SETTINGS, StaticModel, area_load, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
 E_L, E_T, G_LT, G_TT, NU = 25.0, 1.0, 0.5, 0.2, 0.25

@@ -13,12 +13,11 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
+from studies.ask.declarations import LINEAR, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
-from studies.scenes.element import patch
-from studies.scenes.ladders import LINEAR, Ladder, meshes
-from studies.scenes.statics import StaticModel, normal_at, normal_forces
+from studies.scenes.element import centred_laminate, patch
+from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 3e6, 0.3, 300.0, 600.0, 3.0  # MPa, -, mm, mm, mm
 P = 1.0  # N, each of the two opposite forces; an eighth of the cylinder carries a quarter of one

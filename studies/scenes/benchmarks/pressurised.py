@@ -25,11 +25,11 @@ from formulations.geometry.surfaces import Surface, cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
+from studies.ask.declarations import CLOSED, FULL, LONG, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
-from studies.scenes.ladders import CLOSED, FULL, LONG, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
 
 E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm

@@ -14,22 +14,13 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CANCEL, SNAP, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, UNTIL, CurveModel, element_size, point_rise
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT, LINES, patch
-from studies.scenes.ladders import CANCEL, SNAP, Ladder, meshes
-from studies.scenes.statics import (
-    ARC_STEP,
-    CURVE_FRACTIONS,
-    PATH,
-    UNTIL,
-    CurveModel,
-    element_size,
-    normal_at,
-    normal_forces,
-    point_rise,
-)
+from studies.scenes.statics import normal_at, normal_forces
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
 P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter

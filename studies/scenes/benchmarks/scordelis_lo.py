@@ -14,12 +14,11 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
+from studies.ask.declarations import LINEAR, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
-from studies.scenes.element import patch
-from studies.scenes.ladders import LINEAR, Ladder, meshes
-from studies.scenes.statics import StaticModel
+from studies.scenes.element import centred_laminate, patch
+from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, area_load
 
 E, RADIUS, LENGTH, H = 4.32e8, 25.0, 50.0, 0.25  # MPa, mm, mm, mm; nu = 0
 HALF_ANGLE = np.deg2rad(40.0)

@@ -19,13 +19,13 @@ import numpy as np
 from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import SNAP, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
+from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, CurveModel
 from studies.scenes.element import ELEMENT, patch
-from studies.scenes.ladders import SNAP, Ladder
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, PATH, CurveModel, normal_at
+from studies.scenes.statics import area_load, normal_at
 
 E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
 RISE = BASE**2 / (2 * RADIUS)  # mm, of the shallow cap

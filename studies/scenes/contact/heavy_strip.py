@@ -14,15 +14,14 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
+from studies.ask.declarations import CONTACT, FULL, LONG, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import area_load
-from studies.scenes.closed_forms.beams_on_planes import lifted_strip
+from studies.scenes.closed_forms.contact import lifted_strip
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
-from studies.scenes.ladders import CONTACT, FULL, LONG, Ladder
-from studies.scenes.statics import loaded_shell
+from studies.scenes.statics import area_load, loaded_shell
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
 WEIGHT = D * LIFT / UNIT**4  # MPa

@@ -15,14 +15,13 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
+from studies.ask.declarations import CONTACT, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
-from studies.scenes.closed_forms.beams_on_planes import plate_contact
+from studies.scenes.closed_forms.contact import plate_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
-from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
-from studies.scenes.ladders import CONTACT, Ladder
-from studies.scenes.statics import loaded_shell
+from studies.scenes.element import ELEMENT, ShearCorrected, grid_over, on_grid, spaced_lines
+from studies.scenes.statics import area_load, loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
 D = E * H**3 / (12 * (1 - NU**2))  # N mm

@@ -15,13 +15,13 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CONTACT, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.closed_forms.beams_on_planes import flattened_ring
+from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
-from studies.scenes.ladders import CONTACT, Ladder, meshes
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0

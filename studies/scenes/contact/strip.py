@@ -15,15 +15,14 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
+from studies.ask.declarations import CONTACT, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
-from studies.scenes.closed_forms.beams_on_planes import strip_contact
+from studies.scenes.closed_forms.contact import strip_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import At, reference_rows, references
-from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
-from studies.scenes.ladders import CONTACT, Ladder
-from studies.scenes.statics import loaded_shell
+from studies.scenes.element import ELEMENT, ShearCorrected, grid_over, on_grid, spaced_lines
+from studies.scenes.statics import area_load, loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
 D = E * H**3 / 12  # N mm

@@ -1,4 +1,9 @@
-"""The tyre as a shell on given grid lines: the part that is pressed, or the column that is only inflated."""
+"""The tyre as a shell on given grid lines: its wall, and the part that is pressed, or the column that is only inflated.
+
+Cords of 510 MPa in rubber of 2 MPa: where the wall is bent beside the patch, its faces are compressed by more than the
+shear of the rubber resists. Beyond that travel the problem has no length of its own (:mod:`formulations.short_waves`),
+and the limit point of a pressed tyre moves down with every refinement of the grid.
+"""
 
 from __future__ import annotations
 
@@ -10,18 +15,83 @@ from scipy import sparse
 
 from contact.obstacles.foundation import Candidates
 from contact.problem import ContactProblem, ContactSolution
+from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import TensorGrid
+from formulations.geometry.surfaces import torus
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import Begun, Observation, ShellSceneModel, Stage, candidates_at
-from studies.scenes.statics import with_balances
+from formulations.short_waves import short_waves
+from studies.ask.request import Request, Settings
+from studies.ask.scene import Begun, Observation, ShellSceneModel, Stage, UsageError, candidates_at
+from studies.scenes.element import discretise
+from studies.scenes.statics import loaded_shell, with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of
-from studies.scenes.tyre.press import Column, PressedTyre, Wall, begin_inflation
-from studies.scenes.tyre.press_path import arc_of
+from studies.scenes.tyre.press import Column, PressedTyre, Wall, arc_of, begin_inflation
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within
-from studies.scenes.tyre.stability import beside_the_patch
-from studies.scenes.tyre.wall import checked_wall, inflated_shell
+
+CLAMPED = 0.85  # of the clamp angle: beyond it the clamp decides
+
+
+def beside_the_patch(shell: ShellModel, part: Part, u: np.ndarray, touching: np.ndarray) -> dict[str, float]:
+    """Least stiffness of short waves [N/mm] over the elements without a node in contact, and where it is [deg].
+
+    touching: nodes of the part's grid in contact.  The neighbourhood of the clamp is left out.
+    """
+    grid, own = part.grid, part.merging()
+    held = np.zeros(grid.n_nodes, bool)
+    held[touching] = True
+    free = ~held[own][grid.elements].any(axis=1)
+    free &= np.abs(grid.centre[:, 0]) < CLAMPED * np.max(np.abs(grid.nodes[:, 0]))
+    least = short_waves(shell, u).least
+    at = np.flatnonzero(free)[np.argmin(least[free])]
+    psi, phi = np.rad2deg(np.abs(grid.centre[at]))
+    return {"short_wave_N_mm": float(least[at]), "short_wave_psi_deg": float(psi), "short_wave_phi_deg": float(phi)}
+
+
+ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa": 1.77, "nu_LT": 0.46, "nu_TT": 0.95}
+
+
+def inflated_shell(request: Request, part: Part) -> ShellModel:
+    """The shell on the grid of the part under the pressure inside."""
+    settings = request.settings
+    laminate, R1, R0, _ = checked_wall(settings)
+    supports = Supports.of_edges(part.grid, *part.edges)
+    discretisation = discretise(request, torus(R0 - R1, R1), part.grid, laminate, *supports.masks, images=part.images)
+    return loaded_shell(discretisation, request, section=settings.choice("section"), pressure=inflation(settings))
+
+
+def checked_wall(settings: Settings) -> tuple[Laminate, float, float, float]:
+    """Laminate, R1, R0 [mm] and clamp [deg]; raises UsageError on impossible geometry or plies."""
+    try:
+        laminate = _laminate(settings)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    R1, R0, clamp = (settings.number(key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
+    if not laminate.thickness < R1:
+        raise UsageError(
+            f"thickness plies*ply_thickness_mm = {laminate.thickness:g} mm must be below R1_mm = {R1:g} mm"
+        )
+    if not R0 - R1 + (R1 + laminate.thickness) * np.cos(np.deg2rad(clamp)) > 0 or not R0 >= R1:
+        raise UsageError(f"R0_mm = {R0:g} is too small: the wall at clamp_deg = {clamp:g} would cross the axis")
+    return laminate, R1, R0, clamp
+
+
+def inflation(settings: Settings) -> Pressure:
+    """The pressure inside."""
+    return Pressure(settings.number("p0_MPa"), settings["load"] == "follower", area=settings.choice("pressure_area"))
+
+
+def _laminate(settings: Settings) -> Laminate:
+    thickness, plies = settings.number("ply_thickness_mm"), int(settings.number("plies"))
+    if "E_MPa" in settings:
+        ply = Ply.isotropic(settings.number("E_MPa"), settings.number("nu"), thickness)
+        return Laminate((ply,) * plies, d_minus=0.0)
+    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (settings.number(key) for key in ORTHOTROPIC)
+    gamma = np.deg2rad(settings.number("gamma_deg"))
+    angles = [(-1) ** k * gamma for k in range(plies)]
+    return Laminate(tuple(Ply(E_L, E_T, G_LT, G_TT, nu_LT, nu_TT, a, thickness) for a in angles), d_minus=0.0)
 
 
 @dataclass(frozen=True, eq=False)

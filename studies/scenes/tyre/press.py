@@ -1,4 +1,4 @@
-"""The stages every tyre goes through, shell or solid: inflation, then the travel of a foundation; and what is read off.
+"""The stages every tyre goes through, shell or solid: inflation, then the travel of a foundation, by steps or by arc.
 
 The foundation comes along -e_x, touches the inflated tyre at (psi, phi) = (0, 0), and moves inwards by delta counted
 from that first touch. What the wall is made of does not enter here.
@@ -13,17 +13,44 @@ from functools import cached_property, partial
 import numpy as np
 from scipy import sparse
 
-from contact.continuation.arc_length import ArcLength
+from contact.continuation.arc_length import ArcLength, Trace
 from contact.continuation.equilibrium_curve import ArcPoint
+from contact.continuation.load_stepping import follow
+from contact.continuation.pressed_curve import PressedCurve
+from contact.continuation.turning_points import EASY, HARD
 from contact.obstacles.foundation import Candidates, Foundation, against, travelling
-from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, without_contact
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
-from studies.ask.scene import Begun, Observation, PressedStage, Stage, UsageError
+from studies.ask.request import Request
+from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage, UsageError
 from studies.output.atomic import Table
-from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.parts import Part
+from studies.scenes.tyre.readings import asymmetries, half_extent, to_edges
+
+FIRST = 1.0  # mm, over the number of steps
+LARGEST = 4.0  # of the first step
+MOST_POINTS = 60
+PATH = Setting.one_of(
+    "path", ("travel", "arc"), None, "steps of the travel, or arc length through limit points", otherwise="travel"
+)
+ARC_POINTS = Setting("arc_points", None, "points of the curve, with path=arc", "int", 1, 10_000, otherwise="60")
+PATH_SETTINGS = (PATH, ARC_POINTS)
+
+
+def arc_of(request: Request) -> ArcLength | None:
+    """The continuation, or None for steps of the travel; raises UsageError for points of no curve."""
+    settings = request.settings
+    if settings.get("path", "travel") == "travel":
+        if "arc_points" in settings:
+            raise UsageError("arc_points belongs to path=arc")
+        return None
+    points = int(settings.number("arc_points")) if "arc_points" in settings else MOST_POINTS
+    tolerance = request.number("tolerance")
+    first = FIRST / request.steps
+    return ArcLength(first, EASY, HARD, largest=LARGEST, max_points=points, tolerance=tolerance, lowest=0.0)
+
 
 OVERLAP = 1e-6  # mm
 BY_TRAVEL = 0.25  # of the travel asked for: up to there the arc length has nothing to find
@@ -72,6 +99,33 @@ class Wall:
         """Values of the candidates (m,) at all places (N,), zero where there is none; true where all of them are."""
         spread = self.of_candidates @ values.astype(float)
         return spread > 1 - WHOLE if values.dtype == bool else spread
+
+
+@dataclass(frozen=True, eq=False)
+class PressedStage(CurveStage):
+    """The curve of a body that a foundation presses, t its travel.
+
+    first: travel up to which plain steps lead; from there on by arc length to the targets beyond.
+    """
+
+    continuation: ArcLength
+    first: float
+
+    def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
+        """With the contact of the algorithm."""
+        problem_at, start = begun
+        (point,) = follow(problem_at, 0.0, [self.first], algorithm, start)
+        rest = ArcPoint(start.u, 0.0, pressure=start.pressure, active=start.active)
+        if not point.outcome.converged:
+            said = str(point.solution.history[-1].get("event", point.outcome.value))
+            return Trace(
+                (rest,), point.outcome, said, dict(point.solution.counters), list(map(dict, point.solution.history))
+            )
+        curve, begin = PressedCurve.through(problem_at, self.first, point.solution, algorithm)
+        curve.tally.add(point.solution)
+        beyond = [target for target in self.targets if target > self.first]
+        trace = self.continuation.along(curve, begin, beyond, tell)
+        return replace(trace, points=(rest, *trace.points))
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,58 +283,3 @@ def begin_inflation(body: Body, previous: ContactSolution | None) -> Begun:
     n = body.discretisation.n_free
     start = ContactSolution.at_rest(n, 0) if previous is None else previous
     return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
-
-
-def half_extent(coordinate: np.ndarray, share: np.ndarray, pressure: np.ndarray | None = None) -> float:
-    """Half extent of the patch along a line through its centre, by deformed coordinates (n,) [mm].
-
-    share (n,): 1 at nodes in contact, 0 at others, linear between them. The rim is where it is 1/2: half-way between
-    the last node in contact and the first one out of it, on both sides, and so jumps by elements. With the pressures
-    (n,) of the nodes it is taken within the element: the last node collects pressure from its share of the line as far
-    as that touches, and should have what the two nodes before it extrapolate to.
-    """
-    share = np.asarray(share, float)
-    touching = np.flatnonzero(share >= 0.5)
-    if len(touching) == 0:
-        return 0.0
-    first, last = int(touching[0]), int(touching[-1])
-    if pressure is None or last - first < 2:
-        low, high = _at_half(coordinate, share, first, -1), _at_half(coordinate, share, last, 1)
-    else:
-        low = _by_pressure(coordinate[::-1], pressure[::-1], len(coordinate) - 1 - first)
-        high = _by_pressure(coordinate, pressure, last)
-    return float(0.5 * abs(high - low))
-
-
-def _at_half(x: np.ndarray, share: np.ndarray, last: int, step: int) -> float:
-    """Where the share falls to 1/2 between the last place above it and the next."""
-    following = last + step
-    if not 0 <= following < len(share):
-        return float(x[last])
-    above, below = share[last], share[following]
-    return float(((above - 0.5) * x[following] + (0.5 - below) * x[last]) / (above - below))
-
-
-def _by_pressure(x: np.ndarray, pressure: np.ndarray, last: int) -> float:
-    """Where contact ends behind its ``last`` node: p_last/(2 p_1 - p_2), at most 1, of what that node stands for."""
-    inner, outer = 0.5 * (x[last - 1] + x[last]), 0.5 * (x[last] + x[min(last + 1, len(x) - 1)])
-    whole = max(2 * pressure[last - 1] - pressure[last - 2], pressure[last])
-    share = pressure[last] / whole if whole > 0 else 0.0
-    return float(outer - (1 - share) * (outer - inner))
-
-
-def to_edges(x: np.ndarray, active: np.ndarray) -> float:
-    """Least length along a meridian from a node in contact to an edge [mm], by deformed coordinates x (psi, phi, 3).
-
-    Near zero the clamp carries the foundation; with no node in contact it is the longest meridian.
-    """
-    length = np.linalg.norm(np.diff(x, axis=0), axis=-1).cumsum(axis=0)
-    low = np.concatenate([np.zeros_like(length[:1]), length])
-    return float(np.min(np.minimum(low, low[-1] - low)[active], initial=np.max(low[-1])))
-
-
-def asymmetries(pressure: np.ndarray) -> dict[str, float]:
-    """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak."""
-    peak = float(pressure.max())
-    found = {"central_asymmetry": central_asymmetry(pressure), "mirror_asymmetry": mirror_asymmetry(pressure)}
-    return {name: value / peak if peak > 0 else 0.0 for name, value in found.items()}

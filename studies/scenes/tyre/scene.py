@@ -14,19 +14,17 @@ import numpy as np
 
 from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
+from studies.ask.declarations import TYRE, Ladder, meshes
 from studies.ask.request import Request, Value
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
 from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT
-from studies.scenes.ladders import TYRE, Ladder, meshes
 from studies.scenes.tyre import foundation as tyre_foundation
-from studies.scenes.tyre import press_path
-from studies.scenes.tyre.grid_lines import GRADING, checked_mesh, tyre_lines
-from studies.scenes.tyre.model import InflatedTyre, TyreModel
+from studies.scenes.tyre.grid_lines import GRADING, TyreSizes, checked_mesh, tyre_lines
+from studies.scenes.tyre.model import ORTHOTROPIC, InflatedTyre, TyreModel, checked_wall
 from studies.scenes.tyre.parts import MODELS, settle_model
+from studies.scenes.tyre.press import PATH_SETTINGS
 from studies.scenes.tyre.sector import SECTOR, cut_of, settle_sector, with_line_at
-from studies.scenes.tyre.sizes import TyreSizes
-from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
@@ -93,7 +91,7 @@ SETTINGS = (
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
     GRADING,
     SECTOR,
-    *press_path.SETTINGS,
+    *PATH_SETTINGS,
     *tyre_foundation.SETTINGS,
     *ELEMENT,
     SOLVER,

@@ -23,19 +23,18 @@ from studies.ask.request import Request, Value
 from studies.ask.scene import Reference, Scene, Setting, UsageError, candidates_at, nodal_pressure
 from studies.output.vtu import write_solid_fields
 from studies.scenes.element import ELEMENT
-from studies.scenes.tyre import press_path
 from studies.scenes.tyre.foundation import foundation
 from studies.scenes.tyre.grid_lines import tyre_lines
+from studies.scenes.tyre.model import ORTHOTROPIC, checked_wall, inflation
 from studies.scenes.tyre.parts import mirrored, part_of
-from studies.scenes.tyre.press import PressedTyre, Wall
+from studies.scenes.tyre.press import PATH_SETTINGS, PressedTyre, Wall
 from studies.scenes.tyre.scene import Tyre
-from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflation
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
 ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
 NOT_OF_A_SOLID = {
     *("section", "grading", "sector_deg", "rim"),
-    *(setting.key for setting in (*press_path.SETTINGS, *ELEMENT)),
+    *(setting.key for setting in (*PATH_SETTINGS, *ELEMENT)),
 }
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from studies.ask.friction_settings import rubbing
 from studies.ask.request import Request
+from studies.ask.settings import rubbing
 from studies.output.atomic import Table, write_json
 from studies.output.provenance import provenance
 from studies.solving.choosing.offers import Offer

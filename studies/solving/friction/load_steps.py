@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 from itertools import accumulate, chain
 from typing import Any
 
-from studies.ask.algorithm_settings import configured
 from studies.ask.scene import Observation, Stage
+from studies.ask.settings import configured
 from studies.output.atomic import Table
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate

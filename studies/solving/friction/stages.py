@@ -15,9 +15,9 @@ import numpy as np
 from contact.coulomb import Motion, Surface
 from contact.friction.slip import with_friction
 from contact.problem import ContactProblem, ContactSolution
-from studies.ask.friction_settings import DRAG, MU, TURN, WAY
 from studies.ask.request import Settings, UsageError
 from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage
+from studies.ask.settings import DRAG, MU, TURN, WAY
 from studies.output.atomic import Table
 from studies.scenes.friction_readings import FORCES, FRICTION, forces, nodal
 

@@ -21,7 +21,7 @@ from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem
 from contact.solvers.sparse import factorise
 from formulations.shell import Linearisation, ShellModel
-from studies.ask.scene import ArcStage
+from studies.scenes.curves import ArcStage
 from studies.scenes.walk import Visited
 
 STEP = 1e-6  # of the largest unknown, for differences

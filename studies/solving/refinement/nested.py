@@ -19,10 +19,10 @@ import numpy as np
 
 from contact.continuation.critical_points import State
 from contact.continuation.starts import Start, Starts
-from studies.ask.algorithm_settings import configured
-from studies.ask.outside import blamed
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage, UsageError
+from studies.ask.settings import configured
+from studies.scenes.plugins import blamed
 from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.refinement.carried import starts_from
 from studies.solving.result import CONVERGED, Result

@@ -1,7 +1,7 @@
 """Deflections that have no limit: how much a quantity still grows with every halving under a point load.
 
 A shell of the shear stiffness S [N/mm] sinks in under a normal point force F as S lap w = -F delta has it, with
-w = -F/(phi S) ln r over the angle phi of the wall around the point, without bound (:func:`studies.scenes.statics
+w = -F/(phi S) ln r over the angle phi of the wall around the point, without bound (:func:`studies.scenes.curves
 .point_rise`). Elements of half the size add F/(phi S) ln 2, whatever the grid; what a quantity has of the deflection at
 the point grows by as much. Other loads and how grids are refined do not enter here.
 """
@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from formulations.shell import ShellModel
-from studies.scenes.statics import CurveModel, StaticModel
+from studies.scenes.curves import CurveModel
+from studies.scenes.statics import StaticModel
 from studies.solving.refinement.nested import Sketch
 from studies.solving.result import Result
 

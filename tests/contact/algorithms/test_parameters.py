@@ -8,8 +8,8 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from contact.parameters import EPSILON, Parameter
-from studies.ask.algorithm_settings import configured, own_keys
 from studies.ask.scene import Setting
+from studies.ask.settings import configured, own_keys
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)

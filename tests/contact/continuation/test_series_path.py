@@ -15,7 +15,7 @@ from contact.continuation.equilibrium_curve import ArcPoint, Curve
 from contact.continuation.power_series import Piece
 from contact.continuation.series_path import PowerSeries
 from contact.problem import Linearisation, Outcome
-from studies.scenes.statics import CurveModel
+from studies.scenes.curves import CurveModel
 from studies.solving.solve import resolve
 
 ON_CURVE = 1e-10

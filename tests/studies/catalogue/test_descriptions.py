@@ -13,8 +13,7 @@ from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES, SANDERS
 from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
 from formulations.strains.quantities import QUANTITIES, STRAINS
-from studies.ask.algorithm_settings import settings_beside
-from studies.ask.scene import Setting, UsageError, has_contact
+from studies.ask.scene import Setting, UsageError, has_contact, settings_beside
 from studies.catalogue.descriptions import describe, meaning_of
 from studies.cli import main
 from studies.scenes import SCENES

@@ -23,8 +23,7 @@ from studies.experiments.shell_limits.ladder import (
     Variant,
     rows_of,
 )
-from studies.scenes.closed_forms.laminated_plate import middle_deflection
-from studies.scenes.closed_forms.thick_walls import golovin_turn, ovalised
+from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
 from studies.scenes.data import read_reference
 
 RATIO = 0.2

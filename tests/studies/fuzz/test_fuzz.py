@@ -15,8 +15,8 @@ from scipy import sparse
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearisation
-from studies.ask.algorithm_settings import parameters_of
 from studies.ask.scene import has_contact
+from studies.ask.settings import parameters_of
 from studies.cli import main
 from studies.fuzz import campaign, matrices, near, posed
 from studies.fuzz.attempt import CONVERGED, Broken, attempt

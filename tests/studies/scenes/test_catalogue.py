@@ -6,9 +6,9 @@ import importlib
 
 import pytest
 
+from studies.ask.scene import judged_of, ladders_of
 from studies.run.campaigns.ladder_cells import BENCHMARKS, LADDERS
 from studies.scenes import MODULES, SCENES
-from studies.scenes.ladders import judged_of, ladders_of
 
 
 @pytest.mark.parametrize("module", dict.fromkeys(MODULES.values()))

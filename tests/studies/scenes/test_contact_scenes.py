@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from studies.scenes.closed_forms.beams_on_planes import flattened_ring, lifted_strip, plate_contact, strip_contact
+from studies.scenes.closed_forms.contact import flattened_ring, lifted_strip, plate_contact, strip_contact
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
 from studies.solving.result import CONVERGED, Result

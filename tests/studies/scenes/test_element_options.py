@@ -15,9 +15,9 @@ from formulations.strains.catalogue import EXACT
 from studies.ask.scene import UsageError
 from studies.cli import main
 from studies.scenes import SCENES
-from studies.scenes.benchmarks.area_loads import area_load
-from studies.scenes.benchmarks.sze.moment import H, L
+from studies.scenes.benchmarks.sze_moment import H, L
 from studies.scenes.element import PRESETS
+from studies.scenes.statics import area_load
 from studies.solving.solve import resolve, solve
 
 

@@ -22,9 +22,10 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
 from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
 from studies.scenes.benchmarks import scordelis_lo as linear_roof
-from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
+from studies.scenes.curves import point_rise
 from studies.scenes.data import DATA, read_reference
-from studies.scenes.statics import point_rise
+from studies.scenes.element import ShearCorrected
+from studies.scenes.statics import area_load
 from studies.solving.solve import resolve, solve
 from support.problems.differences import fitted_order
 

@@ -16,8 +16,8 @@ import pytest
 from contact.problem import Outcome
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
-from studies.scenes.benchmarks.sze.annulus import P_MAX
-from studies.scenes.benchmarks.sze.moment import EI, M_MAX, H, L
+from studies.scenes.benchmarks.sze_annulus import P_MAX
+from studies.scenes.benchmarks.sze_moment import EI, M_MAX, H, L
 from studies.solving.refinement.trees import Family
 from studies.solving.result import Result
 from studies.solving.solve import resolve, solve

@@ -76,7 +76,7 @@ ROOF_A = [
 
 
 def test_a_curve_that_does_not_arrive_is_written_and_exits_3(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("studies.scenes.statics.ArcLength", partial(ArcLength, max_points=3))
+    monkeypatch.setattr("studies.scenes.curves.ArcLength", partial(ArcLength, max_points=3))
     assert main([*ROOF_A, str(tmp_path), "--set", "path=arc-length"]) == NOT_CONVERGED
     result = json.loads((tmp_path / "result.json").read_text())
     assert result["outcome"] == "iteration-limit"

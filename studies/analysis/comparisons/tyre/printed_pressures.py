@@ -20,7 +20,7 @@ from formulations.geometry.surfaces import torus
 from studies.run.campaigns.report_cells import READINGS, TYRE
 from studies.run.cells.answers import Answer, Answers
 from studies.scenes.data import read_reference
-from studies.scenes.tyre.asymmetry import deviation
+from studies.scenes.tyre.readings import deviation
 
 FILE = "paper_contact_pressure_delta20.csv"
 PRINTED_FACTOR = 10.0  # the table gives -10 q

@@ -20,8 +20,8 @@ from studies.analysis.comparisons.disagreements import (
     disagreements,
     why,
 )
-from studies.ask.algorithm_settings import configured
 from studies.ask.request import Request, Settings
+from studies.ask.settings import configured
 from studies.fuzz.comparing import AGREES, Answer, compared
 from studies.scenes.complete import complete
 from studies.solving.result import Result

@@ -12,7 +12,7 @@ from studies.experiments.extremes import limits
 from studies.experiments.extremes.limits import ALGORITHM, LIMITS, MEASURE, RESOLUTION, limits_table, search
 from studies.experiments.extremes.maps import CONVERGED, FAILED, REFUSED, Found
 from studies.run.campaigns.cell import Cell
-from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring
+from studies.scenes.closed_forms.contact import flattened_ring, pinched_ring
 from studies.solving.solve import resolve
 
 

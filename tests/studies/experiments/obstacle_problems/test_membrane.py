@@ -8,7 +8,7 @@ from scipy.integrate import quad, solve_ivp
 
 from contact.catalogue import ALGORITHMS
 from studies.experiments.obstacle_problems.membrane import EXACT, Membrane, membrane_table, quarter_disc
-from studies.scenes.closed_forms.sphere_obstacle import SphereObstacle
+from studies.scenes.closed_forms.contact import SphereObstacle
 
 PRINTED = {"contact_radius": 0.348982574111686, "factor": -0.340129705945858}  # MFEM, example 36
 SAME = 1e-9

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
+from studies.ask.declarations import Ladder
 from studies.ask.scene import UsageError
 from studies.run.campaigns.ladder_cells import LADDERS
-from studies.scenes.closed_forms.beams_on_planes import lifted_strip, strip_contact
+from studies.scenes.closed_forms.contact import lifted_strip, strip_contact
 from studies.scenes.contact.base import rim_lines
 from studies.scenes.element import spaced_lines, tree_over
-from studies.scenes.ladders import Ladder
 from studies.solving.solve import resolve
 
 SAME = 1e-12

@@ -83,7 +83,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     code += "sys.setprofile(None); print(*filter(None, called))"
     called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "contact.newton.loop" in called
-    assert set(called) & rubs <= {"studies.solving.friction", "studies.ask.friction_settings"}
+    assert set(called) & rubs <= {"studies.solving.friction"}
 
 
 @pytest.mark.parametrize(("scene", "files"), [("cantilever", 80), ("strip-contact", 85)])

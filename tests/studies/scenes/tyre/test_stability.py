@@ -7,7 +7,7 @@ import pytest
 
 from contact.algorithms.semismooth import Semismooth
 from studies.scenes.complete import complete
-from studies.scenes.tyre.stability import beside_the_patch
+from studies.scenes.tyre.model import beside_the_patch
 from studies.scenes.walk import walk
 
 ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"}

@@ -15,8 +15,8 @@ from contact.interchange.oracle import Confirmation
 from contact.problem import ContactProblem
 from studies.arena.friction_replay import resolve_with_friction
 from studies.arena.replay import algorithm_of, read_step
-from studies.ask.algorithm_settings import configured
 from studies.ask.request import UsageError
+from studies.ask.settings import configured
 from studies.exchange.of_scene import problem_of
 from studies.scenes import SCENES
 from studies.scenes.complete import complete

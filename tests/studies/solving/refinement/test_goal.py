@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from contact.problem import Linearisation, Linearise
-from studies.ask.algorithm_settings import configured
-from studies.ask.scene import ArcStage
+from studies.ask.settings import configured
 from studies.scenes.complete import complete
+from studies.scenes.curves import ArcStage
 from studies.solving.refinement.goal import dual, gradient, on_grid
 from studies.solving.result import Result
 from studies.solving.solve import solve

@@ -15,7 +15,7 @@ from studies.analysis.comparisons.tyre.printed_pressures import (
     force,
     printed_map,
 )
-from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
+from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
 
 TYRE_SETTINGS = {"R1_mm": 50.0, "R0_mm": 250.0, "plies": 4, "ply_thickness_mm": 1.2}
 

@@ -13,21 +13,13 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CANCEL, FULL, ROTATIONS, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.scenes.curves import ARC_STEP, PATH, CurveModel, element_size, point_rise
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
-from studies.scenes.ladders import CANCEL, FULL, ROTATIONS, Ladder, meshes
-from studies.scenes.statics import (
-    ARC_STEP,
-    LOAD_FRACTIONS,
-    PATH,
-    CurveModel,
-    element_size,
-    normal_at,
-    normal_forces,
-    point_rise,
-)
+from studies.scenes.statics import LOAD_FRACTIONS, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 10.5e6, 0.3125, 4.953, 10.35, 0.094  # MPa, -, mm, mm, mm
 SHEAR = H * E / (2 * (1 + NU))  # N/mm

@@ -8,12 +8,12 @@ import numpy as np
 
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Ply
+from studies.ask.declarations import ROTATIONS, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.cantilever import TIP, clamped_strip, tip_motion, tip_row
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT
-from studies.scenes.ladders import ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares
 
 E, L, B, H = 1.2e6, 12.0, 1.0, 0.1  # MPa, mm; nu = 0

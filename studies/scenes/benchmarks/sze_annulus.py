@@ -8,11 +8,11 @@ import numpy as np
 
 from formulations.geometry.surfaces import annulus
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import EDGES, ROTATIONS, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, patch
-from studies.scenes.ladders import EDGES, ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces, normal_at
 
 E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0

@@ -11,11 +11,11 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import ROTATIONS, Ladder, meshes
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
-from studies.scenes.ladders import ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
 
 RADIUS, LENGTH, H = 101.6, 304.8, 3.0  # mm

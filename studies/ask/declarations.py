@@ -1,11 +1,9 @@
-"""Ladders of meshes, as a scene declares them: the grids that show its orders and limits, and what is judged there."""
+"""What a scene declares beside its settings: values to compare with, ladders of meshes, and what is judged there."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-
-from studies.ask.scene import Scene
+from dataclasses import dataclass, field
 
 ROTATIONS, SNAP, LINEAR = "large rotations", "snap through", "linear shells"  # the families, whose pictures they are in
 CLOSED, CONTACT, TYRE = "closed forms", "contact", "tyre"
@@ -16,6 +14,22 @@ FULL = {"load_fraction": "1"}
 EDGES = {**FULL, "lines": "edges"}
 CANCEL = "two errors of different order and opposite sign cancel on these meshes"
 LONG = ("64x1", "128x1", "256x1", "512x1")  # where nothing varies along a2
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A value to compare with: quantity name as in the result, where it holds, its kind and source.
+
+    kind: "printed" (in the source itself), "read" (in a public transcription), "computed" (independent program),
+    "exact" (closed form), "refined" (limit of grids of ours beyond those that it judges). uncertainty: relative.
+    """
+
+    quantity: str
+    value: float
+    at: Mapping[str, float | str]
+    kind: str
+    source: str
+    uncertainty: float
 
 
 @dataclass(frozen=True)
@@ -49,16 +63,3 @@ class Ladder:
 def meshes(n1: int, n2: int, count: int = 4) -> tuple[str, ...]:
     """A mesh and those of half the elements' size, a quarter, ..."""
     return tuple(f"{n1 * 2**k}x{n2 * 2**k}" for k in range(count))
-
-
-def ladders_of(scene: Scene) -> tuple[Ladder, ...]:
-    """What a scene declares, with its name; none of one from outside that declares nothing."""
-    declared: tuple[Ladder, ...] = getattr(scene, "ladders", ())
-    return tuple(replace(each, name=each.name or scene.name, scene=scene.name) for each in declared)
-
-
-def judged_of(scene: Scene) -> tuple[str, ...]:
-    """The quantities that a scene is judged by, its headline first: those of its ladders, else of its references."""
-    ladders = [each for each in ladders_of(scene) if each.family != BENCHMARKS]
-    names = [name for ladder in ladders for name in ladder.quantities]
-    return tuple(dict.fromkeys(names or [reference.quantity for reference in scene.references]))
