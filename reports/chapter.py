@@ -1,22 +1,28 @@
 """A page of the report as one record: its file, its title, the question it answers, the tables it is made of.
 
 One list of chapters (reports.contents) makes the index, the line of links of every page, the README's list and the
-check of the tables. What is on a page is not known here.
+check of the tables. What is on a page is not known here, but for the sentences of conclusion: they were computed with
+the tables and are filled in here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from posixpath import dirname, relpath
+from typing import Any
 
-from reports.markdown import Part
-from reports.store.reading import StoreError
-from reports.store.tables import Store
-from reports.template import Template
+from reports.formats import Line
+from reports.markdown import Part, Template, machine, prose
+from reports.reading import StoreError
+from reports.store import Store
 
 ALL = "all"  # what a campaign says whose cells are those of all pages
 INDEX, INDEX_TITLE = "index.md", "Results"
+TEXT = Template("statements")
+TABLES = ("statements", "statement_values")
+OPENING = "opening"
 
 
 @dataclass(frozen=True)
@@ -98,3 +104,60 @@ def listed(chapters: Iterable[Chapter], folder: str = "") -> str:
         "\n".join([f"### {group}\n", *(f"- [{each.title}]({folder}{each.file}): {each.question}" for each in pages)])
         for group, pages in grouped(chapters).items()
     )
+
+
+@dataclass(frozen=True)
+class Said:
+    """A statement with its numbers in it; ``values``: them, by name."""
+
+    name: str
+    page: str
+    role: str
+    text: str
+    problems: int
+    scope: str
+    machine: bool
+    values: Mapping[str, Any]
+
+    @property
+    def block(self) -> str:
+        """The sentence as a paragraph, marked where it depends on the machine."""
+        return machine(prose(self.text)) if self.machine else prose(self.text)
+
+
+@lru_cache(maxsize=8)
+def statements(store: Store) -> tuple[Said, ...]:
+    """All of a campaign, in their order; none where it has not been analysed. Read once a store."""
+    return tuple(_read(store))
+
+
+def _read(store: Store) -> Iterator[Said]:
+    if not all(map(store.has, TABLES)):
+        return
+    table, numbers = (store.table(name) for name in TABLES)
+    numbers["word"] = numbers["word"].astype(object).where(numbers["word"].notna(), "")
+    values: dict[str, dict[str, Any]] = {}
+    for row in numbers.to_dict("records"):
+        values.setdefault(row["statement"], {})[row["field"]] = row["word"] or row["number"]
+    for row in table.to_dict("records"):
+        own = values.get(row["statement"], {})
+        text = Line({}).filled(row["text"], own) if own else row["text"]
+        name, page, role, scope = (str(row[key]) for key in ("statement", "page", "role", "scope"))
+        yield Said(name, page, role, text, int(row["problems"]), scope, bool(row["machine"]), own)
+
+
+def of_page(store: Store, page: str, role: str = OPENING) -> str:
+    """The statements of a page that have a role, each a paragraph."""
+    return "\n\n".join(each.block for each in statements(store) if (each.page, each.role) == (page, role))
+
+
+def conclusions(store: Store, page: str) -> Part:
+    """All else that is concluded from a page, as the section that it ends with; nothing where there is nothing."""
+    found = [each for each in statements(store) if each.page == page and each.role != OPENING]
+    return TEXT("conclusions", **by_machine(found)) if found else Part()
+
+
+def by_machine(found: Iterable[Said]) -> dict[str, list[Said]]:
+    """Sentences that are the same on every machine, and those that are not."""
+    known = list(found)
+    return {name: [each for each in known if each.machine == timed] for name, timed in (("steady", 0), ("timed", 1))}

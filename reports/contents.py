@@ -9,14 +9,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 from reports.chapter import Chapter
-from reports.chapters.catalogue import gallery
-from reports.chapters.contact import algorithms
-from reports.chapters.friction import page as friction
-from reports.chapters.limits import extremes, invariance, shell_limits
-from reports.chapters.overview import claims, data
-from reports.chapters.shells import convergence, measures
-from reports.chapters.trade import cost, programs
-from reports.chapters.tyre import page as tyre
+from reports.chapters import (
+    algorithms,
+    claims,
+    convergence,
+    cost,
+    data,
+    extremes,
+    friction,
+    gallery,
+    invariance,
+    measures,
+    programs,
+    shell_limits,
+    tyre,
+)
 
 GROUPS = {
     "Answers": (measures, shell_limits, claims),

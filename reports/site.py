@@ -10,20 +10,18 @@ import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, grouped, link_line, listed, relative
-from reports.chapters.catalogue.gallery import sheets, with_appearances
-from reports.chapters.overview.campaign import campaign_page
-from reports.chapters.overview.data import DATA, data_files
-from reports.chapters.overview.index import index_page
+from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, conclusions, grouped, link_line, listed, of_page, relative
+from reports.chapters.data import DATA, data_files
+from reports.chapters.gallery import sheets, with_appearances
+from reports.chapters.index import campaign_page, index_page
 from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
 from reports.files import write_texts
-from reports.html.document import REPORT, report_html
+from reports.html import REPORT, report_html
 from reports.markdown import Part, joined
 from reports.origin import completeness_line, foot
-from reports.store.reading import StoreError
-from reports.store.statements import conclusions, of_page
-from reports.store.tables import Store, load_store
+from reports.reading import StoreError
+from reports.store import Store, load_store
 
 FIGURES = "figures"
 UNDRAWN = "<svg/>\n"

@@ -242,7 +242,7 @@ def describe(name: str) -> Description:
 
 def write_choice(found: Choice, out: Path) -> None:
     """The pictures, the tables, and choice.json, which comes last."""
-    from reports.figures.choice import error_over_seconds
+    from reports.figures.comparisons import error_over_seconds
     from reports.files import write_texts
 
     pictures = {}

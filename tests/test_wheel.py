@@ -69,7 +69,7 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
         "studies/run/campaigns/shipped/quick.toml",
         "studies/scenes/data/",
         "studies/baseline/",
-        "reports/html/assets/",
+        "reports/assets/",
         "reports/templates/",
         "studies/analysis/advice/",
     ):

@@ -1,1 +1,1 @@
-"""The pages, a folder for each subject. Only tables are read; nothing of ours beside :mod:`reports` is imported."""
+"""The pages, a module each. Only tables are read; nothing of ours beside :mod:`reports` is imported."""

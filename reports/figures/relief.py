@@ -1,13 +1,15 @@
 """A body in space as a picture: seen from far away, the nearest of its faces at every point, lit from the viewer.
 
-Faces hide one another by their depth at every point of the picture, so that no order of drawing can be wrong. What the
-body is and what its colours mean is not known here.
+Faces hide one another by their depth at every point of the picture, so that no order of drawing can be wrong. Scenes
+have fixed views; small motions are magnified.
 """
 
 from __future__ import annotations
 
 import base64
 import io
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import matplotlib as mpl
@@ -26,6 +28,28 @@ LINE, LINE_SHADE, DENSE = (
 SPACING = 0.8  # points of the raster between samples of a face
 SAMPLES = np.array([2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 512, 1024, 2048])  # along its sides
 TURN = np.cos(np.deg2rad(40.0))  # two faces that turn by more meet in an edge
+X, DOWN_X, Z = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+VIEWS: Mapping[str, tuple[tuple[float, float, float], float, float]] = {  # by how a scene's name begins
+    "tyre-solid": (DOWN_X, -40.0, 14.0),
+    "tyre": (DOWN_X, 42.0, 14.0),
+    "hemisphere": (Z, 28.0, 24.0),
+    "sze-pullout": (X, 35.0, 24.0),
+    "sze-pinched": (X, 35.0, 24.0),
+    "semicylinder": (X, 40.0, 24.0),
+    "roof": (X, 50.0, 24.0),
+    "scordelis-lo": (X, 40.0, 28.0),
+    "pinched-cylinder": (X, 35.0, 24.0),
+    "pressurised-cylinder": (X, 40.0, 28.0),
+    "pressurised-sphere": (X, 40.0, 28.0),
+    "pressurised-torus": (Z, -62.0, 22.0),
+    "free-hyperboloid": (Z, 25.0, 22.0),
+    "ring": (DOWN_X, -62.0, 14.0),
+    "crushed-ring": (DOWN_X, -62.0, 14.0),
+    "panel": (X, 40.0, 28.0),
+    "manufactured": (X, 40.0, 28.0),
+}
+BY_DEFAULT = (Z, -55.0, 26.0)
+SMALL, SHOWN = 0.028, 0.12  # motions below the one share of the size of a body are shown as about the other
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,3 +195,42 @@ def outline(seen: np.ndarray, quads: np.ndarray) -> np.ndarray:
     bent = np.einsum("ij,ij->i", normals[a], normals[b]) * way < TURN
     turned = normals[a, 2] * normals[b, 2] * way < 0
     return keys[alone | bent | turned]
+
+
+FROM_BELOW = View.of(DOWN_X, 42.0, -24.0)  # of the tyre, so that its patch is seen
+
+
+def view_of(scene: str) -> View:
+    """The fixed view of a scene."""
+    found = next((name for name in VIEWS if scene == name or scene.startswith(f"{name}-")), "")
+    return View.of(*VIEWS.get(found, BY_DEFAULT))
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Points at rest (n, 3) with displacement and pressure, and the quadrilaterals (q, 4) of its skin."""
+
+    rest: np.ndarray
+    u: np.ndarray
+    pressure: np.ndarray
+    quads: np.ndarray
+
+    @property
+    def size(self) -> float:
+        """Diagonal of its box."""
+        return float(np.linalg.norm(np.ptp(self.rest, axis=0)))
+
+    @property
+    def moved(self) -> np.ndarray:
+        """Length of the displacements (n,)."""
+        return np.asarray(np.linalg.norm(self.u, axis=1))
+
+    @property
+    def magnified(self) -> float:
+        """1, or for small motions a round number that shows them."""
+        largest = float(self.moved.max())
+        if largest == 0 or largest > SMALL * self.size:
+            return 1.0
+        wanted = SHOWN * self.size / largest
+        power = 10.0 ** math.floor(math.log10(wanted))
+        return next(power * digit for digit in (5, 2, 1) if power * digit <= wanted)

@@ -14,11 +14,11 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from reports.figures import patch, tyre
+from reports.cells import TYRES, Cell, load_cell
+from reports.figures import tyre
 from reports.figures.drawing import Picture, canvas, drawn, legend_above, look, svg
-from reports.figures.maps import Developed, along_meridian, at_delta, pressure_map
+from reports.figures.tyre import Developed, along_meridian, at_delta, pressures_of
 from reports.files import write_texts
-from reports.store.cells import TYRES, Cell, load_cell
 
 UNITS = ("mm", "MPa", "N", "deg")
 
@@ -55,7 +55,7 @@ def _mode_picture(cell: Cell) -> dict[str, Picture]:
     """How the wall moves where its path turns back, if it has been found to."""
     if not (cell.directory / "mode.csv").exists():
         return {}
-    return {"mode.svg": patch.mode_map(cell.table("mode"), Developed.of(cell.table("profile")).per_degree)}
+    return {"mode.svg": tyre.mode_map(cell.table("mode"), Developed.of(cell.table("profile")).per_degree)}
 
 
 def tyre_pictures(cell: Cell) -> dict[str, Picture]:
@@ -68,14 +68,14 @@ def tyre_pictures(cell: Cell) -> dict[str, Picture]:
     forces = [step["force_N"] for step in cell.steps]
     shown = reached[-4:]
     curves = {f"Δ = {delta:g} mm": along_meridian(at_delta(contact, delta)) for delta in shown}
-    last = pressure_map(at_delta(contact, reached[-1]))
+    last = pressures_of(at_delta(contact, reached[-1]))
     limits = [bool(step.get("limit_point", 0)) for step in cell.steps]
     turns = {"turning-back.svg": tyre.turning_back(reached, forces, limits)} if any(limits) else {}
     return {
         "load-deflection.svg": tyre.load_deflection({cell.result["measure"]: (reached, forces)}),
         **turns,
         "pressure-psi.svg": tyre.pressure_along_psi("φ = 0", curves),
-        "pressure-map.svg": patch.pressure_map(last, Developed.of(profile)),
+        "pressure-map.svg": tyre.pressure_map(last, Developed.of(profile)),
         "profiles.svg": tyre.profiles(profile, shown),
     }
 

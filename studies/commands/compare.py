@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from reports.markdown import table
-from reports.words import as_words
+from reports.reading import as_words
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import reading

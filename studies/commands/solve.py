@@ -120,7 +120,7 @@ def _check_places(options: argparse.Namespace, scene: Scene) -> None:
 def _drawn(out: Path) -> list[str]:
     """Draw, and name the pictures."""
     from reports.figures.result_figures import draw_result
-    from reports.store.reading import StoreError
+    from reports.reading import StoreError
 
     try:
         return [path.relative_to(out).as_posix() for path in draw_result(out)]

@@ -18,7 +18,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from reports.site import rendered
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.everything import written
 from studies.ask.declarations import Ladder
 from studies.catalogue.models import built

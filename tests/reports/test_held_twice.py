@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from reports.chapters.limits import shell_limits
-from reports.store import reading
+from reports import reading
+from reports.chapters import shell_limits
 from studies.analysis.comparisons import error_budget
 from studies.output import atomic
 

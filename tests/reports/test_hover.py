@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from reports.figures import hover
+from reports.figures import drawing
 from reports.figures.drawing import canvas, svg, ticks
 
 
@@ -39,7 +39,7 @@ def test_every_point_of_a_line_and_of_a_cloud_has_its_values() -> None:
 
 
 def test_of_too_many_points_the_named_ones_have_theirs(monkeypatch) -> None:
-    monkeypatch.setattr(hover, "MOST", 5)
+    monkeypatch.setattr(drawing, "MOST", 5)
     assert len(re.findall("<title>", drawn())) == 5
-    monkeypatch.setattr(hover, "MOST", 4)
+    monkeypatch.setattr(drawing, "MOST", 4)
     assert re.findall("<title>(.*?),", drawn(label="_hidden")) == ["cloud: plain", "cloud: mixed"]

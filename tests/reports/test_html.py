@@ -7,11 +7,10 @@ from html.parser import HTMLParser
 
 import pytest
 
+from reports import html
 from reports.contents import CHAPTERS
-from reports.html import document
-from reports.html.convert import MARKDOWN, is_title, to_html
-from reports.html.document import LARGEST, REPORT, report_html
-from reports.html.pictures import Pictures, inlined_svg
+from reports.figures.inline import Pictures, inlined_svg
+from reports.html import LARGEST, MARKDOWN, REPORT, is_title, report_html, to_html
 from reports.markdown import commands, machine, picture, table
 
 SVG = '<?xml version="1.0"?>\n<!DOCTYPE svg>\n<svg xmlns="http://www.w3.org/2000/svg"><metadata>who</metadata>\n{0}</svg>\n'
@@ -249,7 +248,7 @@ def test_pages_of_a_folder_link_from_where_they_are() -> None:
 
 
 def test_a_file_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(document, "LARGEST", 3000)
+    monkeypatch.setattr(html, "LARGEST", 3000)
     with pytest.raises(ValueError, match="bytes, more than 3000"):
         small("word " * 3000)
 
@@ -266,7 +265,7 @@ class Reader(HTMLParser):
         if tag not in ("meta", "link", "br", "hr", "img"):
             self.open.append(tag)
         for name, value in attrs:
-            if tag == "a" and str(value).startswith(document.OUTSIDE):
+            if tag == "a" and str(value).startswith(html.OUTSIDE):
                 continue  # fetched by who follows it
             if name in ("src", "href", "xlink:href") and not str(value).startswith(("#", "data:")):
                 self.fetched.append(str(value))

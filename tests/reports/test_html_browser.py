@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from reports.contents import CHAPTERS
-from reports.html.document import REPORT
+from reports.html import REPORT
 from support.pages.browser import CHROMIUM, PATIENCE, Browser
 
 NAMES = ["index", *(each.name for each in CHAPTERS if each.always)]

@@ -16,7 +16,7 @@ from reports.chapter import ALL
 from reports.contents import CHAPTERS
 from reports.figures.drawing import canvas, drawn, legend_above, looks
 from reports.markdown import table
-from reports.store.tables import load_store
+from reports.store import load_store
 from support.pages.widths import PAGE, widths
 
 OTHERS = ("index.md",)  # made of other stores, or by other rules

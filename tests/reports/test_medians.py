@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 import studies.analysis
-from reports.chapters.overview.outcomes import summary_table
-from reports.store.tables import Store
+from reports.origin import summary_table
+from reports.store import Store
 from studies.analysis.everything import written
 from studies.analysis.outcomes import SUMMARY_COLUMNS, contact_summary, outcomes
 from support.pages.medians import bare_columns, unfounded

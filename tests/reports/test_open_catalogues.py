@@ -14,9 +14,9 @@ import pytest
 
 from reports.contents import CHAPTERS
 from reports.figures.drawing import KNOWN, looks
-from reports.html.document import REPORT
+from reports.html import REPORT
 from reports.site import rendered
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.everything import analysed
 from studies.analysis.outcomes import contact_summary, outcomes
 from studies.output.atomic import write_json, write_table

@@ -5,13 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from reports.chapters.overview.outcomes import completeness
+from reports.cells import Cell
 from reports.compare import differences
-from reports.html.document import REPORT
+from reports.html import REPORT
 from reports.markdown import END_MACHINE, MACHINE
-from reports.origin import completeness_line, foot, origin
-from reports.store.cells import Cell
-from reports.store.tables import Store
+from reports.origin import completeness, completeness_line, foot, origin
+from reports.store import Store
 
 MADE: dict[str, Any] = {
     "version": "1.0",

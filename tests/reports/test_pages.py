@@ -12,16 +12,16 @@ import pandas as pd
 import pytest
 
 from reports.chapter import INDEX_TITLE, Chapter
-from reports.chapters.overview.outcomes import summary_table
 from reports.compare import differences
 from reports.contents import CHAPTERS
 from reports.figures.result_figures import draw_result
 from reports.files import as_bytes
-from reports.html.document import REPORT
+from reports.html import REPORT
 from reports.markdown import END_MACHINE, Part
+from reports.origin import summary_table
+from reports.reading import StoreError
 from reports.site import check_pages, compare_pages, rendered, write_pages
-from reports.store.reading import StoreError
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.output.atomic import write_table, write_text
 from studies.run.campaigns.report_cells import LISTS
 from support.pages.changed import edit_json, place

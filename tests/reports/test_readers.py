@@ -13,10 +13,10 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
+from reports.chapter import Said, statements
 from reports.compare import NUMBER
 from reports.contents import CHAPTERS
-from reports.store.statements import Said, statements
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.statements.tables import read_questions
 
 QUESTIONS = read_questions()

@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from reports import template
-from reports.markdown import END_MACHINE, MACHINE, Part
-from reports.template import FOLDER, FOR, Template
+from reports import markdown
+from reports.markdown import END_MACHINE, FOLDER, FOR, MACHINE, Part, Template
 
 RECORDS = [
     {"a.b": math.nan, "kkt": {"tension": 0.0}, "name": ""},
@@ -31,7 +30,7 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
     def of(text: str, **named) -> Template:
         (tmp_path / "one.md").write_text(f"%% block\n{text}", encoding="utf-8")
-        monkeypatch.setattr(template, "FOLDER", tmp_path)
+        monkeypatch.setattr(markdown, "FOLDER", tmp_path)
         return Template("one", **named)
 
     return of

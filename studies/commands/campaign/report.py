@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from reports.reading import StoreError
 from reports.site import check_pages, place_of, write_pages
-from reports.store.reading import StoreError
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store

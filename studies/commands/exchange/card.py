@@ -54,7 +54,7 @@ def _target(out: Path, name: str) -> Path:
 
 def _picture(card: Card, page_file: Path) -> str:
     """Of the first part, beside the page; its name."""
-    from reports.figures.card import cost_ratios
+    from reports.figures.comparisons import cost_ratios
 
     path = page_file.with_suffix(".svg")
     write_text(path, cost_ratios(drawn(card), card.subject.name, card.reference)())

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from reports.store.statements import statements
-from reports.store.tables import Store
+from reports.chapter import statements
+from reports.store import Store
 
 
 def sentence(store: Store, name: str) -> str:

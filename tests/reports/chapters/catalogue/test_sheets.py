@@ -10,10 +10,10 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from reports.chapter import Chapter
-from reports.chapters.catalogue.gallery import CHAPTER, sheets, with_appearances
-from reports.chapters.catalogue.words import Catalogue
+from reports.chapters.catalogue import Catalogue
+from reports.chapters.gallery import CHAPTER, sheets, with_appearances
 from reports.markdown import Part
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.scenes import SCENES
 from support.pages.changed import edit_table
 from support.stores.sheets import BUILT, DRAWN

@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from reports.chapters.contact.agreement import entries
-from reports.chapters.contact.algorithms import algorithms_page
-from reports.store.statements import of_page
-from reports.store.tables import load_store
+from reports.chapter import of_page
+from reports.chapters.agreement import entries
+from reports.chapters.algorithms import algorithms_page
+from reports.store import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
 from studies.output.atomic import write_table, write_text

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.contact.arena import NAMED, arena_part, shown_by_name
+from reports.chapter import conclusions
+from reports.chapters.arena import NAMED, arena_part, shown_by_name
 from reports.markdown import Part
-from reports.store.statements import conclusions
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.arena.solvers.catalogue import SOLVERS
 from support.pages.changed import edit_table
 

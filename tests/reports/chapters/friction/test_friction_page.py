@@ -7,11 +7,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.friction.filmstrip import _cell, _title, filmstrip, shown_stops
-from reports.chapters.friction.page import CHAPTER, friction_page
+from reports.chapter import of_page
+from reports.chapters.friction import CHAPTER, friction_page
+from reports.figures.friction import _cell, _title, filmstrip, shown_stops
 from reports.markdown import Part
-from reports.store.statements import of_page
-from reports.store.tables import load_store
+from reports.store import load_store
 from support.pages.changed import set_values
 from support.stores.friction import patch
 

@@ -8,9 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.limits.extremes import cause, extremes_page, faults
-from reports.chapters.limits.figures_extremes import LOOKS, outcome_maps, plain_ticks
-from reports.store.tables import load_store
+from reports.chapters.extremes import LOOKS, cause, extremes_page, faults, outcome_maps, plain_ticks
+from reports.store import load_store
 from studies.experiments.extremes.maps import CLASSES
 from support.pages.changed import edit_table
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.limits.invariance import accidents, invariance_page, shared_curves
-from reports.store.tables import Store, load_store
+from reports.chapters.invariance import accidents, invariance_page, shared_curves
+from reports.store import Store, load_store
 from support.pages.changed import edit_table, set_values
 from support.pages.rows import row
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from reports.chapters.limits.shell_limits import law_part, ring_part
+from reports.chapters.shell_limits import law_part, ring_part
 from reports.figures.drawing import drawn
 from reports.markdown import Part
-from reports.store.tables import load_store
+from reports.store import load_store
 from support.pages.changed import edit_table
 
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from reports.chapters.limits.shell_limits import errors, limits_page
-from reports.store.reading import StoreError
-from reports.store.tables import load_store
+from reports.chapters.shell_limits import errors, limits_page
+from reports.reading import StoreError
+from reports.store import load_store
 from studies.experiments.shell_limits.ladder import DEFAULT
 from support.stores.walls import made_up_walls
 

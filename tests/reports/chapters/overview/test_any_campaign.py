@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.cost import advice_part
+from reports.chapters.cost import advice_part
 from reports.files import write_texts
+from reports.reading import StoreError
 from reports.site import check_pages, compare_pages, rendered
-from reports.store.reading import StoreError
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.everything import analyse
 from studies.run.campaigns.file import read
 from studies.run.campaigns.run import run

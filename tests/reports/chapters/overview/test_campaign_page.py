@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from reports.chapters.overview.campaign import campaign_page
+from reports.chapters.index import campaign_page
 from reports.origin import completeness_line
+from reports.reading import StoreError
 from reports.site import place_of, rendered
-from reports.store.reading import StoreError
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.output.atomic import SCHEMA, write_json, write_text
 from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.plan import Row

@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from reports.files import as_bytes, write_texts
-from reports.store.tables import load_store
+from reports.store import load_store
 
 ROOT = Path(__file__).parents[4]
 LARGEST = 2_000_000  # bytes of all that is committed

@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
+from reports.chapters.convergence import comparisons, convergence_page, sequences
 from reports.formats import quantity as words
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
 from studies.analysis.verify import verified
 from studies.output.atomic import write_json

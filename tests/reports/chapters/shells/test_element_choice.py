@@ -9,8 +9,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.shells.convergence import SHARES, counted, elements_part
-from reports.store.tables import load_store
+from reports.chapters.convergence import SHARES, counted, elements_part
+from reports.store import load_store
 from support.pages.changed import edit_json, place
 from support.stores.made_up import analysed_again
 

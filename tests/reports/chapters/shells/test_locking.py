@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reports.chapters.shells.locking import excess, locking_part, rates
-from reports.store.tables import load_store
+from reports.chapters.locking import excess, locking_part, rates
+from reports.store import load_store
 from studies.experiments.locking import MESHES, THINNESS
 from studies.output.atomic import write_table
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.shells.manufactured import manufactured_part
-from reports.store.tables import load_store
+from reports.chapters.convergence import manufactured_part
+from reports.store import load_store
 from studies.output.atomic import write_table
 from support.stores.made_up import analysed_again
 from support.stores.manufactured import made_up_manufactured, made_up_statements

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.cost import cost_page
-from reports.store.tables import load_store
+from reports.chapters.cost import cost_page
+from reports.store import load_store
 from studies.analysis.comparisons.tyre.models import BEHIND
 from studies.output.atomic import write_table
 from studies.run.campaigns.report_cells import MODELS

@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.programs import agreements, programs_page
+from reports.chapters.programs import agreements, programs_page
 from reports.figures.drawing import drawn
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.comparisons.programs import agreement
 from studies.output.atomic import write_table
 from support.pages.rows import row

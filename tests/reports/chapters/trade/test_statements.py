@@ -8,8 +8,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.cost import errors_stated, statements_part
-from reports.store.tables import load_store
+from reports.chapters.cost import errors_stated, statements_part
+from reports.store import load_store
 from studies.output.atomic import write_table
 from support.stores.made_up import analysed_again
 

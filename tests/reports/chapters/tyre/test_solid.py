@@ -10,11 +10,11 @@ from typing import Any
 
 import pytest
 
-from reports.chapters.tyre.page import solid_part
+from reports.cells import load_cell
+from reports.chapters.tyre import solid_part
 from reports.figures.result_figures import draw_result
-from reports.store.cells import load_cell
-from reports.store.reading import StoreError
-from reports.store.tables import load_store
+from reports.reading import StoreError
+from reports.store import load_store
 from studies.analysis.comparisons.tyre.solid_shell import cancellation
 from studies.output.atomic import SCHEMA, plain, write_json, write_text
 from studies.run.campaigns.cell import Cell

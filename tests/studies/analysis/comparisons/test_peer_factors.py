@@ -7,7 +7,7 @@ import math
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.programs import factors_said
+from reports.chapters.programs import factors_said
 from studies.analysis.comparisons.programs import peer_factors
 
 OURS, THEIRS = ("footprint", "a"), ("peer", "b")

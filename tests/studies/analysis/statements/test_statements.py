@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 import studies
-from reports.store.statements import of_page, statements
-from reports.store.tables import Store
+from reports.chapter import of_page, statements
+from reports.store import Store
 from studies.analysis.everything import written
 from studies.analysis.evidence import ANSWERS, Evidence
 from studies.analysis.statements.record import OPENING, Statement, as_tables

@@ -9,9 +9,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.overview.data import appendix
+from reports.chapters.data import appendix
 from reports.origin import machines as section
-from reports.store.tables import load_store
+from reports.store import load_store
 from studies.analysis.everything import analyse
 from studies.gate.merge import merge
 from studies.run.campaigns.file import find

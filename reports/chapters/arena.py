@@ -1,0 +1,181 @@
+"""The arena: public solvers and our algorithms on frozen contact problems, and how to enter one's own.
+
+A part of the page of contact algorithms; nothing is known here of paths of loads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from reports.figures.drawing import GREY, canvas, looks, svg
+from reports.formats import NOTHING
+from reports.markdown import Part, Template, commands
+from reports.store import Store
+
+RUN = "footprint bench solvers --problems problems --out .footprint/store"
+MAKE = "footprint problems make --out problems"
+NEEDED = ("problems", "problems_left_out")
+CONVEX, ALL = "convex", "all"
+FORMS = ("scaled", "condensed")  # of the programme that a public solver is given
+CYCLES, SIZE = "the contact set repeats itself", "too many"  # in what is said of a step that was left out
+REASONS = {  # in what is said, the first that fits: why no answer is certified
+    CYCLES: "`semismooth` cycles and its pivots do not settle it",
+    "kernels of BLAS": "with other kernels of BLAS the path leads elsewhere",
+    "singular": "the equations are singular to working precision",
+    "presses other candidates": "the interior point finds another contact set",
+    "wrong sign": "a force or gap has the wrong sign on the set that was found",
+}
+OTHER = "another condition of the certificate fails"
+NAMED, ALWAYS = 7, "OSQP"
+PANELS = {
+    "the quickest": "time over that of the quickest",
+    "a factorisation": "time in factorisations of the stiffness",
+}
+TEXT = Template("algorithms", signed=lambda count: f"{count:+.0f}")
+
+
+def arena_part(store: Store) -> Part:
+    """The whole part; nothing where the campaign has no collection."""
+    if not all(map(store.has, NEEDED)):
+        return Part()
+    parts = {
+        "ranked": "" if store.has("solver_summary") else TEXT("unranked", run=RUN),
+        "ranking": _ranking(store),
+        "profiles": _profiles(store),
+        "osqp": _osqp(store),
+        "left_out": _left_out(store),
+        "limits": _limits(store),
+    }
+    return TEXT("arena", **parts)
+
+
+def _ranking(store: Store) -> Part:
+    """Who solves how many in which time, and who claims too much: a line a solver, in the form that suits it best."""
+    if not store.has("solver_summary"):
+        return Part()
+    whole = store.table("solver_summary")
+    whole = whole[whole["size"] == ALL]
+    every, found = whole[whole["kind"] == CONVEX], _middle(whole)
+    convex = found[(found["kind"] == CONVEX) & (found["refused"] < found["problems"])]
+    others = found[found["kind"] != CONVEX].groupby("solver")[["problems", "solved", "refused", "false"]].sum()
+    kinds = store.table("solver_problems")["kind"].value_counts()
+    strictest = every["tolerance"].min()
+    strict = every[every["tolerance"] == strictest].set_index("solver")
+    return TEXT(
+        "ranking",
+        count=kinds.sum(),
+        kinds=", ".join(f"{count} {kind}" for kind, count in kinds.items()),
+        tolerance=found["tolerance"].iloc[0],
+        strict=strictest,
+        rows=list(_ranked(convex, others, strict)),
+    )
+
+
+def _middle(found: pd.DataFrame) -> pd.DataFrame:
+    """The rows of the middle tolerance."""
+    asked = sorted(found["tolerance"].unique(), reverse=True)
+    return found[found["tolerance"] == asked[len(asked) // 2]]
+
+
+def _ranked(convex: pd.DataFrame, others: pd.DataFrame, strict: pd.DataFrame) -> Iterator[dict[Any, Any]]:
+    """Most solutions first, then the quickest; strict: the strictest tolerance, by solver."""
+    parts = convex["solver"].str.rpartition(", ")
+    formed = parts[2].isin(FORMS)
+    named = convex.assign(bare=parts[0].where(formed, convex["solver"]), form=parts[2].where(formed, NOTHING))
+    ordered = named.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable")
+    for _, own in ordered.groupby("bare", sort=False):
+        best, *rest = own.to_dict("records")
+        row = {**best, "beyond": "refused", "beyond_false": "", "strict": strict.loc[best["solver"]]}
+        if best["solver"] in others.index:
+            other = others.loc[best["solver"]]
+            if other["refused"] < other["problems"]:
+                row |= {"beyond": f"{other['solved']:.0f}/{other['problems']:.0f}"}
+                row |= {"beyond_false": f"{other['false']:.0f}"}
+        yield row | {f"rest_{name}": ", ".join(str(each[name]) for each in rest) for name in ("solved", "false")}
+
+
+def _profiles(store: Store) -> Part:
+    """Profiles at the middle tolerance."""
+    own = _convex(store, "solver_profiles")
+    return TEXT("profiles", {"arena-profiles.svg": profiles(own)}) if len(own) else Part()
+
+
+def _convex(store: Store, name: str) -> pd.DataFrame:
+    """The rows of convex problems of all sizes at the middle tolerance; none without the table."""
+    if not store.has(name):
+        return pd.DataFrame()
+    found = _middle(store.table(name))
+    return found[(found["kind"] == CONVEX) & (found["size"] == ALL)]
+
+
+def _osqp(store: Store) -> Part:
+    """Which setting of OSQP helps, and which harms."""
+    own = _convex(store, "osqp_effects")
+    if own.empty or (own["setting"] == "defaults").all():
+        return Part()
+    changed = own[own["setting"] != "defaults"]
+    changed = changed.sort_values(["more_solved", "time_ratio"], ascending=[False, True], kind="stable")
+    rows = pd.concat([changed.head(3), changed.tail(2)]).drop_duplicates()
+    return TEXT("osqp", problems=own["problems"].max(), count=len(changed), rows=rows)
+
+
+def _left_out(store: Store) -> Part:
+    """What the rule would have taken and nobody certifies."""
+    rows = store.table("problems_left_out")
+    if rows.empty:
+        return TEXT("nothing-left-out")
+    large = rows["why"].str.contains(SIZE)
+    causes = rows.loc[~large, "why"].map(_cause)
+    counts = {"count": len(rows), "large": large.sum(), "uncertified": (~large).sum()}
+    named = [{"why": why, "steps": steps} for why, steps in causes.value_counts(sort=True).items()]
+    cycles = (causes == REASONS[CYCLES]).sum()
+    return TEXT("left-out", **counts, cycles=cycles, causes=named, commands=commands([MAKE]))
+
+
+def _cause(why: str) -> str:
+    first = why.split(";")[0]
+    return next((words for part, words in REASONS.items() if part in first), OTHER)
+
+
+def _limits(store: Store) -> Part:
+    """What bounds all this, and the machine."""
+    if not store.has("solver_run"):
+        return Part()
+    about = dict(store.table("solver_run").astype(str).itertuples(index=False, name=None))
+    limit, whole = float(about.pop("limit_s")), store.table("solver_summary")
+    asked = whole[whole["size"] == ALL]
+    killed = float(asked["timed_out"].sum() / asked["problems"].sum())
+    conditions = ", ".join(f"{name} {value}" for name, value in about.items())
+    shown = commands([RUN, f"{RUN} --ablation"])
+    return TEXT("limits", limit_s=limit, killed=killed, conditions=conditions, commands=shown)
+
+
+@svg
+def profiles(found: pd.DataFrame) -> Figure:
+    """Share of problems over cost, relative to the quickest and in factorisations, of one tolerance, kind and size."""
+    figure, panels = canvas(len(PANELS), width=11.0, height=4.8, sharey=True)
+    named = looks(shown_by_name(found))
+    for axes, (of, words) in zip(panels, PANELS.items(), strict=True):
+        own = found[found["of"] == of]
+        curves = {str(name): each.sort_values("at") for name, each in own.groupby("solver", sort=False)}
+        for name, curve in curves.items():
+            if name not in named:
+                axes.plot(curve["at"], curve["share"], color=GREY, linewidth=0.5, alpha=0.5)
+        for name, style in named.items():
+            axes.plot(curves[name]["at"], curves[name]["share"], **style.whole, markersize=3, label=name)
+        axes.set(xscale="log", xlabel=words, ylim=(0, 1.02), xlim=(own["at"].min(), own["at"].max()))
+    panels[0].set_ylabel("share of problems solved")
+    handles, names = panels[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside right upper", title="most solved first")
+    return figure
+
+
+def shown_by_name(found: pd.DataFrame) -> list[str]:
+    """The solvers with the largest shares at the end of their curves, and OSQP, whatever it has."""
+    ends = found.groupby("solver", sort=False)["share"].max().sort_values(ascending=False, kind="stable")
+    best = [str(name) for name in ends.index[:NAMED]]
+    return best + [ALWAYS] * (ALWAYS in ends.index and ALWAYS not in best)

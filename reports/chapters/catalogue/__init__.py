@@ -1,1 +1,0 @@
-"""A page for every scene, measure and algorithm, and a gallery of the scenes."""

@@ -1,1 +1,0 @@
-"""The page of contact algorithms: agreement, costs, false claims, cycles, penalties."""

@@ -1,0 +1,185 @@
+"""The page of cost: what a smaller model and a better grid save, and what one Newton step costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
+
+from reports.chapter import chapter
+from reports.chapters.tyre import DELTA, PLIES
+from reports.figures.drawing import BLACK, BLUE, VERMILION, canvas, legend_above, looks, svg, ticks
+from reports.formats import bound, scientific, share
+from reports.markdown import Part, Template, commands
+from reports.store import Store
+
+STATEMENTS = "footprint run statements"
+DEAR = 1.5  # times the least cost: what advice aims to stay below
+LEAST = 1e-5  # below it an error is chance
+
+
+TEXT = Template("cost")
+
+
+def cost_page(store: Store) -> Part:
+    """The whole page."""
+    needed, grids = store.table("grids_reaching"), store.table("work_precision")
+    errors = list(dict.fromkeys(needed["within"]))
+    told = {"delta": DELTA, "rules": store.rules(), **_models(store), **_precision(needed, grids.iloc[0], errors)}
+    parts = {"statements": statements_part(store), "advice": advice_part(store)}
+    return TEXT("page", {"cost-precision.svg": precision(grids, errors)}, **told, **parts)
+
+
+def _models(store: Store) -> dict[str, Any]:
+    """Parts of the tyre beside the whole."""
+    found, same_at = store.table("tyre_models"), store.rules()["same_model"]
+
+    def off(value: float) -> str:
+        return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)
+
+    found = found.assign(**{name: found[name].map(off) for name in ("force_off", "pressure_off")})
+    records = []
+    for row in found.to_dict("records"):
+        result = store.find(group="models", plies=PLIES[row["plies"]], model=row["model"], mesh=row["mesh"]).result
+        records.append({**row, **result["counters"]})
+    parts = found[found["model"] != "full"]
+    counts = {"parts": len(parts), "same": parts["same"].sum(), "mesh": found["mesh"].iloc[0]}
+    return {"models": records, **counts, "commands": commands(found["command"])}
+
+
+def _precision(needed: pd.DataFrame, against: pd.Series, errors: list[float]) -> dict[str, Any]:
+    """Force against unknowns on tensor grids and on locally refined ones."""
+    unsure = [bound(error) for error in errors if error < against["known"]]
+    doubt = TEXT("doubt", errors=" or ".join(unsure)) if unsure else Part()
+    rows = {"needed": needed, "reached": needed[needed["unknowns"].notna()]}
+    return {"against": against, "asked": " and ".join(map(bound, errors)), "doubt": doubt, **rows}
+
+
+@svg
+def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
+    """Error of the force over the unknowns, a panel an element, a colour a family of grids.
+
+    A line is the largest error of a grid and all finer ones of its family. Dotted lines at ``errors``; grey where the
+    reference is not known.
+    """
+    elements = data.groupby("element", sort=False)
+    drawn = looks(data["family"])
+    figure, panels = canvas(len(elements), width=10.0, height=4.2, sharey=True)
+    for axes, (element, own) in zip(panels, elements, strict=True):
+        for family, grids in own.sort_values("unknowns").groupby("family", sort=False):
+            error = grids["error"].abs().clip(lower=LEAST).to_numpy(float)
+            worst, look = np.maximum.accumulate(error[::-1])[::-1], drawn[family]
+            axes.step(grids["unknowns"], worst, where="post", linewidth=1.1, **look.dashes)
+            axes.plot(grids["unknowns"], error, linestyle="none", markersize=4.5, **look.points)
+            axes.plot([], [], label=family, **look.whole)
+        for level in errors:
+            axes.axhline(level, color=BLACK, linewidth=1, linestyle=":")
+        axes.axhspan(LEAST / 2, own["known"].iloc[0], color=BLACK, alpha=0.08, linewidth=0)
+        axes.set(title=f"element {element}", xlabel="unknowns", xscale="log", yscale="log", ylim=(LEAST / 2, None))
+        axes.tick_params(axis="x", which="minor", labelbottom=False)
+    panels[0].set_ylabel("relative error of the force")
+    legend_above(figure, panels[0], columns=5)
+    return figure
+
+
+def statements_part(store: Store) -> Part:
+    """Does what ``--error`` states hold, how wide is it, what does it cost? No campaign measures it by itself."""
+    if not (store.has("error_coverage") and store.has("error_statements")):
+        return Part()
+    data, stated = store.table("error_coverage"), store.table("stated_errors")
+    found = store.table("error_statements")
+    rows = {
+        "errors": found[found["asked"].notna()],
+        "wrong": stated[stated["value_inside"].eq(False) | stated["inside"].eq(False)],
+        "missed": data[data["reached"].eq(False)],
+    }
+    drawn = {"cost-statements.svg": errors_stated(stated)}
+    told = {"rules": store.rules(), "whole": found[found["asked"].isna()].iloc[0], "commands": commands([STATEMENTS])}
+    return TEXT("statements", drawn, **told, **rows)
+
+
+@svg
+def errors_stated(data: pd.DataFrame) -> Figure:
+    """What each decided error is over the most that is stated of it; on the line both are the same."""
+    decided = data[data["value_decided"].eq(True)]
+    figure, (axes,) = canvas(1, width=6.0, height=5.0)
+    for asked, each in looks(sorted(map(float, decided["asked"].unique()), reverse=True)).items():
+        own = decided[decided["asked"] == asked]
+        axes.plot(own["high"], own["value_error"], linestyle="none", label=share(asked, 1), **each.points)
+    ends = np.array([decided["high"].min(), decided["high"].max()]) if len(decided) else np.ones(2)
+    axes.plot(ends, ends, color=BLACK, linewidth=1, linestyle=":")
+    axes.set(xscale="log", yscale="log", xlabel="the most that is stated", ylabel="relative error")
+    legend_above(figure, axes)
+    return figure
+
+
+def advice_part(store: Store) -> Part:
+    """Scenes that were left out, one after the other; nothing where a campaign has too few."""
+    cases, headline = store.rows("held_out"), store.rows("held_out_summary", quantities="headline")
+    if cases.empty or headline.empty:
+        return Part()
+    missed = cases[(cases["advised"] != "") & (cases["met"] == 0.0)]
+    drawn = {"advice-held-out.svg": held_out(cases)}
+    return TEXT("advice", drawn, **headline.iloc[0], missed=missed)
+
+
+@svg
+def held_out(cases: pd.DataFrame) -> Figure:
+    """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
+    given = cases[cases["advised"] != ""]
+    figure, (left, right) = canvas(2, width=10.0, height=4.0)
+    for tolerance in sorted(set(given["tolerance"].astype(float))):
+        own = given[given["tolerance"] == tolerance]
+        own = own.assign(ratio=(own["true_error"] / tolerance).clip(lower=1e-3)).sort_values("ratio")
+        ratio = own["ratio"].to_numpy(float)
+        apart = 100 * tolerance * (1 + 0.4 * np.linspace(-0.5, 0.5, len(own)))  # beside one another, by size
+        for far, colour, marker in ((False, BLUE, "o"), (True, VERMILION, "s")):
+            shown = (ratio > 1) == far
+            left.scatter(apart[shown], ratio[shown], s=16, color=colour, marker=marker, linewidths=0)
+    left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
+    left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
+    left.scatter([], [], s=16, color=BLUE, marker="o", label="tolerance met")
+    left.scatter([], [], s=16, color=VERMILION, marker="s", label="tolerance missed")
+    _factors(left, set(100 * given["tolerance"]))
+    _regret(right, np.sort(given["regret"].dropna().to_numpy(float)))
+    left.legend(loc="lower left", fontsize=8)
+    return figure
+
+
+def _regret(axes: Axes, regret: np.ndarray) -> None:
+    """How often the cost of the advice is at most a multiple of the least one."""
+    if len(regret):
+        share = np.arange(1, len(regret) + 1) / len(regret)
+        axes.step([*regret, max(10.0, 1.2 * regret[-1])], [*share, 1.0], where="post", color=BLUE)
+        below = float((regret <= DEAR).mean())
+        axes.plot([DEAR, DEAR, axes.get_xlim()[0]], [0, below, below], color=BLACK, linewidth=1, linestyle=":")
+        axes.annotate(
+            f"{100 * below:.0f} % of the cases cost\nat most {DEAR:g} times the best",
+            (0.97, 0.3),
+            xycoords="axes fraction",
+            ha="right",
+            fontsize=9,
+        )
+    axes.set(xscale="log", xlabel="cost of the advice over that of the best", ylabel="share of cases", ylim=(0, 1.03))
+    _factors(axes, (0.5, 1, 2, 5, 10, 20, 50, 100))
+    low, high = (min(0.9, regret[0]), 1.2 * regret[-1]) if len(regret) else (0.9, 10.0)
+    axes.set_xlim(low, max(high, 10.0))
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+
+
+def _factors(axes: Axes, places: Iterable[float]) -> None:
+    places = sorted(places)
+    ticks(axes, places, [f"{place:g}" for place in places])
+
+
+CHAPTER = chapter(
+    TEXT,
+    cost_page,
+    needs=("rules", "work_precision", "grids_reaching", "tyre_models"),
+    always=True,
+)

@@ -1,1 +1,0 @@
-"""The pages of friction. Only tables are read; nothing of ours beside :mod:`reports` is imported."""

@@ -1,1 +1,0 @@
-"""Pages of the limits: symmetry and invariance, extremes."""

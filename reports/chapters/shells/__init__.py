@@ -1,1 +1,0 @@
-"""Pages of shells without contact: benchmarks, convergence, measures, rigid motions, locking."""

@@ -1,1 +1,0 @@
-"""The page of the tyre: its sections, the paper's printed table, its pictures."""

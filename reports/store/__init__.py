@@ -1,1 +1,0 @@
-"""What the reports read: records and tables of a store, checked. Nothing is computed or written here."""
