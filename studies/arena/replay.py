@@ -1,21 +1,26 @@
-"""Solve one frozen contact step again, alone, by any algorithm; the judge has the word, and the oracle if asked."""
+"""One frozen step again, alone, by any algorithm; the judge has the word, and the oracle if asked."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from contact.algorithms.base import require_friction
 from contact.answered import answered
 from contact.catalogue import ALGORITHMS
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError
-from contact.interchange.oracle import Confirmation, OracleError, confirm
+from contact.coulomb import State
+from contact.interchange import friction_oracle, oracle
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
+from contact.interchange.oracle import Confirmation, OracleError
 from contact.problem import ContactAlgorithm, ContactSolution
+from contact.verify import judge
 from studies.ask.scene import UsageError
 from studies.solving.certificate import certificate
+
+WHOLE = "full"  # the model that is the whole scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,37 +42,36 @@ class Resolved:
 
     def lines(self) -> list[str]:
         """What a user reads."""
-        step, found, told = self.step, self.solution, self.step.meta
-        origin = ", ".join(f"{key} {told[key]}" for key in ("scene", "mesh", "stage", "parameter") if key in told)
-        force = float(np.sum(step.problem().nodal_forces(found.pressure)))
+        step, solution, meta = self.step, self.solution, self.step.meta
+        rubs = isinstance(step, FrozenFrictionalStep)
+        origin = ", ".join(f"{key} {meta[key]}" for key in ("scene", "mesh", "stage", "parameter") if key in meta)
+        size = f"{len(step.r)} unknowns, {len(step.gap)} candidates{' with friction' if rubs else ''}"
         lines = [
-            f"{len(step.r)} unknowns, {len(step.gap)} candidates" + (f": {origin}" if origin else ""),
-            f"{found.outcome.value}: {int(found.counters['newton_iterations'])} iterations, "
-            f"{int(found.active.sum())} contact nodes, force {force:.9g} N, epsilon {self.epsilon:g}",
+            size + (f": {origin}" if origin else ""),
+            f"{solution.outcome.value}: {int(solution.counters['newton_iterations'])} iterations, "
+            f"{self._friction() if rubs else self._contact()}, epsilon {self.epsilon:g}",
             ", ".join(f"{name} {value:.1e}" for name, value in self.certificate["kkt"].items()),
-            *self.certificate["diagnosis"],
-            *of_a_part(told),
         ]
-        return [*lines, *said_by(self.oracle)]
+        lines += [f"wrong: {name}" for name in self.certificate["failures"]] if rubs else self.certificate["diagnosis"]
+        model = meta.get("model", WHOLE)
+        if model != WHOLE:  # whoever solved the whole saw more nodes and another force
+            lines.append(f"of the model {model} alone: forces and nodes are those of that part")
+        if isinstance(self.oracle, Confirmation):
+            verdict = "agrees" if self.oracle.agrees else f"differs at {len(self.oracle.differing)} candidates"
+            lines.append(f"oracle {verdict}: forces to {self.oracle.force_error:.1e}")
+        elif self.oracle is not None:
+            lines.append(f"no oracle: {self.oracle}")
+        return lines
 
+    def _contact(self) -> str:
+        force = float(np.sum(self.step.problem().nodal_forces(self.solution.pressure)))
+        return f"{int(self.solution.active.sum())} contact nodes, force {force:.9g} N"
 
-FULL = "full"  # the model that is the whole scene
-
-
-def of_a_part(meta: Mapping[str, Any]) -> list[str]:
-    """That a step is of a part of its scene, where it is: whoever solved the whole saw more nodes and another force."""
-    model = meta.get("model", FULL)
-    return [] if model == FULL else [f"of the model {model} alone: forces and nodes are those of that part"]
-
-
-def said_by(oracle: Confirmation | str | None) -> list[str]:
-    """What a user reads of the oracle: nothing where it was not asked."""
-    if oracle is None:
-        return []
-    if isinstance(oracle, str):
-        return [f"no oracle: {oracle}"]
-    verdict = "agrees" if oracle.agrees else f"differs at {len(oracle.differing)} candidates"
-    return [f"oracle {verdict}: forces to {oracle.force_error:.1e}"]
+    def _friction(self) -> str:
+        friction = self.solution.rubbed
+        sticks, slips = (int(np.sum(friction.state == each)) for each in (State.STICK, State.SLIP))
+        push, pull = self.step.weights @ self.solution.pressure, np.linalg.norm(friction.force, axis=1).sum()
+        return f"{sticks} stick, {slips} slip, normal forces {float(push):.9g} N, of friction {float(pull):.9g} N"
 
 
 def read_step(path: Path) -> FrozenStep:
@@ -85,17 +89,30 @@ def algorithm_of(contact: str, epsilon: float | None = None) -> ContactAlgorithm
     return ALGORITHMS[contact]() if epsilon is None else ALGORITHMS[contact](epsilon=epsilon)
 
 
-def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, oracle: bool = False) -> Resolved:
-    """Solve a frozen step from rest, judge it; raises UsageError with one line."""
+def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, ask_oracle: bool = False) -> Resolved:
+    """Solve a frozen step from rest, judge it, in both directions with friction; raises UsageError with one line."""
     problem = step.problem()
+    if isinstance(step, FrozenFrictionalStep):
+        require_friction(algorithm)
     refused = algorithm.supports(problem)
     if refused is not None:
         raise UsageError(f"{algorithm.name} does not apply: {refused}")
     solution = answered(algorithm, problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
     said: Confirmation | str | None = None
-    if oracle:
+    if ask_oracle:
         try:
-            said = confirm(step, solution.u, solution.pressure, algorithm.epsilon)
+            said = _confirmation(step, solution, algorithm.epsilon)
         except OracleError as error:
             said = str(error)
+    if isinstance(step, FrozenFrictionalStep):
+        verdict = judge(problem, solution.u, solution.pressure, solution.rubbed.force, epsilon=algorithm.epsilon)
+        return Resolved(step, solution, verdict.certificate, algorithm.epsilon, said)
     return Resolved(step, solution, certificate(problem, solution, algorithm.epsilon), algorithm.epsilon, said)
+
+
+def _confirmation(step: FrozenStep, solution: ContactSolution, epsilon: float) -> Confirmation:
+    """Of the oracle; raises OracleError where it does not apply."""
+    if isinstance(step, FrozenFrictionalStep):
+        forces = step.problem().nodal_forces(solution.pressure)
+        return friction_oracle.confirm(step, solution.u, forces, solution.rubbed.force)
+    return oracle.confirm(step, solution.u, solution.pressure, epsilon)

@@ -16,11 +16,10 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
-from studies.arena.solver_summaries import data_profiles, performance_profiles, rank_correlation, summary
+from studies.arena.solver_summaries import data_profiles, effects, performance_profiles, rank_correlation, summary
 from studies.arena.solver_table import LIMIT_S, ROUNDS, TOLERANCES, Tell, kind, read, recorded, solver_table
 from studies.arena.solvers.base import Solver
-from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.osqp_ablation import ABLATION, effects
+from studies.arena.solvers.catalogue import ABLATION, SOLVERS
 from studies.ask.request import UsageError
 from studies.output.atomic import write_table
 from studies.output.provenance import provenance

@@ -146,3 +146,21 @@ def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) 
         alike = (float(ranks.corr(method=how).to_numpy()[0, 1]) for how in ALIKE)
         rows.append((tolerance, kind, problems, len(ranks), *alike))
     return pd.DataFrame(rows, columns=list(RANK_COLUMNS))
+
+
+def effects(summed: pd.DataFrame) -> pd.DataFrame:
+    """What each setting changes against the defaults of the same scale: a row a tolerance, kind, size and variant.
+
+    summed: of :func:`summary`.  time_ratio: of the shifted means, below 1 where the
+    setting is quicker.  more_solved, more_false: of the number of problems.
+    """
+    places = ["tolerance", "kind", "size", "scale"]
+    scale, setting = (summed["solver"].str.split(": ", n=1).str[i] for i in (0, 1))
+    table = summed.assign(scale=scale, setting=setting)
+    table = table[[*places, "setting", "problems", "mean_s", "solved", "false"]]
+    defaults = table[table["setting"] == "defaults"].drop(columns=["setting", "problems"])
+    found = table.merge(defaults, on=places, suffixes=("", "_default"))
+    found["time_ratio"] = found["mean_s"] / found["mean_s_default"]
+    for column in ("solved", "false"):
+        found[f"more_{column}"] = found[column] - found[f"{column}_default"]
+    return found[[*places, "setting", "problems", "mean_s", "time_ratio", "more_solved", "more_false"]]

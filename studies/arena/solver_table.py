@@ -25,7 +25,7 @@ import pandas as pd
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import positive_definite
 from contact.solvers.sparse import factorise, symmetric
-from studies.arena.accuracy import NONE, RESIDUALS, Scales, accuracy
+from studies.arena.answers import NONE, RESIDUALS, Scales, accuracy
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.process import Child
@@ -49,7 +49,7 @@ def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
     """One row a solver, problem and tolerance of samples, with COLUMNS.
 
     asked: whether the solver is there and applies; ``reason`` says why not, or what it said.  accuracy, RESIDUALS: of
-    the answer, claimed or not, infinite where it was killed, see :mod:`studies.arena.accuracy`; of the least accurate
+    the answer, claimed or not, infinite where it was killed, see :mod:`studies.arena.answers`; of the least accurate
     round.  false: claimed, and less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by
     the solver's own criterion, where it has one.
     seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see

@@ -13,8 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from studies.ask.request import UsageError, text_of
-from studies.exchange.bricks import INNER, OUTER
-from studies.exchange.problem import LoadStep, Material, Plane, Problem, Supports
+from studies.exchange.problem import INNER, OUTER, LoadStep, Material, Plane, Problem, Supports
 
 ELEMENTS = {"reduced": "C3D20R", "full": "C3D20"}
 AUTO = "auto"

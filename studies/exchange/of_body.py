@@ -23,8 +23,7 @@ from formulations.solid.laws import StVenantKirchhoff
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import UsageError
 from studies.catalogue.supports import held_of
-from studies.exchange.bricks import INNER, ON_FACE, OUTER, Bricks, serendipity
-from studies.exchange.problem import Supports
+from studies.exchange.problem import INNER, ON_FACE, OUTER, Bricks, Supports, serendipity
 
 Model = TypeVar("Model", ShellModel, SolidModel)
 EXCHANGED = (0, 3, 2, 1, 7, 6, 5, 4)  # the nodes of a face with a1 and a2 exchanged, as a left-handed brick has them

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.exchange.bricks import INNER, LATTICE, OUTER, SWAPPED
-from studies.exchange.problem import LoadStep, Material, Problem
+from studies.exchange.problem import INNER, LATTICE, OUTER, SWAPPED, LoadStep, Material, Problem
 from studies.output.atomic import plain
 from studies.output.vtu import PLACES_27, write_vtu
 from studies.scenes import SCENES

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-FOLDER = Path(__file__).parents[2] / "studies/arena/entries"
+FOLDER = Path(__file__).parents[2] / "studies/arena/solvers"
 FILES = {name: FOLDER / f"{name}.py" for name in ("barrier", "interior_point", "proximal")}
 SPENT = {
     "barrier": "barrier_iterations",

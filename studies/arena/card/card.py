@@ -18,8 +18,7 @@ from formulations.strains.quantities import FULL
 from studies.analysis.profiles import within
 from studies.arena.card.laws import Law, laws_of, solver_laws
 from studies.arena.card.problems import HARD
-from studies.arena.card.runs import REFERENCE, trials
-from studies.arena.card.subjects import ALGORITHM, MEASURE, SOLVER, Subject, element
+from studies.arena.card.runs import ALGORITHM, MEASURE, REFERENCE, SOLVER, Subject, element, trials
 from studies.arena.card.trials import DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
 from studies.experiments.conformance import LINES1, LINES2, TORUS, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup

@@ -19,7 +19,7 @@ import numpy as np
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution
 from contact.verify import judge
-from studies.arena.accuracy import Scales
+from studies.arena.answers import Scales
 from studies.arena.card.quadratics import (
     HOPELESS,
     OPEN,

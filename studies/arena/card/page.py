@@ -14,7 +14,7 @@ import pandas as pd
 from studies.arena.card.card import TWICE, Card
 from studies.arena.card.laws import Law
 from studies.arena.card.problems import GROUPS
-from studies.arena.card.subjects import ALGORITHM, ELEMENT, MEASURE, SOLVER
+from studies.arena.card.runs import ALGORITHM, ELEMENT, MEASURE, SOLVER
 from studies.arena.card.trials import AGREES, ALIKE, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED
 from studies.output.provenance import provenance
 

@@ -70,7 +70,7 @@ class Asked:
         return f"{self.why}: {told}" if self.why else told
 
 
-SCENES = (
+SMALL = (
     Asked(SCENE, "strip-contact", "8x1"),
     Asked(SCENE, "heavy-strip", "8x1"),
     Asked(SCENE, "plate-contact", "8x1"),

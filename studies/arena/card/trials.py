@@ -21,7 +21,7 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, O
 from contact.verify import claim, judge
 from studies.arena.card.problems import Asked, Posed
 from studies.arena.card.quadratics import random_quadratic
-from studies.arena.watched import Watched
+from studies.arena.collected.candidates import Watched
 from studies.ask.request import Request, Value
 from studies.ask.scene import Scene, UsageError
 from studies.ask.settings import configured

@@ -9,20 +9,22 @@ from __future__ import annotations
 
 import json
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep, freeze
-from contact.problem import ContactProblem, ContactSolution, Linearised
+from contact.parameters import Parameter
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import checked_solve, factorise, symmetric
 from studies.arena.collected.certified import Certified, NotCertifiedError, exact_on
 from studies.arena.collected.collection import HERE, Candidate
 from studies.arena.collected.paths import Path
-from studies.arena.watched import Watched
 from studies.ask.settings import configured
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
 from studies.scenes.complete import complete
@@ -52,6 +54,28 @@ class Iterate:
             K = sparse.csc_matrix(K - problem.gap_curvature(self.u, self.forces))
         G = sparse.csr_matrix(problem.gap_jacobian(self.u))
         return FrozenStep(K, lin.residual, G, problem.gap(self.u), problem.weights, lin.scale, problem.coupling)
+
+
+@dataclass(eq=False)
+class Watched(ABC):
+    """An algorithm that stands for the one ``inside`` on a path; a :class:`contact.problem.ContactAlgorithm`."""
+
+    inside: ContactAlgorithm
+    name: ClassVar[str] = "watched"
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
+
+    @property
+    def epsilon(self) -> float:
+        """Of the algorithm inside [MPa/mm]."""
+        return self.inside.epsilon
+
+    def supports(self, problem: ContactProblem) -> str | None:
+        """What the algorithm inside says."""
+        return self.inside.supports(problem)
+
+    @abstractmethod
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        """The answer of the algorithm inside, of which something is kept."""
 
 
 @dataclass(eq=False)

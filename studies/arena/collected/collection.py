@@ -26,7 +26,8 @@ ROUNDING = 1e-6  # relative, of the sums: what paths of Newton's method make of 
 SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
 FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and of a step with friction, by these, too
 LEFT_OUT = ["name", "family", "why"]
-KEPT, FORMAT = "kept", "format.md"  # a folder of files, and what all files are in words
+KEPT = files("studies.arena").joinpath("kept")  # a folder of files
+FORMAT = "format.md"  # what all files are in words
 Tell = Callable[[str], None]
 Step = TypeVar("Step", FrozenStep, FrozenFrictionalStep)
 
@@ -137,11 +138,11 @@ def kept_names() -> set[str]:
 
     The last digit of their paths grows to more than 1e-8 on the way.
     """
-    return {path.name.removesuffix(".npz") for path in HERE.joinpath(KEPT).iterdir() if path.name.endswith(".npz")}
+    return {path.name.removesuffix(".npz") for path in KEPT.iterdir() if path.name.endswith(".npz")}
 
 
 def _copy_kept(name: str, path: Path) -> None:
-    path.write_bytes(HERE.joinpath(KEPT, f"{name}.npz").read_bytes())
+    path.write_bytes(KEPT.joinpath(f"{name}.npz").read_bytes())
 
 
 def _kept(name: str) -> pd.DataFrame:

@@ -1,19 +1,28 @@
 """All solvers of the arena by name, one that is not installed, too: the algorithms of the house and public ones.
 
-Ours solve a frozen step from rest and without a set to begin with, as all others.
+Ours solve a frozen step from rest and without a set to begin with, as all others. ABLATION is a field of its own: OSQP
+with one setting changed at a time, on the programme as it is and as we scale it. Source of the settings: Stellato et
+al., Math. Program. Comput. 12 (2020) 637-672, sections 3.2, 4 and 5.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import importlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
+from typing import Any
 
+import numpy as np
+
+from contact.algorithms.qp import Scaled
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep
 from contact.problem import ContactAlgorithm, ContactSolution
+from contact.solvers.qp_backends import Answer as Found
 from contact.solvers.sparse import asymmetry, symmetric
 from studies.arena.solvers.base import Answer, Solver
-from studies.arena.solvers.outside import CONDENSED, OUTSIDE
+from studies.arena.solvers.outside import CONDENSED, OUTSIDE, Condensed, Outside, osqp, programme
 
 
 @dataclass(frozen=True)
@@ -65,3 +74,77 @@ OURS: tuple[Solver, ...] = (
     _ours("full QP, finished", "qp", system="full"),
 )
 SOLVERS: dict[str, Solver] = {solver.name: solver for solver in (*OURS, *OUTSIDE, *CONDENSED)}
+
+
+# --- the settings of OSQP ---------------------------------------------------------------------------------------------
+
+NEAR = 0.99  # of the loads and gaps, the step whose answer a warm start sets out from
+SETTINGS: dict[str, dict[str, Any]] = {
+    "defaults": {},
+    "no scaling": {"scaling": 0},
+    "scaling 50": {"scaling": 50},
+    "rho 1e-3": {"rho": 1e-3},
+    "rho 10": {"rho": 10.0},
+    "rho 1e3": {"rho": 1e3},
+    "rho fixed": {"adaptive_rho": 0},
+    "rho adapted every 200": {"adaptive_rho_interval": 200},
+    "one rho for all rows": {"rho_is_vec": 0},
+    "polished": {"polishing": True},
+    "no gap asked for": {"check_dualgap": 0},
+    "sigma 1e-9": {"sigma": 1e-9},
+    "no relaxation": {"alpha": 1.0},
+}
+
+
+@dataclass(frozen=True)
+class WarmOsqp(Outside):
+    """OSQP from the exact answer of a step with NEAR of the loads and gaps, which is not timed."""
+
+    def prepare(self, step: FrozenStep) -> None:
+        """Find where it starts."""
+        super().prepare(step)
+        _near(step)
+
+    def _found(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> Found:
+        du, forces = _near(step)
+        if whole is not None:
+            du, forces = du / (whole.size * whole.stretch), whole.multipliers(forces)
+        return osqp(programme(step, whole), tolerance, (du, forces))
+
+
+@dataclass(frozen=True)
+class ReducedOsqp(Outside):
+    """Conjugate gradients on the reduced system, (P + sigma I + rho A^T A) x = b, where the wheel has them."""
+
+    def missing(self) -> str | None:
+        """Of osqp itself, and of an algebra with that system."""
+        return super().missing() or (None if _algebra() else "osqp has only its builtin algebra, which factorises")
+
+    def _found(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> Found:
+        return osqp(programme(step, whole), tolerance, algebra=_algebra())
+
+
+def _algebra() -> str:
+    """The first of those that solve the reduced system, or nothing."""
+    available = importlib.import_module("osqp").algebras_available()
+    return next((name for name in ("mkl", "cuda") if name in available), "")
+
+
+@lru_cache(maxsize=2)
+def _near(step: FrozenStep) -> tuple[np.ndarray, np.ndarray]:
+    """The exact du (n,) and nodal forces (m,) of a step whose loads and gaps are nearly those."""
+    found = OURS[0].answer(replace(step, r=NEAR * step.r, gap=NEAR * step.gap), 1e-9)
+    return found.du / NEAR**2, step.weights * found.pressure
+
+
+def _variants(scaled: bool) -> Iterator[Solver]:
+    words = ", scaled" if scaled else ""
+    for name, settings in SETTINGS.items():
+        yield Outside(f"OSQP{words}: {name}", "osqp", call=partial(osqp, **settings), scaled=scaled)
+    yield WarmOsqp(f"OSQP{words}: warm start", "osqp", scaled=scaled)
+    yield ReducedOsqp(f"OSQP{words}: reduced KKT", "osqp", scaled=scaled)
+    if scaled:
+        yield Condensed("OSQP, scaled: condensed", "osqp")
+
+
+ABLATION: tuple[Solver, ...] = (*_variants(scaled=False), *_variants(scaled=True))

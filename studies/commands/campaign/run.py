@@ -8,7 +8,7 @@ import sys
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, add_trust, positive, progress_bar
-from studies.fuzz import campaign as fuzz
+from studies.fuzz import examine as fuzz
 from studies.fuzz.cases import KINDS
 from studies.fuzz.examine import BROKEN, command_of
 from studies.run.campaigns.file import find

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.page import drawn, page
-from studies.arena.card.subjects import subjects, write_layout
+from studies.arena.card.runs import subjects, write_layout
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import progress_bar

@@ -5,9 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from contact.interchange.linearised_step import FrozenFrictionalStep
-from studies.arena.friction_replay import resolve_with_friction
-from studies.arena.replay import Resolved, algorithm_of, read_step, resolve_step
+from studies.arena.replay import algorithm_of, read_step, resolve_step
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.scenes.plugins import blamed
@@ -27,11 +25,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
     algorithm, step = algorithm_of(options.contact, options.epsilon), read_step(options.file)
     with blamed(options.contact):
-        found: Resolved
-        if isinstance(step, FrozenFrictionalStep):
-            found = resolve_with_friction(step, algorithm, oracle=options.oracle)
-        else:
-            found = resolve_step(step, algorithm, oracle=options.oracle)
+        found = resolve_step(step, algorithm, ask_oracle=options.oracle)
     print("\n".join(found.lines()))
     if not found.solution.outcome.converged:
         return NOT_CONVERGED

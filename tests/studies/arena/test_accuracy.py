@@ -10,7 +10,7 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.qp_backends import Answer, Programme
-from studies.arena.accuracy import Accuracy, Scales, accuracy
+from studies.arena.answers import Accuracy, Scales, accuracy
 from studies.experiments.obstacle_problems.false_success import keeps
 from support.problems.arena_steps import in_units, known_step
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from studies.arena.accuracy import accuracy
-from studies.arena.solvers.osqp_ablation import ABLATION, SETTINGS, effects
+from studies.arena.answers import accuracy
+from studies.arena.solver_summaries import effects
+from studies.arena.solvers import catalogue
+from studies.arena.solvers.catalogue import ABLATION, SETTINGS
 from support.problems.arena_steps import known_step
 
 VARIANTS = {solver.name: solver for solver in ABLATION}
@@ -43,10 +45,8 @@ def test_each_setting_is_there_on_both_scales() -> None:
 
 
 def test_the_reduced_system_is_listed_where_it_is_missing() -> None:
-    from studies.arena.solvers import osqp_ablation
-
     reason = VARIANTS["OSQP: reduced KKT"].missing()
-    assert (reason is None) == bool(osqp_ablation._algebra())
+    assert (reason is None) == bool(catalogue._algebra())
 
 
 def test_effects_by_hand() -> None:

@@ -50,7 +50,7 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
 def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
     """From no displacement and no set at all; the oracle has the last word."""
     step = json.loads((frozen / "result" / "result.json").read_text())["steps"][-1]
-    found = resolve_step(read_step(frozen / "step.npz"), algorithm_of(name, np.inf), oracle=True)
+    found = resolve_step(read_step(frozen / "step.npz"), algorithm_of(name, np.inf), ask_oracle=True)
     assert found.solution.outcome.converged
     assert found.certificate["failures"] == []
     force = np.sum(found.step.weights * found.solution.pressure)

@@ -9,7 +9,7 @@ import pytest
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
-from studies.arena.accuracy import accuracy
+from studies.arena.answers import accuracy
 from studies.arena.solvers.base import Answer
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.outside import DENSE, Outside

@@ -10,7 +10,7 @@ import pytest
 from formulations.geometry.surfaces import Plate, Surface, cylinder, torus
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid_mesh import CUBE, SolidMesh
-from studies.exchange.bricks import CENTRE, INNER, OUTER, PLACES, RING, Bricks, serendipity
+from studies.exchange.problem import CENTRE, INNER, OUTER, PLACES, RING, Bricks, serendipity
 
 H, QUARTER = 2.0, np.pi / 2
 R, TUBE = 10.0, 4.0

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from studies.ask.request import UsageError
-from studies.exchange.bricks import INNER
 from studies.exchange.of_scene import problem_of
-from studies.exchange.problem import Problem
+from studies.exchange.problem import INNER, Problem
 from studies.scenes.benchmarks import cantilever, hemisphere, pressurised, scordelis_lo
 
 SMALL = {"tyre": "8x8", "tyre-solid": "6x8", "crushed-ring-solid": "1x8"}

@@ -18,11 +18,11 @@ from contact.problem import Linearisation
 from studies.ask.scene import has_contact
 from studies.ask.settings import parameters_of
 from studies.cli import main
-from studies.fuzz import campaign, matrices, near, posed
+from studies.fuzz import matrices, near, posed
 from studies.fuzz.attempt import CONVERGED, Broken, attempt
 from studies.fuzz.cases import FRICTION, KINDS, Asked, asked_of, kind_of
 from studies.fuzz.comparing import AGREES, Answer, compared, error_of, unstable
-from studies.fuzz.examine import BROKEN, command_of, examine
+from studies.fuzz.examine import BROKEN, command_of, examine, run
 from studies.fuzz.near import COMMANDS
 from studies.fuzz.state_laws import Slipped, mismatches
 from studies.fuzz.values import drawn
@@ -128,8 +128,8 @@ def test_a_wrong_derivative_is_seen() -> None:
 @pytest.mark.slow
 def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The cells of the pool are its cases; a seed that it lists is replayed by one command."""
-    assert campaign.run(tmp_path, range(3)).solved == 3
-    again = campaign.run(tmp_path, range(4), resume=True)
+    assert run(tmp_path, range(3)).solved == 3
+    again = run(tmp_path, range(4), resume=True)
     assert again.solved == 1
     assert again.broken == 0
     table = pd.read_csv(tmp_path / "tables" / "fuzz.csv")

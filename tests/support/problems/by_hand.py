@@ -8,7 +8,7 @@ from contact.interchange.linearised_step import FrozenStep
 
 
 def residuals_by_hand(step: FrozenStep, du: np.ndarray, p: np.ndarray) -> dict[str, float]:
-    """The four residuals, see :mod:`studies.arena.accuracy`, of which no line is used here."""
+    """The four residuals, see :mod:`studies.arena.answers`, of which no line is used here."""
     eps, K, G, g, r = np.finfo(float).eps, step.K.toarray(), step.G.toarray(), step.gap, step.r
     nodal, held = step.weights * p, max(1 / sum(G[i] ** 2 / abs(np.diag(K))) for i in range(len(g)) if G[i].any())
     f = nodal if step.coupling is None else step.coupling.toarray() @ p

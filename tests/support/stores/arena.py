@@ -8,9 +8,8 @@ import numpy as np
 import pandas as pd
 
 from studies.arena.solver_run import PROBLEM_COLUMNS
-from studies.arena.solver_summaries import data_profiles, performance_profiles, summary
+from studies.arena.solver_summaries import data_profiles, effects, performance_profiles, summary
 from studies.arena.solver_table import COLUMNS, TOLERANCES
-from studies.arena.solvers.osqp_ablation import effects
 
 LIMIT_S = 2.0
 PROBLEMS = {"a": ("convex", 88), "b": ("convex", 2_000), "c": ("convex", 20_000), "d": ("not symmetric", 300)}

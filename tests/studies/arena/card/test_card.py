@@ -22,13 +22,13 @@ from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, Law, laws_of
 from studies.arena.card.page import page
 from studies.arena.card.problems import sample
-from studies.arena.card.subjects import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
+from studies.arena.card.runs import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
 from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, within
 from studies.arena.card.trials import OvertimeError as Overtime
 from studies.cli import main
+from support.entries import FILES
 
 PARTS = Path(__file__).parent / "parts"
-ENTRIES = Path(__file__).parents[4] / "studies/arena/entries"
 
 
 @pytest.fixture(autouse=True)
@@ -41,7 +41,7 @@ def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for catalogue, before in zip(every, known, strict=True):
         catalogue.clear()
         catalogue.update(before)
-    own = {path.stem for path in (*PARTS.glob("*.py"), *ENTRIES.glob("*.py"))} | {"my_algorithm", "nothing"}
+    own = {path.stem for path in (*PARTS.glob("*.py"), *FILES.values())} | {"my_algorithm", "nothing"}
     for name in own & (set(sys.modules) - loaded):
         del sys.modules[name]
 
@@ -55,7 +55,7 @@ def part(name: str) -> Subject:
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
     """A card on a few problems and beside one part of ours alone."""
     monkeypatch.setattr(runs, "posed", lambda epsilon: islice(problems.made(epsilon), 5))
-    monkeypatch.setattr(runs, "SCENES", (problems.Asked("scene", "heavy-strip", "8x1"),))
+    monkeypatch.setattr(runs, "SMALL", (problems.Asked("scene", "heavy-strip", "8x1"),))
     monkeypatch.setattr(runs, "POINTS", (problems.Asked("hard", "panel", "2x2", {}, "coarse"),))
     monkeypatch.setattr(runs, "BENT", (problems.Asked("scene", "cantilever", "2x1"),))
     monkeypatch.setattr(runs, "BESIDE", ("semismooth", "Lemke"))
@@ -336,9 +336,9 @@ def test_check_is_the_exit_code_and_one_page_with_its_picture_is_written(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["barrier", "interior_point", "proximal"])
+@pytest.mark.parametrize("name", FILES)
 def test_the_entries_of_the_arena_have_cards(name: str, few: None) -> None:
-    (subject,) = subjects(str(ENTRIES / f"{name}.py"))
+    (subject,) = subjects(str(FILES[name]))
     found = card_of(beside(subject, "semismooth"))
     assert found.passes, found.verdict
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from contact.verify import judge
-from studies.arena.accuracy import accuracy
+from studies.arena.answers import accuracy
 from studies.arena.collected.candidates import condensed, of_complementarity, on_path, published, raised, touching
 from studies.arena.collected.certified import Certified, find
 from studies.arena.collected.formats import read_lcp

@@ -11,7 +11,7 @@ import pytest
 from scipy import io, sparse
 
 from contact.interchange.linearised_step import FrozenStep
-from studies.arena.accuracy import accuracy
+from studies.arena.answers import accuracy
 from studies.arena.collected.candidates import of_complementarity
 from studies.arena.collected.formats import FORMATS, export, read_lcp
 from studies.ask.request import UsageError

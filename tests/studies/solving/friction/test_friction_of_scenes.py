@@ -13,8 +13,7 @@ from contact.coulomb import State
 from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.interchange.oracle import Confirmation
 from contact.problem import ContactProblem
-from studies.arena.friction_replay import resolve_with_friction
-from studies.arena.replay import algorithm_of, read_step
+from studies.arena.replay import algorithm_of, read_step, resolve_step
 from studies.ask.request import UsageError
 from studies.ask.settings import configured
 from studies.exchange.of_scene import problem_of
@@ -267,7 +266,7 @@ def test_a_frozen_step_is_solved_again_with_its_friction(dragged: Result, tmp_pa
     dragged.frozen().write(file)
     step = read_step(file)
     assert isinstance(step, FrozenFrictionalStep)
-    again = resolve_with_friction(step, algorithm_of("semismooth"), oracle=True)
+    again = resolve_step(step, algorithm_of("semismooth"), ask_oracle=True)
     assert again.sound
     assert isinstance(again.oracle, Confirmation)
     assert (step.weights @ again.solution.pressure) == pytest.approx(dragged.steps[-1]["force_N"], rel=1e-6)

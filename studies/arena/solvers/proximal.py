@@ -12,7 +12,7 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.parameters import SHARED, Parameter
-from studies.arena.entries.entry import Crossover, sprung
+from studies.arena.solvers.entry import Crossover, sprung
 
 FIRST = 0.1  # of the depth: the least room that a candidate begins with
 FALL = 3.0  # the most by which psi falls in a Newton step

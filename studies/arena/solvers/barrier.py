@@ -12,7 +12,7 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.parameters import SHARED, Parameter
-from studies.arena.entries.entry import Crossover, sprung
+from studies.arena.solvers.entry import Crossover, sprung
 
 BOUNDARY = 0.9  # of the way to s = 0, and to p = 0, that a step may go
 FULL = 0.5  # a step that goes so far, or farther, lets mu fall

@@ -21,7 +21,7 @@ from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.lcp_pivoting import unit
-from studies.arena.entries.entry import Entry
+from studies.arena.solvers.entry import Entry
 
 MOST = 60  # iterations: 2 to 20 where there is a path
 SPENT, PROGRAMMES = "interior_point_iterations", "interior_point_programmes"
