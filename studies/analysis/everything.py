@@ -8,28 +8,33 @@ from pathlib import Path
 
 import pandas as pd
 
+from studies.analysis.advice.choose import shipped_tables
 from studies.analysis.advice.held_out import held_out, summary
-from studies.analysis.advice.shipped import shipped_tables
-from studies.analysis.claims.ledger import claims_table
-from studies.analysis.comparisons.disagreements import disagreements
-from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
-from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
-from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
-from studies.analysis.comparisons.friction import COST_BARS, FULL, GRECO, all_orders, by_algorithm, ends, step_orders
-from studies.analysis.comparisons.ladders import convergence
-from studies.analysis.comparisons.ladders import summary as summary_of_ladders
-from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY, contact_orders, manufactured_orders
-from studies.analysis.comparisons.programs import agreement, peer_factors
-from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
-from studies.analysis.comparisons.tyre.budget import tyre_budget
-from studies.analysis.comparisons.tyre.models import BEHIND, SAME, grids_reaching, tyre_models
-from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison, tyre_readings
-from studies.analysis.comparisons.tyre.solid_shell import solid_shell
+from studies.analysis.disagreements import disagreements
+from studies.analysis.elements import ENOUGH, EQUAL, FARTHER, element_choice, thickness_share
 from studies.analysis.evidence import Evidence, Tables
+from studies.analysis.friction import COST_BARS, FULL, GRECO, all_orders, by_algorithm, ends, step_orders
+from studies.analysis.ladders import convergence
+from studies.analysis.ladders import summary as summary_of_ladders
 from studies.analysis.outcomes import contact_summary, outcomes
-from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, law_rules, rigid_body_powers
-from studies.analysis.shell_limits.boundaries import boundaries
+from studies.analysis.powers import (
+    BELOW,
+    NEAR,
+    NOTHING_LEFT,
+    THEORY,
+    contact_orders,
+    epsilon_laws,
+    law_rules,
+    manufactured_orders,
+    rigid_body_powers,
+)
+from studies.analysis.printed_pressures import DEPTH, tyre_comparison, tyre_readings
+from studies.analysis.programs import agreement, peer_factors
+from studies.analysis.shell_limits import boundaries
+from studies.analysis.statements.claims import claims_table
 from studies.analysis.statements.tables import statement_tables
+from studies.analysis.tyre import BEHIND, SAME, grids_reaching, solid_shell, tyre_budget, tyre_models
+from studies.analysis.uncertainty import TIMES, axial_states, error_budget, error_statements, input_effects, statements
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 from studies.catalogue.tables import catalogue_tables

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from studies.analysis.profiles import within
+from studies.analysis.outcomes import within
 from studies.arena.solver_table import KILLED
 
 SHIFT_S = 0.01  # what a small problem takes: times far below it, mostly calls of Python, count as equal

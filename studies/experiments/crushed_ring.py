@@ -1,6 +1,6 @@
 """The crushed ring by solids of every law and by shells, on sequences of meshes, and with its data as far off as known.
 
-What the differences to the test are made of is worked out in :mod:`studies.analysis.comparisons.error_budget`.
+What the differences to the test are made of is worked out in :mod:`studies.analysis.uncertainty`.
 """
 
 from __future__ import annotations

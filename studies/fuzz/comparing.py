@@ -1,6 +1,6 @@
 """Two answers to one problem: the same, or why not, by what can be computed of each alone.
 
-Explanations are checked, not guessed, and begin with a class of :mod:`studies.analysis.comparisons.disagreements`: the
+Explanations are checked, not guessed, and begin with a class of :mod:`studies.analysis.disagreements`: the
 error of a state is that of one more Newton step in dense algebra, stability is counted by the eigenvalues of the dense
 tangent on what the set leaves free, and of two different stable equilibria each must be confirmed by the way of solving
 that has found the other; so must two states with friction whose paths were cut alike.
@@ -16,7 +16,7 @@ from scipy.linalg import null_space
 
 from contact.friction.slip import slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
-from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
+from studies.analysis.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
 MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order

@@ -13,7 +13,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.strains.catalogue import MEASURES
-from studies.analysis.comparisons.disagreements import UNSTABLE
+from studies.analysis.disagreements import UNSTABLE
 from studies.experiments.conformance import claims_objectivity
 from studies.experiments.invariance.problems import FIRST, Motion, Panel, Posed, Way, X, Z, renumbered
 from studies.experiments.invariance.symmetry import ACCIDENT, against, solved

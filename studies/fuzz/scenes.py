@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.parameters import STIFFNESS
-from studies.analysis.comparisons.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
+from studies.analysis.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
 from studies.ask.request import Request, text_of
 from studies.ask.scene import has_contact
 from studies.ask.settings import MU, SLIDING, configured, rubbing, settings_of

@@ -6,13 +6,13 @@ import pytest
 
 from reports import reading
 from reports.chapters import shell_limits
-from studies.analysis.comparisons import error_budget
+from studies.analysis import uncertainty
 from studies.output import atomic
 
 
 @pytest.mark.parametrize(
     ("here", "there"),
-    [(shell_limits.PARTS, error_budget.PARTS), (reading.SCHEMA, atomic.SCHEMA)],
+    [(shell_limits.PARTS, uncertainty.PARTS), (reading.SCHEMA, atomic.SCHEMA)],
     ids=["parts of the budget", "schema of records"],
 )
 def test_a_constant_on_both_sides_is_one(here: object, there: object) -> None:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.friction import FULL, public_answers
 from studies.analysis.evidence import listed
+from studies.analysis.friction import FULL, public_answers
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.rubbed_scenes import DELTA, MESH
 from studies.solving.result import SOLVED

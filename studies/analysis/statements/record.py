@@ -9,8 +9,8 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.comparisons.friction import FLOOR
 from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
+from studies.analysis.friction import FLOOR
 from studies.experiments.friction.agreement import AGREED
 from studies.experiments.friction.rubbed_scenes import COARSE, CONTACT, MU
 

@@ -10,12 +10,12 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.evidence import Evidence, read_declarations
-from studies.analysis.statements import choices, contact, friction, tyre
+from studies.analysis.statements import choices, contact, friction
 from studies.analysis.statements.record import Statement, as_tables, declared
 
 SENTENCES, QUESTIONS = Path(__file__).with_name("sentences.toml"), Path(__file__).with_name("questions.toml")
 Maker = Callable[..., Iterator[Statement]]
-MODULES = (choices, contact, friction, tyre)
+MODULES = (choices, contact, friction)
 MAKERS = {module.__name__.rpartition(".")[2]: module for module in MODULES}
 
 

@@ -15,7 +15,7 @@ import pandas as pd
 from formulations.geometry.grid import Grid
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from studies.analysis.profiles import within
+from studies.analysis.outcomes import within
 from studies.arena.card.laws import Law, laws_of, solver_laws
 from studies.arena.card.problems import HARD
 from studies.arena.card.runs import ALGORITHM, MEASURE, REFERENCE, SOLVER, Subject, element, trials

@@ -7,10 +7,9 @@ import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
-from studies.analysis.advice.choose import advise, lines
+from studies.analysis.advice.choose import advise, lines, shipped_question, worth
 from studies.analysis.advice.questions import Question, asked_question
-from studies.analysis.advice.shipped import shipped_question, worth
-from studies.analysis.shell_limits.beyond import beyond, known_limits
+from studies.analysis.shell_limits import beyond, known_limits
 from studies.analysis.verify import verified
 from studies.ask.request import Settings, text_of
 from studies.ask.scene import UsageError

@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studies.analysis.claims.ledger import read_claims
 from studies.analysis.evidence import NothingError, read_declarations, read_values
+from studies.analysis.statements.claims import read_claims
 from studies.analysis.statements.record import declared
 from studies.analysis.statements.tables import read_sentences
 

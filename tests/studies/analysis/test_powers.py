@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.tyre.models import grids_reaching, reaching
 from studies.analysis.powers import epsilon_laws, fitted_law, fitted_power
+from studies.analysis.tyre import grids_reaching, reaching
 
 AMOUNTS = [0.2, 0.1, 0.05]
 

@@ -9,9 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.advice.choose import advise
+from studies.analysis.advice.choose import CELLS, QUESTIONS, advise, shipped_question, shipped_tables, worth
 from studies.analysis.advice.questions import COSTS, asked_question
-from studies.analysis.advice.shipped import CELLS, QUESTIONS, shipped_question, shipped_tables, worth
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 from studies.run.cells.rows import PRICES

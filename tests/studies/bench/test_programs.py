@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.programs import agreement
 from studies.analysis.everything import fitted
+from studies.analysis.programs import agreement
 from studies.ask.request import UsageError
 from studies.bench.peers.catalogue import FOLLOWER
 from studies.bench.peers.problems import problems

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from formulations.recovery import energy_products, recovery_errors, refined
-from studies.analysis.comparisons.tyre.models import reaching
+from studies.analysis.tyre import reaching
 from studies.ask.scene import UsageError
 from studies.experiments.accuracy.work_precision import work_precision
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.analysis.claims.ledger import claims_table
 from studies.analysis.everything import compared, written
+from studies.analysis.statements.claims import claims_table
 from studies.analysis.statements.tables import statement_tables
 from studies.run.cells.collect import collect
 

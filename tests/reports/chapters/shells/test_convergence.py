@@ -14,7 +14,7 @@ import pytest
 from reports.chapters.convergence import comparisons, convergence_page, sequences
 from reports.formats import quantity as words
 from reports.store import load_store
-from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
+from studies.analysis.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
 from studies.analysis.verify import verified
 from studies.output.atomic import write_json
 from studies.run.campaigns.ladder_cells import LADDERS

@@ -11,7 +11,7 @@ import pytest
 
 from reports.chapters.cost import cost_page
 from reports.store import load_store
-from studies.analysis.comparisons.tyre.models import BEHIND
+from studies.analysis.tyre import BEHIND
 from studies.output.atomic import write_table
 from studies.run.campaigns.report_cells import MODELS
 from support.pages.changed import edit_json, edit_table, place

@@ -10,7 +10,7 @@ import pytest
 from reports.chapters.programs import agreements, programs_page
 from reports.figures.drawing import drawn
 from reports.store import load_store
-from studies.analysis.comparisons.programs import agreement
+from studies.analysis.programs import agreement
 from studies.output.atomic import write_table
 from support.pages.rows import row
 from support.stores.made_up import analysed_again

@@ -15,7 +15,7 @@ from reports.chapters.tyre import solid_part
 from reports.figures.result_figures import draw_result
 from reports.reading import StoreError
 from reports.store import load_store
-from studies.analysis.comparisons.tyre.solid_shell import cancellation
+from studies.analysis.tyre import cancellation
 from studies.output.atomic import SCHEMA, plain, write_json, write_text
 from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.plan import Row

@@ -11,7 +11,7 @@ import pytest
 
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import STRAINS
-from studies.analysis.comparisons.manufactured_orders import CASE, THEORY, contact_orders, manufactured_orders, orders
+from studies.analysis.powers import CASE, THEORY, contact_orders, manufactured_orders, orders
 from studies.experiments.manufactured import (
     MESHES,
     Case,

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from reports.formats import Line
-from studies.analysis.comparisons.friction import COST_BARS, FAMILIES, by_algorithm, ends, orders, step_orders
+from studies.analysis.friction import COST_BARS, FAMILIES, by_algorithm, ends, orders, step_orders
 from studies.analysis.statements import friction
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from support.sentences import said

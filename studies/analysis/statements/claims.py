@@ -1,13 +1,68 @@
-"""Claims whose verdict takes more than numbers that are read off one table: functions by their names in claims.toml."""
+"""Sentences that are repeated in print and in manuals, each held against the tables of a campaign.
+
+A claim of claims.toml is confirmed, qualified, refuted, or untested where a table is missing. A verdict rests on an
+interval, of one number with its uncertainty or of one number over many problems. Inside the band that the claim allows
+it is confirmed, outside refuted, and else qualified: true of some, or not decided. Tables come in as they are written;
+nothing may be solved here, and no claim may be judged by a number typed here.
+"""
 
 from __future__ import annotations
 
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from studies.analysis.claims.record import Verdict, always, banded, counted
-from studies.analysis.comparisons.friction import public_answers
+from studies.analysis.evidence import Evidence, NothingError, Tables, Value, read_declarations, read_values
+from studies.analysis.friction import public_answers
+
+CONFIRMED, QUALIFIED, REFUTED, UNTESTED = "confirmed", "qualified", "refuted", "untested"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What was measured: a sentence, the interval low to high of its number in a unit, and how many problems it is of.
+
+    number: of a share, low = high.
+    """
+
+    status: str
+    measured: str
+    low: float
+    high: float
+    unit: str
+    problems: int
+
+
+def banded(
+    interval: tuple[float, float], band: tuple[float, float], unit: str, measured: str, problems: int
+) -> Verdict:
+    """By where the interval lies to the band."""
+    low, high = interval
+    if band[0] <= low and high <= band[1]:
+        status = CONFIRMED
+    elif high < band[0] or low > band[1]:
+        status = REFUTED
+    else:
+        status = QUALIFIED
+    return Verdict(status, measured, low, high, unit, problems)
+
+
+def counted(right: int, of: int, measured: str) -> Verdict:
+    """Of a tendency: confirmed where it is true of all problems, refuted where of fewer than half."""
+    status = CONFIRMED if right == of else QUALIFIED if 2 * right >= of else REFUTED
+    return Verdict(status, measured, right / of, right / of, "share of problems", of)
+
+
+def always(exceptions: int, of: int, measured: str) -> Verdict:
+    """Of a law without exception, which one exception refutes."""
+    return Verdict(REFUTED if exceptions else CONFIRMED, measured, exceptions / of, exceptions / of, "exceptions", of)
+
 
 CLOSE = 0.002  # of a published value
 WITHIN = 0.01  # error of the force
@@ -112,3 +167,71 @@ def public_friction(friction_public: pd.DataFrame) -> Verdict | None:
     of = friction_public.dropna(subset=["algorithm"])["problem"].nunique()
     text = f"the best one, `{counts.index[0]}`, has certified answers of {counts.iloc[0]} of {of} within seconds"
     return counted(int(counts.iloc[0]), int(of), text)
+
+
+JUDGES: Mapping[str, Callable[..., Verdict | None]] = {
+    judge.__name__: judge
+    for judge in (
+        *(sze_tables, scordelis_lo, pagano, one_grid, finer_is_better, refine_the_patch, one_step, public_friction),
+    )
+}
+FILE = Path(__file__).with_name("claims.toml")
+CAMPAIGN = "footprint run standard"  # that makes the tables of experiments
+COLUMNS = (
+    *("claim", "subject", "sentence", "source", "regime", "status", "measured", "low", "high", "unit", "problems"),
+    *("machine", "command"),
+)
+
+
+def read_claims() -> dict[str, dict[str, Any]]:
+    """All declarations by name, each with its subject, its command, and what it shares with another one."""
+    found: dict[str, dict[str, Any]] = {}
+    for subject, claim in read_declarations(FILE):
+        command = CAMPAIGN if "measured" in claim or "judge" in claim else ""
+        found[claim["name"]] = {"machine": False, "command": command, **claim, "subject": subject}
+    return found
+
+
+def claims_table(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
+    """``claims`` with COLUMNS, a row a claim; its tables are written already."""
+    evidence = Evidence(store, campaign)
+    rows = []
+    for name, claim in read_claims().items():
+        if "judge" in claim:
+            judge = JUDGES[claim["judge"]]
+            given = evidence.given(judge)
+            verdict = None if given is None else judge(**given)
+        else:
+            verdict = judged(claim, evidence.table)
+        found = Verdict(UNTESTED, "", math.nan, math.nan, "", 0) if verdict is None else verdict
+        measured = re.sub(r"(?<=[0-9])%", " %", found.measured)
+        rows.append({**claim, "claim": name, **asdict(found), "measured": measured})
+    return {"claims": pd.DataFrame(rows, columns=list(COLUMNS))}
+
+
+def judged(claim: Mapping[str, Any], tables: Tables) -> Verdict | None:
+    """What a declaration comes to; None where nothing tests it."""
+    if "measured" not in claim:
+        return None
+    try:
+        known = _numbers_of(claim["statement"], tables) if "statement" in claim else {}
+        values = read_values(claim, tables, known)
+    except NothingError:
+        return None
+    text, of = str(claim["measured"]).format(**values), int(values["of"])
+    if "exceptions" in values:
+        return always(int(values["exceptions"]), of, text)
+    if "right" in values:
+        return counted(int(values["right"]), of, text)
+    low, high = (values[end] if isinstance(end, str) else end for end in claim["band"])
+    interval = float(values["low"]), float(values["high"])
+    return banded(interval, (float(low), float(high)), claim["unit"], text, of)
+
+
+def _numbers_of(statement: str, tables: Tables) -> dict[str, Value]:
+    """The numbers of a sentence of conclusion by their names; raises NothingError where it is not said."""
+    table = tables("statement_values")
+    own = pd.DataFrame() if table is None else table[table["statement"] == statement]
+    if own.empty:
+        raise NothingError(statement)
+    return dict(zip(own["field"], own["number"].astype(float), strict=True))

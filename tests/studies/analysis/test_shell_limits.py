@@ -10,8 +10,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.shell_limits.beyond import KINDS, SHIPPED, beyond, known_limits, shipped
-from studies.analysis.shell_limits.boundaries import boundaries, boundary, decided, error_at, order
+from studies.analysis.shell_limits import (
+    KINDS,
+    SHIPPED,
+    beyond,
+    boundaries,
+    boundary,
+    decided,
+    error_at,
+    known_limits,
+    order,
+    shipped,
+)
 from studies.cli import main
 from studies.experiments.shell_limits.catalogue import CASES, shell_limits
 from studies.experiments.shell_limits.ladder import COLUMNS, DEFAULT, FULL_3D, STRAIGHT, Case

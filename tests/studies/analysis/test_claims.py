@@ -11,9 +11,20 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.analysis.claims import judges
-from studies.analysis.claims.ledger import claims_table, judged, read_claims
-from studies.analysis.claims.record import CONFIRMED, QUALIFIED, REFUTED, UNTESTED, Verdict, always, banded, counted
+from studies.analysis.statements.claims import (
+    CONFIRMED,
+    JUDGES,
+    QUALIFIED,
+    REFUTED,
+    UNTESTED,
+    Verdict,
+    always,
+    banded,
+    claims_table,
+    counted,
+    judged,
+    read_claims,
+)
 from studies.cli import _parser
 from studies.output.atomic import write_table
 from support.sentences import tables_of
@@ -68,7 +79,7 @@ def test_judges_read_tables_that_a_campaign_writes() -> None:
     )
     asked = {name for claim in CLAIMS.values() for name in tables_of(claim)}
     named = [claim["judge"] for claim in CLAIMS.values() if "judge" in claim]
-    asked |= {name for judge in named for name in signature(getattr(judges, judge)).parameters}
+    asked |= {name for judge in named for name in signature(JUDGES[judge]).parameters}
     assert len(asked) > 30
     assert asked <= known
 
@@ -110,9 +121,9 @@ def test_a_crossing_is_no_convergence() -> None:
         {"family": "uniform", "element": "refined", "unknowns": n, "error": e}
         for n, e in enumerate((5e-3, -2e-2, 4e-3))
     ]
-    found = judges.one_grid(pd.DataFrame(rows))
+    found = JUDGES["one_grid"](pd.DataFrame(rows))
     assert (found.status, found.problems, found.low) == (REFUTED, 2, 0.5)
-    assert judges.finer_is_better(pd.DataFrame(rows)).measured.count("1 of 2") == 1
+    assert JUDGES["finer_is_better"](pd.DataFrame(rows)).measured.count("1 of 2") == 1
 
 
 def test_a_measure_is_surely_within_or_not() -> None:

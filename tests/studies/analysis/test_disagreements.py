@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.disagreements import (
+from studies.analysis.disagreements import (
     BEYOND,
     BRANCHES,
     LOAD_STEPS,

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from reports.chapters.programs import factors_said
-from studies.analysis.comparisons.programs import peer_factors
+from studies.analysis.programs import peer_factors
 
 OURS, THEIRS = ("footprint", "a"), ("peer", "b")
 

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.friction import FAMILIES, by_algorithm, ends, orders, step_orders
 from studies.analysis.everything import fitted
+from studies.analysis.friction import FAMILIES, by_algorithm, ends, orders, step_orders
 from studies.experiments.friction.bars import capstan_table
 from support.stores.friction import DRAGS, LOST, NAIVE, SOFT, TURNS, agreement, made_up_friction, moved, steps
 
