@@ -38,7 +38,7 @@ from studies.analysis.uncertainty import TIMES, axial_states, error_budget, erro
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 from studies.catalogue.tables import catalogue_tables
-from studies.experiments.accuracy.choices import measure_limits
+from studies.experiments.choices import measure_limits
 from studies.output.atomic import write_table
 from studies.run.cells.collect import collect
 from studies.run.cells.machines import machines

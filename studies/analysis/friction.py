@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.evidence import Tables
-from studies.experiments.friction.rubbed_scenes import DELTA, MESH
+from studies.experiments.friction.scenes import DELTA, MESH
 from studies.run.cells.rows import holds_from
 from studies.solving.refinement.richardson import power_of
 from studies.solving.result import SOLVED, UNSUPPORTED

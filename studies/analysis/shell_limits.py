@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from studies.ask.request import Settings
-from studies.experiments.shell_limits.ladder import DEFAULT, MIDDLE, REISSNER
+from studies.experiments.shell_limits.bodies import DEFAULT, MIDDLE, REISSNER
 from studies.scenes.benchmarks import (
     cantilever,
     hemisphere,

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.evidence import Tables
-from studies.experiments.accuracy.choices import measure_limits
+from studies.experiments.choices import measure_limits
 from studies.run.campaigns.report_cells import BUDGET_MESHES, BUDGETED, MODELS, SOLID, TYRE
 from studies.run.cells.answers import HERE, Answer, Answers
 from studies.run.cells.rows import holds_from

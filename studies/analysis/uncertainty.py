@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.experiments.crushed_ring import HALF_DIGIT, INPUTS, MESHES, STATES
+from studies.experiments.solid_laws import HALF_DIGIT, INPUTS, MESHES, STATES
 from studies.scenes.contact.crushed_ring import DATA, FILE, READING
 from studies.scenes.data import read_reference
 from studies.solving.refinement.richardson import Limit, limit_of

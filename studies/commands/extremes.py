@@ -6,7 +6,7 @@ import argparse
 
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.experiments.extremes.maps import CHARTS, CONVERGED, REFUSED, UNSTABLE, UNTOUCHED, WRONG, attempt, chart_of
+from studies.experiments.extremes import CHARTS, CONVERGED, REFUSED, UNSTABLE, UNTOUCHED, WRONG, attempt, chart_of
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

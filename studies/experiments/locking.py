@@ -28,7 +28,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, hyperboloid
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import LINEAR
-from studies.experiments.rows import Row, tabulated
+from studies.experiments import Row, tabulated
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.statics import area_load, edge_shares, normal_forces
 

@@ -14,7 +14,7 @@ from formulations.section.laminate import SECTIONS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.quantities import FULL
-from studies.experiments.rows import Row, tabulated
+from studies.experiments import Row, tabulated
 from studies.scenes.element import PRESETS
 from studies.scenes.manufactured.patches import PIECES
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients

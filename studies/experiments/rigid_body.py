@@ -17,7 +17,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, tor
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import FULL, STRAINS, gradient_coefficients, shear_row_factors
-from studies.experiments.rows import Row, tabulated
+from studies.experiments import Row, tabulated
 
 CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
 STEP = 0.015

@@ -33,8 +33,8 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import N_E
+from studies.experiments import Row, tabulated
 from studies.experiments.rigid_body import rotation
-from studies.experiments.rows import Row, tabulated
 from studies.experiments.specimens import Element
 
 RADIUS, LENGTH, WIDTH, THICKNESS = 1.0, 1.0, 0.8, 0.05  # width: an angle

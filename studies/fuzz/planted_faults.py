@@ -20,11 +20,11 @@ from contact.obstacles.drum_sphere import Round
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.shell import ShellModel
 from studies.ask.request import Request
-from studies.experiments.planting import Fault, fault, swapped
-from studies.experiments.rows import Row, tabulated
+from studies.experiments import Row, tabulated
 from studies.fuzz import planted_in_friction
 from studies.fuzz.cases import SCENE, Asked, asked_of
 from studies.fuzz.examine import BROKEN, examine
+from studies.fuzz.planting import Fault, fault, swapped
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
 from studies.solving import certificate

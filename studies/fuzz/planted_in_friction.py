@@ -16,9 +16,9 @@ from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from studies.ask import settings
 from studies.ask.request import Value
 from studies.ask.settings import DRAG, MU
-from studies.experiments.planting import Fault, fault, swapped
 from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
+from studies.fuzz.planting import Fault, fault, swapped
 from studies.solving import solve as solving
 from studies.solving.certificate import certificate
 from studies.solving.friction.stages import Stages

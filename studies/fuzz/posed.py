@@ -1,6 +1,6 @@
 """Random panels before a ball or a plane, posed in two ways that must not matter: axes, units, place, numbering, steps.
 
-See :mod:`studies.experiments.invariance`, whose classes of deviations and whose yardsticks are used.
+See :mod:`studies.experiments.symmetry`, whose classes of deviations and whose yardsticks are used.
 """
 
 from __future__ import annotations
@@ -15,10 +15,9 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, tor
 from formulations.strains.catalogue import MEASURES
 from studies.analysis.disagreements import UNSTABLE
 from studies.experiments.conformance import claims_objectivity
-from studies.experiments.invariance.problems import FIRST, Motion, Panel, Posed, Way, X, Z, renumbered
-from studies.experiments.invariance.symmetry import ACCIDENT, against, solved
 from studies.experiments.rigid_body import rotation
-from studies.experiments.specimens import ELEMENTS
+from studies.experiments.specimens import ELEMENTS, FIRST, Motion, Panel, Posed, Way, X, Z, renumbered
+from studies.experiments.symmetry import ACCIDENT, against, solved
 from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, no_traceback, quiet, watched
 from studies.fuzz.comparing import ALIKE, Answer, compared, unstable
 from studies.fuzz.state_laws import check_derivatives

@@ -21,7 +21,7 @@ from contact.obstacles.foundation import RigidPlane
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.swept import Standing, between_nodes, crossings, crossings_along
 from contact.verify import judge
-from studies.experiments.obstacle_problems.collection import collection
+from studies.experiments.obstacles import collection
 from support.problems.falling import UP, Net, falling, passing
 
 KINDS = ("ball", "drum", "bar")

@@ -24,10 +24,9 @@ from studies.ask.declarations import Ladder
 from studies.catalogue.models import built
 from studies.catalogue.tables import catalogue_tables
 from studies.experiments import epsilon as epsilon_study
-from studies.experiments import locking, rigid_body
-from studies.experiments.extremes import maps as extremes
-from studies.experiments.extremes.limits import limits_table
-from studies.experiments.obstacle_problems.false_success import COLUMNS as CLAIM_COLUMNS
+from studies.experiments import extremes, locking, rigid_body
+from studies.experiments.extreme_limits import limits_table
+from studies.experiments.false_success import COLUMNS as CLAIM_COLUMNS
 from studies.experiments.rotations import RUNS
 from studies.output.atomic import SCHEMA, plain, write_json, write_table, write_text
 from studies.run.campaigns.cell import Cell

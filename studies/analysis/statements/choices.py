@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import pandas as pd
 
 from studies.analysis.statements.record import FINDING, OPENING, Statement
-from studies.experiments.accuracy.choices import ALGORITHM, OFFER, PROBLEM, VARIANT, smallest
+from studies.experiments.choices import ALGORITHM, OFFER, PROBLEM, VARIANT, smallest
 from studies.solving.choosing.trials import PATIENCE
 
 NOISE = 0.2  # s of a solve, below which its time says nothing

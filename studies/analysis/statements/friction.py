@@ -10,7 +10,7 @@ import pandas as pd
 from studies.analysis.evidence import listed
 from studies.analysis.friction import FULL, public_answers
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.rubbed_scenes import DELTA, MESH
+from studies.experiments.friction.scenes import DELTA, MESH
 from studies.solving.result import SOLVED
 
 PAGE = "friction"

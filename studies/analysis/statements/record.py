@@ -11,8 +11,7 @@ import pandas as pd
 
 from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
 from studies.analysis.friction import FLOOR
-from studies.experiments.friction.agreement import AGREED
-from studies.experiments.friction.rubbed_scenes import COARSE, CONTACT, MU
+from studies.experiments.friction.scenes import AGREED, COARSE, CONTACT, MU
 
 OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
 COLUMNS = ("statement", "page", "role", "text", "problems", "scope", "machine")

@@ -26,7 +26,7 @@ from studies.arena.collected.certified import Certified, NotCertifiedError, exac
 from studies.arena.collected.collection import HERE, Candidate
 from studies.arena.collected.paths import Path
 from studies.ask.settings import configured
-from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
+from studies.experiments.obstacles import CLASSICS, Bounded, classic, obstacle, torsion
 from studies.scenes.complete import complete
 from studies.scenes.walk import walk
 

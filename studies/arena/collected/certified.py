@@ -27,7 +27,7 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.oracle import AGREEMENT, OracleError, minimise, refusal
 from contact.problem import ContactSolution
 from contact.verify import judge
-from studies.experiments.friction.public.public_problems import algorithms
+from studies.experiments.friction.public_problems import algorithms
 
 TRIED = ("semismooth", "lcp", "trial-and-error")  # the first whose answer the judge takes
 REFINEMENTS = 5

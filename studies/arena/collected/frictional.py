@@ -26,11 +26,10 @@ from contact.problem import ContactProblem, ContactSolution
 from studies.arena.collected.certified import confirm_with_friction, find_with_friction
 from studies.arena.collected.collection import LEFT_OUT, Candidate, Collection, Tell, silent, sums, write
 from studies.arena.collected.rule import condition, kind
+from studies.arena.frictional_steps import dense_step, random_step, tyre_drag
 from studies.experiments.friction.bars import Bar
 from studies.experiments.friction.greco import GrecoPlate
-from studies.experiments.friction.public.public_problems import small, source
-from studies.experiments.friction.public.random_steps import dense_step, random_step
-from studies.experiments.friction.tyre_drag import tyre_drag
+from studies.experiments.friction.public_problems import small, source
 
 RADIUS, TENSION = 100.0, 10.0  # mm, N: of drums
 SOFT = 1.0  # N/mm: springs that carry nothing until a rigid body slides

@@ -31,7 +31,7 @@ from contact.solvers.qp_backends import Answer as Found
 from contact.solvers.qp_backends import Programme, ask
 from contact.solvers.sparse import checked_solve, factorise, response
 from studies.arena.solvers.base import Answer, Solver
-from studies.experiments.obstacle_problems.false_success import keeps
+from studies.experiments.false_success import keeps
 
 DENSE = 3000  # unknowns beyond which K is not written out with its zeros: 72 MB, and a cubic number of operations
 MOST = 100_000  # iterations of first-order methods; the limit of time comes first

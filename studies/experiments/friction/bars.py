@@ -44,8 +44,8 @@ from contact.algorithms.semismooth import Semismooth
 from contact.coulomb import State
 from contact.friction.path import PathState, Stage, follow
 from contact.problem import ContactProblem, ContactSolution, linear_mechanics
+from studies.experiments import Row, tabulated
 from studies.experiments.friction.klarbring import in_plane
-from studies.experiments.rows import Row, tabulated
 
 EA = 1e4  # N
 STIFF = 1e9  # N/mm, of what drives an end

@@ -36,8 +36,8 @@ from contact.catalogue import ALGORITHMS
 from contact.coulomb import State
 from contact.operations import SPENT
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
+from studies.experiments import Row, tabulated
 from studies.experiments.friction.klarbring import algorithms, in_plane
-from studies.experiments.rows import Row, tabulated
 from studies.scenes.element import spaced_lines
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ from scipy import sparse
 from contact.catalogue import by_the_exact_law
 from contact.coulomb import Coulomb, State
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
-from studies.experiments.rows import Row, tabulated
+from studies.experiments import Row, tabulated
 
 STIFF = 1e10  # MPa/mm, of regularised
 SAME = 1e-7  # of the answer: springs give way by the inverse of their stiffness

@@ -17,8 +17,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import LINEAR
-from studies.experiments.shell_limits.bodies import Answer, Solid, solved_shell, usual_shell
-from studies.experiments.shell_limits.ladder import Variant
+from studies.experiments.shell_limits.bodies import Answer, Solid, Variant, solved_shell, usual_shell
 from studies.scenes.benchmarks import pagano, scordelis_lo
 from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
 from studies.scenes.element import ShearCorrected, spaced_lines

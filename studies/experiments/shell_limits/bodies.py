@@ -17,7 +17,7 @@ from contact.solvers.sparse import factorise
 from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Surface
 from formulations.loads.pressure import Pressure
-from formulations.section.laminate import Laminate
+from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
@@ -34,6 +34,25 @@ class Answer:
 
     values: dict[str, float]
     unknowns: int
+
+
+DEFAULT = "default"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Options of the shell that may move its limit: the law through the thickness, the shear, the pressure's area."""
+
+    name: str = DEFAULT
+    section: str = SECTIONS[0]
+    shear_correction: float = 1.0
+    area: str = "face"
+
+
+NONSYMMETRIC, FULL_3D = (Variant(f"section {name}", section=name) for name in SECTIONS[1:])
+REISSNER = Variant("shear correction 5/6", shear_correction=5 / 6)
+MIDDLE = Variant("pressure area mid", area="mid")
+USUAL = Variant()
 
 
 def solved(matrix: sparse.csc_matrix, load: np.ndarray, *, ordered: bool = False) -> np.ndarray:

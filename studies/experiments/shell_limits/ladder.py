@@ -5,6 +5,8 @@
 The judge is the closed form of elasticity where there is one, else the solid's limit; the other one stands beside it.
 Limits are Richardson's with the formal order of the body, from its two finest meshes. Costs are those of the coarsest
 mesh within :data:`GOOD` of the body's own limit: building, assembling and solving, in seconds of processor time.
+
+A new case is a pair of functions and one entry here; it comes into the table, its page and the advice by itself.
 """
 
 from __future__ import annotations
@@ -17,13 +19,23 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from formulations.section.laminate import SECTIONS
-from studies.experiments.shell_limits.bodies import Answer
+import pandas as pd
+
+from studies.experiments.shell_limits import bending, pressed
+from studies.experiments.shell_limits.bodies import (
+    DEFAULT,
+    FULL_3D,
+    MIDDLE,
+    NONSYMMETRIC,
+    REISSNER,
+    USUAL,
+    Answer,
+    Variant,
+)
 from studies.solving.refinement.richardson import correction
 
 GOOD = 0.005  # of a mesh whose cost is stated
 REPEATS, LONG = 3, 1.0  # of a solution, unless it takes longer [s]
-DEFAULT = "default"
 COLUMNS = (
     *("case", "scene", "quantity", "thickness", "ratio", "variant", "shell", "solid", "exact", "error", "known_to"),
     *("solid_against_exact", "shell_mesh", "solid_mesh", "shell_unknowns", "shell_seconds"),
@@ -31,20 +43,6 @@ COLUMNS = (
 )
 
 
-@dataclass(frozen=True)
-class Variant:
-    """Options of the shell that may move its limit: the law through the thickness, the shear, the pressure's area."""
-
-    name: str = DEFAULT
-    section: str = SECTIONS[0]
-    shear_correction: float = 1.0
-    area: str = "face"
-
-
-NONSYMMETRIC, FULL_3D = (Variant(f"section {name}", section=name) for name in SECTIONS[1:])
-REISSNER = Variant("shear correction 5/6", shear_correction=5 / 6)
-MIDDLE = Variant("pressure area mid", area="mid")
-USUAL = Variant()
 STRAIGHT = "solid, displacement linear through the wall"
 
 
@@ -160,3 +158,100 @@ def _compared(shell: Ladder, solid: Ladder, quantity: str, exact: float | None) 
 def _costs(shell: Ladder, solid: Ladder, quantity: str) -> dict[str, float]:
     names = ("shell_unknowns", "shell_seconds", "solid_unknowns", "solid_seconds")
     return dict(zip(names, (*shell.cost(quantity), *solid.cost(quantity)), strict=True))
+
+
+THIN_TO_THICK = (0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
+FROM_A_HUNDREDTH = (0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
+LAWS: tuple[Variant, ...] = (NONSYMMETRIC, FULL_3D)
+
+CASES = (
+    Case(
+        *("inflated tube", "pressurised-cylinder", "h/R", THIN_TO_THICK),
+        *(pressed.TUBE.shell, pressed.TUBE.solid, (1, 2, 4), (1, 2, 4, 8)),
+        "the hoop strain u/r is convex through the wall, and the shell's is linear between the faces, on an area that "
+        "does not vary; that its displacement lacks the 1/r is the smaller part",
+        exact=pressed.TUBE.lame,
+        straight=pressed.TUBE.straight,
+        variants=(*LAWS, MIDDLE),
+    ),
+    Case(
+        *("inflated sphere", "pressurised-sphere", "h/R", THIN_TO_THICK),
+        *(pressed.BALL.shell, pressed.BALL.solid, (2, 4, 8, 16), (1, 2, 4, 8)),
+        "as in the tube, in two directions",
+        exact=pressed.BALL.lame,
+        straight=pressed.BALL.straight,
+        variants=(*LAWS, MIDDLE),
+    ),
+    Case(
+        *("inflated torus", "pressurised-torus", "h/R", FROM_A_HUNDREDTH),
+        *(pressed.TORUS.shell, pressed.TORUS.solid, (8, 16, 32, 64, 128), (4, 8, 16, 24, 40)),
+        "as in the tube; hoop and meridian forces nearly cancel in the growth, which enlarges what is missed",
+        straight=pressed.TORUS.straight,
+        variants=(*LAWS, MIDDLE),
+    ),
+    Case(
+        *("inflated wall of a tyre", "tyre", "h/R", FROM_A_HUNDREDTH),
+        *(pressed.TYRE.shell, pressed.TYRE.solid, (8, 16, 32, 64, 128), (4, 8, 16, 24, 40)),
+        "as in the torus, the larger ν the more",
+        straight=pressed.TYRE.straight,
+        variants=(*LAWS, MIDDLE),
+    ),
+    Case(
+        *("curved bar under moments", "", "h/R", THIN_TO_THICK[1:]),
+        *(bending.bar_shell, bending.bar_solid, (2, 4, 8, 16), (4, 8, 16, 32, 64)),
+        "fibres of unequal length stretch as a hyperbola through the wall; the shell's strain is linear through it",
+        exact=bending.bar_exact,
+        variants=LAWS,
+    ),
+    Case(
+        *("ring made oval", "", "h/R", THIN_TO_THICK[1:]),
+        *(bending.oval_shell, bending.oval_solid, (8, 16, 32, 64, 128), (4, 8, 16, 32, 64)),
+        "the shear of bending is a parabola through the wall, the shell's is constant, and stiffer by 6/5",
+        exact=bending.oval_exact,
+        variants=(*LAWS, REISSNER, MIDDLE),
+    ),
+    Case(
+        *("cantilever under an end force", "cantilever", "h/L", FROM_A_HUNDREDTH),
+        *(bending.beam_shell, bending.beam_solid, (4, 8, 16, 32, 64), (4, 8, 16, 32)),
+        "the parabola of the shear again; at the clamp the body has a layer that the shell lacks",
+        variants=(FULL_3D, REISSNER),
+    ),
+    Case(
+        *("roof under its weight", "scordelis-lo", "h/R", FROM_A_HUNDREDTH),
+        *(bending.roof_shell, bending.roof_solid, (4, 8, 16, 32), (4, 8, 16)),
+        "the parabola of the shear, and layers at the free edge",
+        variants=(REISSNER,),
+    ),
+    Case(
+        *("cross-ply plate", "pagano", "h/a", (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.25)),
+        *(bending.plate_shell, bending.plate_solid, (4, 8, 16, 32), (2, 4, 8)),
+        "the shear strain jumps from ply to ply as the moduli do; the shell's is constant through all plies",
+        exact=bending.plate_exact,
+        variants=(FULL_3D, REISSNER),
+    ),
+    Case(
+        *("crushed ring", "ring", "h/R", (0.03, 0.1, 0.2, 0.3, 0.42)),
+        *(pressed.ring_shell, pressed.ring_solid, (8, 16, 32, 64), (8, 16, 32)),
+        "the parabola of the shear for the most part; the rest is that of the curved bar, and the dent under the plate",
+        variants=(REISSNER,),
+    ),
+    Case(
+        *("strip on an obstacle", "strip-contact", "h/a", (0.03, 0.1, 0.2, 0.35, 0.5)),
+        *(pressed.strip_shell, pressed.strip_solid, (16, 32, 64, 128), (8, 16, 32)),
+        "the parabola of the shear, and the edge of the contact, where pressure squeezes the wall",
+        variants=(REISSNER,),
+    ),
+    Case(
+        *("pressed tyre", "tyre", "h/R", (0.03, 0.096, 0.2, 0.35)),
+        *(pressed.tyre_shell, pressed.tyre_solid, (14, 28, 56, 84), (14, 28)),
+        "the growth as that of the inflated wall; the force is mostly the pressure inside, which both carry alike",
+        orders=(2.0, 2.0),
+        variants=(MIDDLE,),
+    ),
+)
+
+
+def shell_limits(cases: tuple[Case, ...] = CASES) -> pd.DataFrame:
+    """COLUMNS a row a case, thickness, quantity and variant."""
+    rows = (row for case in cases for row in rows_of(case))
+    return pd.DataFrame(rows, columns=list(COLUMNS))

@@ -81,11 +81,22 @@ def closure(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ..
     return found
 
 
-def packages_of(name: str, root: Path = ROOT) -> set[Path]:
-    """Folders of our packages that a module of ours imports itself, where the data lie that it may read."""
+def data_of(name: str, root: Path = ROOT) -> list[Path]:
+    """Tables and lists that a module may read: beside it, and in packages of ours that it imports itself.
+
+    What a module beside them names as its own counts with that module alone.
+    """
     path = _path_of(name, root)
-    places = [_our_path(each, root) for each in _ours(name, path, root)] if path and root in path.parents else []
-    return {place.parent for place in places if place is not None and place.name == "__init__.py"}
+    if path is None:
+        return []
+    places = [_our_path(each, root) for each in _ours(name, path, root)] if root in path.parents else []
+    folders = {path.parent, *(place.parent for place in places if place and place.name == "__init__.py")}
+    named = {folder / file for folder in folders for each in folder.glob("*.py") for file in _beside(each)}
+    return sorted({file for folder in folders for file in folder.iterdir() if file.suffix in (".csv", ".json")} - named)
+
+
+def _beside(path: Path) -> tuple[str, ...]:
+    return _read(path.read_bytes(), "").beside
 
 
 def _imports(name: str, root: Path) -> tuple[str, ...]:

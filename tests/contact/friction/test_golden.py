@@ -12,8 +12,8 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.friction.path import follow
 from contact.problem import ContactProblem, ContactSolution
+from studies.arena.frictional_steps import random_step
 from studies.experiments.friction.bars import Bar
-from studies.experiments.friction.public.random_steps import random_step
 from support.problems.frictional import manufactured
 from support.problems.planted_friction import linear, planted, tied, with_mu
 

@@ -13,7 +13,7 @@ from contact.coulomb import State
 from contact.interchange.friction_oracle import compared, minimise
 from contact.problem import ContactSolution
 from contact.verify import judge
-from studies.experiments.friction.public.random_steps import random_step
+from studies.arena.frictional_steps import random_step
 
 FEW, MANY = 20, 150
 TOLERANCE = 1e-12  # of the residual: what it leaves of forces is below the agreement with the oracle

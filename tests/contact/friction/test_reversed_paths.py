@@ -13,7 +13,7 @@ from contact.friction.laws import Laws, Local, friction_of
 from contact.friction.path import PathState, Stage, follow
 from contact.problem import ContactSolution
 from contact.verify import judge
-from studies.experiments.friction.public.random_steps import random_step
+from studies.arena.frictional_steps import random_step
 
 STOPS = 7
 DISSIPATED = 1e-10  # of the largest dissipation of a step: below zero, rounding explains it

@@ -14,7 +14,7 @@ from contact.interchange.friction_states import Known, settle
 from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
 from contact.interchange.oracle import OracleError
 from contact.verify import judge
-from studies.experiments.friction.public.random_steps import dense_step
+from studies.arena.frictional_steps import dense_step
 from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured
 from support.problems.planted_friction import tied
 

@@ -23,8 +23,7 @@ from studies.analysis.shell_limits import (
     shipped,
 )
 from studies.cli import main
-from studies.experiments.shell_limits.catalogue import CASES, shell_limits
-from studies.experiments.shell_limits.ladder import COLUMNS, DEFAULT, FULL_3D, STRAIGHT, Case
+from studies.experiments.shell_limits.ladder import CASES, COLUMNS, DEFAULT, FULL_3D, STRAIGHT, Case, shell_limits
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 

@@ -14,7 +14,7 @@ from studies.analysis.statements.choices import (
     finest_trials,
 )
 from studies.analysis.statements.record import Statement
-from studies.experiments.accuracy.choices import measure_limits
+from studies.experiments.choices import measure_limits
 from support.sentences import said
 from support.stores.answers import choices
 

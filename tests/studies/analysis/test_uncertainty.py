@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.uncertainty import PARTS, axial_states, error_budget, error_statements, input_effects
-from studies.experiments.crushed_ring import crushed_ring_study
+from studies.experiments.solid_laws import crushed_ring_study
 from studies.scenes.contact.crushed_ring import FILE, READING
 from studies.scenes.data import read_reference
 from support.stores.rings import FACTORS, LEFT, SLOPES, made_up_ring

@@ -11,7 +11,7 @@ from scipy import sparse
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.qp_backends import Answer, Programme
 from studies.arena.answers import Accuracy, Scales, accuracy
-from studies.experiments.obstacle_problems.false_success import keeps
+from studies.experiments.false_success import keeps
 from support.problems.arena_steps import in_units, known_step
 
 ROUNDING = 1e-13  # of an answer that was built in, whose own data are sums of it

@@ -12,7 +12,7 @@ from contact.interchange.linearised_step import FrozenStep
 from studies.arena.collected.candidates import frozen
 from studies.arena.solver_table import samples
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.experiments.obstacle_problems.collection import classic, obstacle, torsion
+from studies.experiments.obstacles import classic, obstacle, torsion
 from support.problems.arena_steps import indefinite, known_step, lopsided
 from support.problems.by_hand import residuals_by_hand
 

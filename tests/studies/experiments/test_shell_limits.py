@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from formulations.section.laminate import Laminate, Ply
-from studies.experiments.shell_limits import bending, contact, pressure
+from studies.experiments.shell_limits import bending, pressed
 from studies.experiments.shell_limits.bodies import Answer, Solid
-from studies.experiments.shell_limits.catalogue import CASES
 from studies.experiments.shell_limits.ladder import (
+    CASES,
     DEFAULT,
     FULL_3D,
     GOOD,
@@ -33,8 +33,8 @@ PRINTED = 1.5e-3  # half a unit of the third digit
 @pytest.mark.parametrize(
     ("solid", "exact", "n", "within"),
     [
-        (pressure.TUBE.solid, pressure.TUBE.lame, 8, 1e-5),
-        (pressure.BALL.solid, pressure.BALL.lame, 4, 5e-4),
+        (pressed.TUBE.solid, pressed.TUBE.lame, 8, 1e-5),
+        (pressed.BALL.solid, pressed.BALL.lame, 4, 5e-4),
         (bending.bar_solid, bending.bar_exact, 32, 1e-3),
         (bending.oval_solid, bending.oval_exact, 32, 1e-3),
         (bending.plate_solid, bending.plate_exact, 4, 5e-3),
@@ -69,7 +69,7 @@ def test_parts_of_the_tubes_error_are_those_of_two_unknowns() -> None:
     The shell takes u/r as linear between the faces and the area as that of the middle: that, and its displacement, is
     all it is off.
     """
-    E, nu, h = 1.0, pressure.NU, RATIO
+    E, nu, h = 1.0, pressed.NU, RATIO
     C = Ply.isotropic(E, nu, h).stiffness()
     C = C[np.ix_([1, 3], [1, 3])]  # hoop and across; nothing moves along the axis
     points, weights = np.polynomial.legendre.leggauss(20)
@@ -86,8 +86,8 @@ def test_parts_of_the_tubes_error_are_those_of_two_unknowns() -> None:
     at_faces = np.stack([1 / (1 + ends), ends / (1 + ends)])
     share = z / h + 0.5
     as_shell = growth(at_faces[:, :1] * (1 - share) + at_faces[:, 1:] * share, np.ones_like(z))
-    assert pressure.TUBE.straight(RATIO, 8).values["growth"] == pytest.approx(exact, rel=1e-5)
-    assert pressure.TUBE.shell(RATIO, 4, FULL_3D).values["growth"] == pytest.approx(as_shell, rel=1e-8)
+    assert pressed.TUBE.straight(RATIO, 8).values["growth"] == pytest.approx(exact, rel=1e-5)
+    assert pressed.TUBE.shell(RATIO, 4, FULL_3D).values["growth"] == pytest.approx(as_shell, rel=1e-8)
     assert abs(exact / as_shell - 1) > 0.02
 
 
@@ -116,7 +116,7 @@ def test_a_body_under_its_weight_weighs_what_it_does() -> None:
 def test_a_pressed_solid_is_held_along_cartesian_axes_only() -> None:
     solid = Solid.over(bending.cylinder(2.0), np.linspace(0, 1, 2), np.linspace(0, 1, 3), bending.wall(0.2, 0.0, USUAL))
     with pytest.raises(ValueError, match="Cartesian axis"):
-        contact.solid_before(contact.RigidPlane(contact.AWAY, 3.0), solid.hold(1), np.array([0]))
+        pressed.solid_before(pressed.RigidPlane(pressed.AWAY, 3.0), solid.hold(1), np.array([0]))
 
 
 def made_up(n: int) -> Answer:

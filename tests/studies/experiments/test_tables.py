@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import hashlib
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,14 +12,12 @@ import pytest
 
 from studies.commands import tables
 from studies.commands.tables import TABLES, make_table
-from studies.experiments.rows import Row, tabulated
 from studies.output.atomic import write_table_once
 from studies.run.campaigns.ladder_cells import LADDERS, cells
 from studies.run.campaigns.plan import identity
 from studies.run.campaigns.report_cells import LISTS
-from studies.run.store.source_hash import packages_of
+from studies.run.store.source_hash import data_of, hashed
 from studies.scenes import SCENES
-from studies.scenes import data as reference_data
 
 
 def test_a_table_with_its_identity_is_not_made_again(tmp_path: Path) -> None:
@@ -98,27 +97,33 @@ def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
     assert fewer - {cell.label for cell in made} == instead
 
 
-def test_data_beside_a_maker_decide_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A table that is read from a file of ours is another one where that file is: beside who makes its rows."""
+@pytest.mark.parametrize(
+    ("name", "beside"),
+    [("problems", True), ("friction_crushed_ring", True), ("friction_public", False), ("choices", False)],
+)
+def test_data_decide_the_tables_that_are_made_of_them(name: str, beside: bool) -> None:
+    """By the folder that they lie in, or alone with the module that names them, and with nothing else beside it."""
+    module = TABLES[name].__module__
+    assert bool(data_of(module)) == beside
+    if beside:
+        return
+    path = Path(str(sys.modules[module].__file__)).with_suffix(".csv")
+    assert hashlib.sha256(path.read_bytes()).hexdigest() in hashed([module])[module]
+    assert path not in data_of(TABLES["rigid_body"].__module__) + data_of(TABLES["friction_strip"].__module__)
 
-    def shipped() -> Iterator[Row]:
-        yield from pd.read_csv(tmp_path / "shipped.csv").to_dict("records")
 
-    def file_of(function: object) -> str:
-        return str(tmp_path / "maker.py") if function is shipped else __file__
-
-    (tmp_path / "shipped.csv").write_text("x\n1\n")
-    monkeypatch.setitem(TABLES, "shipped", tabulated(shipped))
-    monkeypatch.setattr("studies.commands.tables.inspect.getfile", file_of)
+def test_another_file_of_data_is_another_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table that is read from a file is made anew where that file has changed."""
+    data = tmp_path / "shipped.csv"
+    data.write_text("x\n1\n")
+    monkeypatch.setitem(TABLES, "shipped", lambda: pd.read_csv(data))
+    monkeypatch.setattr(tables, "data_of", lambda module: [data])
     assert make_table("shipped", tmp_path / "store")
     assert not make_table("shipped", tmp_path / "store")
-    (tmp_path / "shipped.csv").write_text("x\n2\n")
+    data.write_text("x\n2\n")
     assert make_table("shipped", tmp_path / "store")
 
 
-def test_data_of_a_package_that_a_maker_imports_decide_its_table() -> None:
-    """The crushed ring with friction is held against a file of the scenes."""
-    maker = TABLES["friction_crushed_ring"]
-    data = Path(reference_data.__file__).parent
-    assert (data / "contact_crushed_ring.csv").exists()
-    assert data in packages_of(maker.__module__)
+def test_the_crushed_ring_with_friction_reads_a_file_of_the_scenes() -> None:
+    names = {path.name for path in data_of(TABLES["friction_crushed_ring"].__module__)}
+    assert "contact_crushed_ring.csv" in names

@@ -10,7 +10,7 @@ import pytest
 from formulations.recovery import energy_products, recovery_errors, refined
 from studies.analysis.tyre import reaching
 from studies.ask.scene import UsageError
-from studies.experiments.accuracy.work_precision import work_precision
+from studies.experiments.work_precision import work_precision
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
 from studies.scenes.tyre.model import TyreModel
 from studies.solving.solve import resolve, solve

@@ -9,7 +9,7 @@ from contact.algorithms.qp import Qp
 from contact.algorithms.semismooth import Semismooth
 from contact.problem import Outcome
 from studies.ask.scene import SceneModel
-from studies.experiments.extremes.maps import CONVERGED, attempt
+from studies.experiments.extremes import CONVERGED, attempt
 from studies.run.campaigns.cell import Cell
 from studies.scenes.complete import complete
 from studies.scenes.walk import walk

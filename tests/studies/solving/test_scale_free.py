@@ -15,7 +15,7 @@ from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.verify import judge
 from studies import solve
 from studies.ask.settings import configured
-from studies.experiments.extremes.maps import CONVERGED, FAILED, UNSTABLE, UNTOUCHED, attempt, chart_of
+from studies.experiments.extremes import CONVERGED, FAILED, UNSTABLE, UNTOUCHED, attempt, chart_of
 from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate

@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.coulomb import State
 from contact.interchange.linearised_step import FrozenFrictionalStep
-from studies.experiments.friction.public.random_steps import dense_step
+from studies.arena.frictional_steps import dense_step
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.analysis.everything import written
-from studies.experiments.accuracy.choices import COLUMNS
+from studies.experiments.choices import COLUMNS
 from studies.output.atomic import write_table
 
 MEASURES = {"exact": 0.0, "linear": 0.4, "sanders": 0.03, "donnell": -0.2}  # errors in the limit

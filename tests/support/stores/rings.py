@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from studies.experiments.crushed_ring import AXIAL, HALF_DIGIT, INPUTS, MESHES, SHELLS, SOLIDS, STATES
-from studies.experiments.law_strain import BENDING, MEMBRANE
+from studies.experiments.solid_laws import AXIAL, BENDING, HALF_DIGIT, INPUTS, MEMBRANE, MESHES, SHELLS, SOLIDS, STATES
 from studies.scenes.contact.crushed_ring import FILE
 from studies.scenes.data import read_reference
 

@@ -10,7 +10,7 @@ import pytest
 
 from reports.chapters.extremes import LOOKS, cause, extremes_page, faults, outcome_maps, plain_ticks
 from reports.store import load_store
-from studies.experiments.extremes.maps import CLASSES
+from studies.experiments.extremes import CLASSES
 from support.pages.changed import edit_table
 
 

@@ -20,7 +20,7 @@ from contact.solvers.lcp_pivoting import lemke
 from contact.verify import judge
 from studies.arena.card.laws import laws_of
 from studies.cli import main
-from studies.experiments.obstacle_problems.membrane import Membrane, membrane_table
+from studies.experiments.membrane import Membrane, membrane_table
 from studies.scenes.closed_forms.contact import SphereObstacle
 from support.entries import EXACT_ONLY, FILES, FOLDER, NAMES, SPENT
 from support.problems.contact_problems import (

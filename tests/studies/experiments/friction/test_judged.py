@@ -11,9 +11,8 @@ import pytest
 from contact.friction.path import PathState, Stage
 from contact.verify import judge
 from studies.experiments.friction.bars import LENGTH, N0, PULL, RADIUS, TAU, Bar
-from studies.experiments.friction.patch import Parking, uneven
-from studies.experiments.friction.path_error import BLOCKS, WAY
-from studies.experiments.friction.rolling import SQUEEZE, Wheel
+from studies.experiments.friction.brush import BLOCKS, WAY, Parking, uneven
+from studies.experiments.friction.trusses import SQUEEZE, Wheel
 from support.problems.planted_friction import with_mu
 
 

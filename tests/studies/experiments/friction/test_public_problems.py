@@ -11,9 +11,8 @@ import pytest
 from contact.coulomb import State
 from contact.interchange.friction_oracle import minimise
 from contact.interchange.siconos import SiconosError
-from studies.experiments.friction.public.public_problems import (
+from studies.experiments.friction.public_problems import (
     ORACLE,
-    SHIPPED,
     UNDECIDED,
     Tried,
     algorithms,
@@ -66,11 +65,6 @@ def test_the_oracle_has_most() -> None:
     own = found[found["algorithm"] == ORACLE]
     assert (own["certified"] == "True").sum() >= 40
     assert (own.loc[own["certified"] != "True", "reason"] != "").all()
-
-
-def test_the_table_is_small(request) -> None:
-    root = request.config.rootpath / "studies" / "experiments" / "friction" / "public"
-    assert (root / SHIPPED).stat().st_size < 40_000
 
 
 @pytest.mark.parametrize("name", small())

@@ -13,7 +13,7 @@ import pytest
 
 from studies.ask.scene import UsageError
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
-from studies.experiments.accuracy.error_coverage import Case, error_coverage, shipped_cases
+from studies.experiments.error_coverage import Case, error_coverage, shipped_cases
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.refinement.error_control import coarsest, parse_error, solve_to_error

@@ -1,0 +1,236 @@
+r"""The public problems with friction of Siconos before the algorithms, the judge and the oracle.
+
+Rigid bodies, from one contact to thousands, in the local and the global form of FCLib; files are not copied here but
+for the small ones in ``public_problems.json``. The table beside this module is made by::
+
+    git clone https://github.com/siconos/siconos && git -C siconos checkout 6070f0f6f
+    python -m studies.experiments.friction.public_problems OUT.csv \
+        siconos/numerics/src/FrictionContact/test/data siconos/numerics/python/tests/data
+
+with h5py installed, else problems in HDF5 are left out. Algorithms get contacts with ways of their own
+(:mod:`contact.interchange.own_ways`), the oracle the problem as a step of its unknowns
+(:mod:`contact.interchange.siconos`).
+
+Of 65 files 62 are problems. With 5 s of the processor each, 56 of them have an answer that the judge takes, and nothing
+that is called solved is refused by it: semismooth has 46, the augmented Lagrangian 45, the oracle 43, lcp 42, qp 26 and
+trial-and-error 18. Redundant contacts make the systems of active sets singular, and W that is not symmetric is refused
+by qp. Where the oracle has an answer, too, every other one has its ways.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+
+from contact.catalogue import by_the_exact_law
+from contact.interchange.fclib import read_fclib
+from contact.interchange.friction_oracle import minimise
+from contact.interchange.friction_states import Known
+from contact.interchange.linearised_step import FrozenFrictionalStep
+from contact.interchange.oracle import AGREEMENT, OracleError
+from contact.interchange.own_ways import with_own_ways
+from contact.interchange.siconos import HDF5, SiconosError, SiconosProblem, read
+from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from contact.solvers.sparse import checked_solve, factorise
+from contact.verify import judge
+from studies.experiments import Row
+from studies.output.atomic import write_table
+
+LIMIT_S = 5.0  # of the processor, of one solve
+MEMORY = 8 * 2**30  # bytes, of the process that solves
+ORACLE = "oracle"
+UNDECIDED = "not tried"
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """outcome: of the solve.  certified: by the judge, None without a claim.  ways (m, 3) [mm], reason: in words."""
+
+    outcome: str
+    seconds: float = 0.0
+    certified: bool | None = None
+    ways: np.ndarray | None = None
+    reason: str = ""
+
+
+Solved = Callable[[Callable[[], Tried]], Tried]
+
+
+def algorithms() -> dict[str, ContactAlgorithm]:
+    """Those of the catalogue, by name."""
+    return by_the_exact_law()
+
+
+def public_table() -> pd.DataFrame:
+    """The shipped outcomes: a row a problem and algorithm, in the columns of :func:`rows`."""
+    return pd.read_csv(Path(__file__).with_name("public_problems.csv"), keep_default_na=False)
+
+
+def small() -> dict[str, SiconosProblem]:
+    """The problems that are shipped, by the names of their files."""
+    return {name: _of(given) for name, given in _shipped()["problems"].items()}
+
+
+def source() -> tuple[str, str]:
+    """Where they are from, and their licence."""
+    told = _shipped()
+    return told["source"], told["licence"]
+
+
+def _shipped() -> dict[str, Any]:
+    return dict(json.loads(Path(__file__).with_name("public_problems.json").read_text(encoding="utf-8")))
+
+
+def _of(given: Mapping[str, Any]) -> SiconosProblem:
+    arrays = {key: np.array(given[key], float) for key in given if key != "d"}
+    W, M, H = (sparse.csc_matrix(arrays[key]) if key in arrays else None for key in ("W", "M", "H"))
+    return SiconosProblem(given["d"], arrays["mu"], arrays["offset"], W, M, H, arrays.get("q"))
+
+
+def read_any(path: Path) -> SiconosProblem:
+    """From text or HDF5; raises SiconosError, OSError."""
+    with path.open("rb") as file:
+        begins = file.read(len(HDF5))
+    return read_fclib(path) if begins == HDF5 else read(path)
+
+
+def limited(solve: Callable[[], Tried], limit_s: float = LIMIT_S) -> Tried:
+    """What comes of a solve in a process of its own, which is killed after so much time of the processor."""
+    context = get_context("fork")
+    pipe, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_sent, args=(solve, math.ceil(limit_s), theirs))
+    process.start()
+    theirs.close()
+    try:
+        return pipe.recv()
+    except EOFError:
+        process.join()
+        if process.exitcode == -signal.SIGXCPU:
+            return Tried("time limit", limit_s, reason=f"more than {limit_s:g} s")
+        return Tried("died", reason=f"exit code {process.exitcode}")
+    finally:
+        pipe.close()
+        process.join()
+
+
+def _sent(solve: Callable[[], Tried], limit_s: int, pipe: Connection[Tried, Tried]) -> None:
+    """The other side."""
+    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    pipe.send(timed(solve))
+
+
+def timed(solve: Callable[[], Tried]) -> Tried:
+    """What comes of a solve, in this process, with the time of the processor."""
+    begun = time.process_time()
+    try:
+        found = solve()
+    except MemoryError:
+        found = Tried("memory", reason=f"more than {MEMORY / 2**30:g} GB")
+    return replace(found, seconds=time.process_time() - begun)
+
+
+def rows(name: str, problem: SiconosProblem, solved: Solved = limited) -> Iterator[Row]:
+    """A row for the oracle and one an algorithm; solved: how a solve is called, :func:`limited` or :func:`timed`.
+
+    d, contacts, mu: of the problem, mu the largest.  certified: whether the judge takes what is called solved.
+    agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest, with and without contact; forces
+    of redundant contacts are several.  seconds: of the processor.  reason: why there is no answer.
+    """
+    head: Row = {"problem": name, "kind": problem.kind, "d": problem.d}
+    head |= {"contacts": len(problem.mu), "mu": float(f"{np.max(problem.mu):.6g}")}
+    own = solved(partial(_by_oracle, problem))
+    yield head | {"algorithm": ORACLE} | _told(own, None, 0.0)
+    step, free = with_own_ways(problem), float(np.max(np.abs(_free(problem))))
+    for label, algorithm in algorithms().items():
+        found = solved(partial(_by_algorithm, algorithm, step))
+        yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None, free)
+
+
+def _free(problem: SiconosProblem) -> np.ndarray:
+    """The ways of the contacts where none carries anything."""
+    if problem.M is None or problem.H is None or problem.q is None:
+        return problem.offset
+    return problem.offset + problem.H.T @ checked_solve(factorise(problem.M), problem.M, problem.q)
+
+
+def _told(found: Tried, wanted: np.ndarray | None, free: float) -> Row:
+    agrees: bool | str = ""
+    if found.ways is not None and found.certified and wanted is not None:
+        size = float(max(free, np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
+        agrees = float(np.max(np.abs(found.ways - wanted))) <= AGREEMENT * size
+    certified: bool | str = "" if found.certified is None else found.certified
+    told: Row = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
+    return told | {"seconds": f"{found.seconds:.2f}", "reason": found.reason}
+
+
+def _by_algorithm(algorithm: ContactAlgorithm, step: FrozenFrictionalStep) -> Tried:
+    problem, m = step.problem(), len(step.mu)
+    why = algorithm.supports(problem)
+    if why is not None:
+        return Tried(Outcome.REFUSED.word, reason=why)
+    try:
+        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), m))
+    except (ValueError, ArithmeticError) as error:
+        return Tried(Outcome.REFUSED.word, reason=str(error).splitlines()[0])
+    if not found.outcome.converged:
+        return Tried(found.outcome.word)
+    if np.isfinite(algorithm.epsilon):
+        return Tried(found.outcome.word, reason=f"by its own law, of springs of {algorithm.epsilon:g} MPa/mm")
+    return _judged(found.outcome.word, step, found.u, found.pressure, found.rubbed.force)
+
+
+def _by_oracle(problem: SiconosProblem) -> Tried:
+    try:
+        step = problem.step()
+        found: Known = minimise(step)
+    except (SiconosError, OracleError) as error:
+        return Tried("none", reason=str(error).splitlines()[0])
+    return _judged("converged", step, found.du, found.normal, found.friction)
+
+
+def _judged(word: str, step: FrozenFrictionalStep, u: np.ndarray, normal: np.ndarray, friction: np.ndarray) -> Tried:
+    wrong = judge(step.problem(), u, normal, friction).failures()
+    ways = np.column_stack([step.gap + step.G @ u, step.slip + (step.S @ u).reshape(-1, 2)])
+    return Tried(word, certified=not wrong, ways=ways, reason=", ".join(wrong))
+
+
+def table(folders: Sequence[Path]) -> pd.DataFrame:
+    """All problems of folders, each name once, and what is none with the reason, smallest files first."""
+    paths = {path.name: path for folder in folders for path in sorted(folder.glob("*")) if path.is_file()}
+    found: list[Row] = []
+    for name, path in sorted(paths.items(), key=lambda item: (item[1].stat().st_size, item[0])):
+        try:
+            problem = read_any(path)
+        except SiconosError as error:
+            why = str(error).replace(str(path), "the file")
+            found.append({"problem": name, "outcome": UNDECIDED, "reason": why})
+            continue
+        found.extend(rows(name, problem))
+    columns = ["problem", "kind", "d", "contacts", "mu", "algorithm", "outcome", "certified", "agrees", "seconds"]
+    return pd.DataFrame(found, columns=[*columns, "reason"], dtype=object).fillna("")
+
+
+def main(arguments: Sequence[str]) -> None:
+    """OUT.csv FOLDER .."""
+    out, *folders = map(Path, arguments)
+    write_table(out, table(folders))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,1 +1,0 @@
-"""What must not change an answer: exchanged axes, units, numbering, mirrored tyres. No tolerance of a page."""
