@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.bench.peers.problems import problems
+from studies.bench.problems import problems
 from studies.run.cells.rows import holds_from
 
 OURS = "footprint"

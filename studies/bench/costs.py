@@ -53,6 +53,11 @@ LOWEST = 12  # eigenvalues that are found to shift between two of them
 AT_LEAST = 3  # of them negative then
 DEFINITE, INDEFINITE, GENERAL = "definite", "indefinite", "not symmetric"
 
+ANALYSIS, NUMERIC, SOLUTION = 11, 22, 33
+TYPES = {"definite": 2, "indefinite": -2, "general": 11}
+# own values for all; METIS; no refinement; pivots perturbed at 1e-13; neither scaling nor matching; Bunch and Kaufman
+OPTIONS = {1: 1, 2: 2, 8: 0, 10: 13, 11: 0, 13: 0, 21: 1}
+
 
 def costs(
     rounds: int,
@@ -138,10 +143,8 @@ def _of_kind(kind: str, A: sparse.csc_matrix, negative: int = 0) -> Group:
     over, most = {"splu": OVER_SPLU}, {"backward error": BACKWARD_ERROR, "wrong inertia": 0.0}
     lines = [Line("splu", partial(factorise, A, "splu", ordered=True), see, cold=True)]
     if with_pardiso():
-        from studies.bench.pardiso import Numeric
-
         over["PARDISO"] = OVER_PARDISO
-        numeric = Numeric(A, definite=kind == DEFINITE, symmetric=kind != GENERAL)
+        numeric = Pardiso(A, definite=kind == DEFINITE, symmetric=kind != GENERAL)
         lines.append(Line("PARDISO", numeric.factorised, see, cold=True))
     fronts = Line("fronts", partial(factorise, A, "multifrontal", ordered=True), see, over, most)
     return Group(f"factorisation of {A.shape[0]} unknowns, {kind}", [fronts, *lines])
@@ -233,3 +236,38 @@ def child(words: Sequence[str], compiled: Path, code: int = 0) -> None:
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     done = subprocess.run([sys.executable, "-P", *words], env=environment, capture_output=True, check=False)
     assert done.returncode == code, done.stderr
+
+
+class Pardiso:
+    """PARDISO at its best, as a rival of fronts: a matrix of its type that is analysed once, and factorised many times.
+
+    The solver ``pardiso`` of a solve analyses each matrix anew, and takes all for matrices that are not symmetric.
+    """
+
+    def __init__(self, A: sparse.csc_matrix, *, definite: bool, symmetric: bool) -> None:
+        kind = "definite" if definite else "indefinite" if symmetric else "general"
+        from pypardiso import PyPardisoSolver
+
+        self._solver = PyPardisoSolver(mtype=TYPES[kind])
+        for index, value in OPTIONS.items():
+            self._solver.set_iparm(index, value)
+        rows = sparse.csr_matrix(sparse.triu(A) if symmetric else A)
+        rows.sort_indices()
+        self._matrix, self._nothing = rows, np.zeros(A.shape[0])
+        self._phase(ANALYSIS, self._nothing)
+
+    def factorised(self) -> Pardiso:
+        """The numbers of L and U, in the places known."""
+        self._phase(NUMERIC, self._nothing)
+        return self
+
+    def solve(self, b: np.ndarray) -> np.ndarray:
+        """x with A x = b."""
+        return self._phase(SOLUTION, b)
+
+    def _phase(self, phase: int, b: np.ndarray) -> np.ndarray:
+        self._solver.set_phase(phase)
+        return np.asarray(self._solver._call_pardiso(self._matrix, b))
+
+    def __del__(self) -> None:
+        self._solver.free_memory(everything=True)

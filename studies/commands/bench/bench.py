@@ -96,7 +96,7 @@ def _overhead(options: argparse.Namespace) -> int:
 
 
 def _scaling(options: argparse.Namespace) -> int:
-    from studies.bench.scaling import MESHES, lines, request_of, scaling
+    from studies.bench.newton import MESHES, lines, request_of, scaling
     from studies.output.atomic import write_table
 
     meshes = options.mesh.split(",") if options.mesh else MESHES
@@ -112,8 +112,7 @@ def _scaling(options: argparse.Namespace) -> int:
 
 
 def _peers(options: argparse.Namespace) -> int:
-    from studies.bench.peers.catalogue import available
-    from studies.bench.peers.measure import lines_of, measured, unit_of
+    from studies.bench.peers import available, lines_of, measured, unit_of
     from studies.output.atomic import write_table
 
     rounds = count("rounds", options.rounds)
@@ -135,8 +134,8 @@ def _peers(options: argparse.Namespace) -> int:
 
 
 def _programs(options: argparse.Namespace) -> int:
-    from studies.bench.programs.cases import CASES
-    from studies.bench.programs.measured import OPEN, TABLE, lines_of, measured
+    from studies.bench.peers import CASES
+    from studies.bench.programs import OPEN, TABLE, lines_of, measured
     from studies.output.atomic import write_table
 
     chosen = [case for case in CASES if options.only in (None, case.name)]

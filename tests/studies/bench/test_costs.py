@@ -51,13 +51,13 @@ def test_the_other_section_has_a_tangent_that_is_not_symmetric(tangent) -> None:
 @pytest.mark.parametrize(("definite", "symmetric"), [(True, True), (False, True), (False, False)])
 def test_pardiso_solves_what_it_is_given(tangent, definite: bool, symmetric: bool) -> None:
     pytest.importorskip("pypardiso")
-    from studies.bench.pardiso import Numeric
+    from studies.bench.costs import Pardiso
 
     A = tangent if definite else shifted(tangent)[0]
     if not symmetric:
         A = at_rest(shell_of(MESH, section="nonsymmetric"))
     b = np.linspace(-1, 1, A.shape[0])
-    x = Numeric(A, definite=definite, symmetric=symmetric).factorised().solve(b)
+    x = Pardiso(A, definite=definite, symmetric=symmetric).factorised().solve(b)
     np.testing.assert_allclose(A @ x, b, rtol=0, atol=1e-9)
 
 

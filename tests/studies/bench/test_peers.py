@@ -9,10 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.bench.peers import catalogue
-from studies.bench.peers.catalogue import NODAL, lines, solved
-from studies.bench.peers.measure import lines_of, measured, unit_of
-from studies.bench.peers.problems import Line, Solved, problems, size, solid_force
+from studies.bench import peers
+from studies.bench.peers import NODAL, lines, lines_of, measured, solved, unit_of
+from studies.bench.problems import Line, Solved, problems, size, solid_force
 from studies.cli import main
 
 
@@ -25,7 +24,7 @@ def test_without_the_extra_one_line_says_what_to_install(
         capsys.readouterr().err
         == "footprint: peers need the extra peers: pip install -e '.[peers]' in the checkout of Footprint\n"
     )
-    _, skipped = catalogue.available()
+    _, skipped = peers.available()
     assert skipped[0] == "ngsolve is skipped: no module ngsolve (extra peers)"
     assert skipped[1].startswith("kratos is skipped: no module KratosMultiphysics, ")
 
@@ -87,7 +86,7 @@ def test_the_shell_meets_the_solid() -> None:
 @pytest.mark.slow
 def test_ngsolve_solves_the_same_tyre() -> None:
     pytest.importorskip("ngsolve")
-    from studies.bench.peers.ngsolve_tyre import Isotropic, tyre
+    from studies.bench.ngsolve_tyre import Isotropic, tyre
 
     shell = next(line for line in lines() if line.family == "element paper").solve("36x34")
     solid = tyre("5x4", 10.0, Isotropic(), 3)
@@ -99,7 +98,7 @@ def test_ngsolve_solves_the_same_tyre() -> None:
 def test_plies_of_one_isotropic_material_are_an_isotropic_wall() -> None:
     """Law, axes and layers of the plies against two Lame constants; a quarter against the whole."""
     pytest.importorskip("ngsolve")
-    from studies.bench.peers.ngsolve_tyre import AnglePlies, Isotropic, tyre
+    from studies.bench.ngsolve_tyre import AnglePlies, Isotropic, tyre
 
     E, nu, G = 20.0, 0.45, 20.0 / 2.9
     plies = AnglePlies(ply=(E, E, G, G, nu, nu), layers=1)
@@ -111,7 +110,7 @@ def test_plies_of_one_isotropic_material_are_an_isotropic_wall() -> None:
 def test_stiffness_of_plies_is_that_of_the_shell() -> None:
     pytest.importorskip("ngsolve")
     from formulations.section.laminate import Ply
-    from studies.bench.peers.ngsolve_tyre import AnglePlies
+    from studies.bench.ngsolve_tyre import AnglePlies
 
     wall = AnglePlies()
     voigt = [0, 1, 3, 2, 4, 5]  # L, T, LT, N, LN, TN
@@ -125,7 +124,7 @@ def test_stiffness_of_plies_is_that_of_the_shell() -> None:
 def test_kratos_bends_the_same_shells(problem: str, kind: str, mesh: str, within: float) -> None:
     pytest.importorskip("KratosMultiphysics.StructuralMechanicsApplication")
     pytest.importorskip("KratosMultiphysics.LinearSolversApplication")
-    from studies.bench.peers.kratos_shells import fewest_steps, shell
+    from studies.bench.kratos_shells import fewest_steps, shell
 
     found = shell(problem, kind, mesh)
     assert found.value == pytest.approx(problems()[problem].reference, rel=within)
@@ -137,8 +136,8 @@ def test_one_problem_may_be_chosen(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     made_up = planted("hemisphere", {"4x4": Solved(8.0, 10, 3, 4.0, 1.0, 2.0, 0.5)})
-    monkeypatch.setattr(catalogue, "available", lambda: ((made_up,), ("kratos is skipped",)))
-    monkeypatch.setattr("studies.bench.peers.measure.unit_of", lambda: lambda: 1.0)
+    monkeypatch.setattr(peers, "available", lambda: ((made_up,), ("kratos is skipped",)))
+    monkeypatch.setattr("studies.bench.peers.unit_of", lambda: lambda: 1.0)
     target = tmp_path / "peers.csv"
     assert main(["bench", "peers", "--only", "hemisphere", "--rounds", "1", "--table", str(target)]) == 0
     assert capsys.readouterr().out.startswith("kratos is skipped\n")

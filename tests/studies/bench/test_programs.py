@@ -14,11 +14,10 @@ import pytest
 from studies.analysis.everything import fitted
 from studies.analysis.programs import agreement
 from studies.ask.request import UsageError
-from studies.bench.peers.catalogue import FOLLOWER
-from studies.bench.peers.problems import problems
-from studies.bench.programs import calculix, measured
-from studies.bench.programs.case import Case
-from studies.bench.programs.cases import CASES
+from studies.bench import programs
+from studies.bench.peers import CASES, FOLLOWER
+from studies.bench.problems import problems
+from studies.bench.programs import Case
 from studies.cli import main
 from studies.exchange.deck import ELEMENTS
 from studies.exchange.of_scene import problem_of
@@ -47,40 +46,40 @@ class Planted:
 @pytest.fixture
 def planted(monkeypatch: pytest.MonkeyPatch) -> Planted:
     program = Planted(1.1)
-    monkeypatch.setattr(calculix, "found_by", program)
-    monkeypatch.setattr(calculix, "version", lambda: "ccx 2.20")
+    monkeypatch.setattr(programs, "found_by", program)
+    monkeypatch.setattr(programs, "version", lambda: "ccx 2.20")
     return program
 
 
 def test_a_row_a_quantity_a_load_and_a_mesh_beside_ours_and_the_reference(planted: Planted, tmp_path: Path) -> None:
-    table = measured.measured([BEAM], tmp_path)
+    table = programs.measured([BEAM], tmp_path)
     assert list(zip(table["mesh"], table["load"], strict=True)) == [(m, f) for m in BEAM.meshes for f in (0.5, 1.0)]
     np.testing.assert_allclose(table["difference"], table["theirs"] / table["ours"] - 1)
     np.testing.assert_allclose(table["theirs"], 1.1 * np.array([4.92, 6.7, 4.92, 6.7]))
     assert set(table["elements"]) == {ELEMENTS["full"]}  # in a single row
     assert table["reference"].iloc[1] == pytest.approx(6.69964)
-    assert len(list(measured.lines_of(table))) == 5
+    assert len(list(programs.lines_of(table))) == 5
 
 
 def test_what_was_run_is_not_run_again(planted: Planted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first = measured.measured([BEAM], tmp_path)
+    first = programs.measured([BEAM], tmp_path)
     (tmp_path / "programs" / "cantilever-8x1.csv").unlink()  # stopped there
     pd.testing.assert_frame_equal(
-        measured.measured([BEAM], tmp_path).drop(columns="seconds"), first.drop(columns="seconds")
+        programs.measured([BEAM], tmp_path).drop(columns="seconds"), first.drop(columns="seconds")
     )
     assert planted.runs == 3
-    monkeypatch.setattr(calculix, "version", lambda: "ccx 2.21")
-    measured.measured([BEAM], tmp_path)
+    monkeypatch.setattr(programs, "version", lambda: "ccx 2.21")
+    programs.measured([BEAM], tmp_path)
     assert planted.runs == 5
 
 
 def test_reasons_are_found_in_the_numbers() -> None:
     table = made_up_programs()
     told = {name: list(own["reason"]) for name, own in table.groupby("case")}
-    assert told["hemisphere"] == [measured.MESH] * 2
-    assert told["tyre, isotropic"] == [measured.MESH, ""]
-    assert told["tyre, angle plies, inflated"] == [measured.PLIES] * 2
-    assert told["ring"] == [measured.OPEN] * 2  # it grows
+    assert told["hemisphere"] == [programs.MESH] * 2
+    assert told["tyre, isotropic"] == [programs.MESH, ""]
+    assert told["tyre, angle plies, inflated"] == [programs.PLIES] * 2
+    assert told["ring"] == [programs.OPEN] * 2  # it grows
     rates = table[table["mesh"] == FINE].set_index("case")["rate"]
     assert rates["hemisphere"] == pytest.approx(2.0)
     assert rates["ring"] == pytest.approx(np.log2(0.02 / 0.03))
@@ -122,7 +121,7 @@ def test_without_the_program_one_line_says_what_is_missing(
 ) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     assert main(["bench", "programs", "--store", str(tmp_path / "store")]) == 2
-    assert capsys.readouterr().err == f"footprint: {calculix.ABSENT}\n"
+    assert capsys.readouterr().err == f"footprint: {programs.ABSENT}\n"
     assert not (tmp_path / "store").exists()
 
 
@@ -136,7 +135,7 @@ def test_the_table_goes_to_the_store_and_what_has_no_reason_fails(
     off: float, code: int, planted: Planted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     planted.off = off
-    monkeypatch.setattr("studies.bench.programs.cases.CASES", [Case("cantilever", ("8x1",), "16x1", BEAM.settings)])
+    monkeypatch.setattr("studies.bench.peers.CASES", [Case("cantilever", ("8x1",), "16x1", BEAM.settings)])
     assert main(["bench", "programs", "--store", str(tmp_path)]) == code
     assert len(pd.read_csv(tmp_path / "tables" / "programs.csv")) == 2
 
@@ -148,16 +147,16 @@ def test_the_table_goes_to_the_store_and_what_has_no_reason_fails(
 def test_one_direction_a_brick_changes_a_wall_of_plies_and_no_isotropic_one() -> None:
     plies = problem_of("tyre", {**FOLLOWER, "delta_mm": "0", "gamma_deg": "0"}, "14x18")
     isotropic = problem_of("tyre", {**ISOTROPIC, "delta_mm": "0"}, "14x18")
-    each, one = (measured.inflated_equator(plies, held=held) for held in (False, True))
+    each, one = (programs.inflated_equator(plies, held=held) for held in (False, True))
     assert one > 1.005 * each  # cords that leave their wall are softer, and this wall grows
-    each, one = (measured.inflated_equator(isotropic, held=held) for held in (False, True))
+    each, one = (programs.inflated_equator(isotropic, held=held) for held in (False, True))
     assert one == pytest.approx(each, rel=1e-9)
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which(calculix.COMMAND) is None, reason="needs CalculiX: Debian's package calculix-ccx")
+@pytest.mark.skipif(shutil.which(programs.COMMAND) is None, reason="needs CalculiX: Debian's package calculix-ccx")
 def test_calculix_is_run_and_its_failure_is_one_line() -> None:
     problem = problem_of("cantilever", {"load_fraction": "1"}, "2x1", measure="linear")
-    assert re.fullmatch(r"ccx \d+\.\d+", calculix.version())
+    assert re.fullmatch(r"ccx \d+\.\d+", programs.version())
     with pytest.raises(UsageError, match="CalculiX does not come to the end of cantilever"):
-        calculix.found_by(["*NODE", "1, 0., 0., 0.", "*STEP", "*STATIC", "*END STEP"], problem)
+        programs.found_by(["*NODE", "1, 0., 0., 0.", "*STEP", "*STATIC", "*END STEP"], problem)

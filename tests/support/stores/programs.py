@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from studies.bench.programs.measured import explained
+from studies.bench.programs import explained
 
 COARSE, FINE = "8x8", "16x16"
 # case: quantity, ours, difference on the coarse and on the fine mesh, the same to our solid under the rule of plies

@@ -19,7 +19,7 @@ import KratosMultiphysics.StructuralMechanicsApplication as structural
 import numpy as np
 from KratosMultiphysics import python_linear_solver_factory
 
-from studies.bench.peers.problems import Solved, size
+from studies.bench.problems import Solved, size
 from studies.output.stopwatch import timed
 from studies.scenes.benchmarks import cantilever, hemisphere
 from studies.scenes.benchmarks import sze_pullout as pullout

@@ -1,15 +1,20 @@
-"""The table of ``footprint bench programs``: what a program finds for every scene on every mesh, beside ours.
+"""Other programs on decks of ours, run as they are, and the table of ``footprint bench programs`` beside ours.
 
 Each mesh of each scene is one file in the store, so that a run that was stopped goes on; it is made anew when the
-sources, the case or the program change. A deck puts one direction of plies on every brick, that at its centre: how much
-of a difference is due to this rule, our own solid under the same rule shows.
+sources, the case or the program change. Which scenes there are is in :mod:`studies.bench.peers`: a list that grows must
+not make anew what was run. A deck puts one direction of plies on every brick, that at its centre: how much of a
+difference is due to this rule, our own solid under the same rule shows. How a deck is written and a field is judged
+belongs to :mod:`studies.exchange`; no value that a program has found may be kept in a source.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,13 +25,11 @@ import pandas as pd
 from formulations.solid import SolidDiscretisation, SolidModel
 from studies.ask.request import UsageError, text_of
 from studies.ask.settings import configured
-from studies.bench.programs import calculix
-from studies.bench.programs.case import Case
-from studies.exchange.deck import deck, element
+from studies.exchange.deck import AUTO, deck, element
 from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
-from studies.exchange.results import GROWTH
+from studies.exchange.results import GROWTH, Found, read_results
 from studies.output.atomic import write_table_once
 from studies.output.stopwatch import WALL, timed
 from studies.output.terminal import columns
@@ -37,6 +40,9 @@ from studies.scenes.tyre.model import checked_wall
 from studies.scenes.tyre.solid import SolidTyreModel
 from studies.scenes.walk import walk
 
+PROGRAM, COMMAND = "CalculiX", "ccx"
+ABSENT = "bench programs needs CalculiX: the command ccx, of Debian's package calculix-ccx"
+FINISHED = "Job finished"
 SOLID = "tyre-solid"
 CENTRE = 13  # of the 27 Gauss points
 FOLDER, TABLE = "programs", "programs"
@@ -44,6 +50,54 @@ WITHIN = 0.01  # relative difference to ours
 HELD_WITHIN = 0.02  # the same, to our solid under the rule of one direction a brick
 OF_CASE = ["case", "program", "quantity", "step"]
 MESH, PLIES, OPEN = "mesh", "plies", "open"  # reasons of a difference beyond WITHIN
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scene; ``name`` is that of the problem of ``bench peers`` where that has the same.
+
+    meshes: bricks along a1 and a2, from coarse to fine.  ours: mesh of our solution.  held: whether the rule of one
+    direction of plies a brick is checked by our own solid.
+    """
+
+    name: str
+    meshes: tuple[str, ...]
+    ours: str
+    settings: Mapping[str, str] = field(default_factory=dict)
+    measure: str = "exact"
+    scene: str = ""
+    integration: str = AUTO
+    held: bool = False
+
+    @property
+    def of(self) -> str:
+        """Name of its scene in the catalogue."""
+        return self.scene or self.name
+
+
+def version() -> str:
+    """Of the program that is installed, "ccx 2.20"; raises UsageError where there is none."""
+    command = shutil.which(COMMAND)
+    if command is None:
+        raise UsageError(ABSENT)
+    told = subprocess.run([command, "-v"], capture_output=True, text=True, check=False, timeout=60).stdout
+    found = re.search(r"Version (\S+)", told)
+    return f"{COMMAND} {found[1] if found else 'unknown'}"
+
+
+def found_by(lines: Iterable[str], problem: Problem) -> list[Found]:
+    """What it finds for a deck, step by step; raises UsageError where it does not come to the end."""
+    command = shutil.which(COMMAND)
+    if command is None:
+        raise UsageError(ABSENT)
+    with tempfile.TemporaryDirectory(prefix="footprint-") as place:
+        folder = Path(place)
+        (folder / "scene.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
+        run = subprocess.run([command, "scene"], cwd=folder, capture_output=True, text=True, check=False)
+        if FINISHED not in run.stdout:
+            said = next((line.strip() for line in run.stdout.splitlines() if "*ERROR" in line), "no reason told")
+            raise UsageError(f"{PROGRAM} does not come to the end of {problem.request.scene}: {said}")
+        return read_results(folder / "scene.dat", problem)
 
 
 def measured(
@@ -57,23 +111,23 @@ def measured(
     that holds.  held: our solid under the rule of one direction of plies a brick.  nodes, elements: of the deck.
     seconds: wall time of the program.  step: number of the load from 0.  within, reason, rate: see :func:`explained`.
     """
-    version = calculix.version()
+    release = version()
     sources = sources_hash((__name__,))
     works = [(case, mesh) for case in cases for mesh in case.meshes]
     paths = []
     for done, (case, mesh) in enumerate(works):
         progress(done, len(works), f"{case.name} {mesh}")
         path = store / FOLDER / f"{re.sub(r'[^a-z0-9]+', '-', case.name)}-{mesh}.csv"
-        identity = "\n".join((sources, version, repr(case), mesh))
-        write_table_once(path, identity, partial(_table, case, mesh, version))
+        identity = "\n".join((sources, release, repr(case), mesh))
+        write_table_once(path, identity, partial(_table, case, mesh, release))
         paths.append(path)
     progress(len(works), len(works), "done")
     return explained(pd.concat(map(pd.read_csv, paths), ignore_index=True))
 
 
-def _table(case: Case, mesh: str, version: str) -> pd.DataFrame:
+def _table(case: Case, mesh: str, release: str) -> pd.DataFrame:
     problem = problem_of(case.of, case.settings, mesh, measure=case.measure)
-    seconds, found = timed(lambda: calculix.found_by(deck(problem, case.integration), problem), WALL)
+    seconds, found = timed(lambda: found_by(deck(problem, case.integration), problem), WALL)
     loads = [each.load for each in found]
     ours = our_solution(problem, loads, case.settings, case.ours, measure=case.measure)
     if not ours.outcome.converged:
@@ -85,8 +139,8 @@ def _table(case: Case, mesh: str, version: str) -> pd.DataFrame:
         "settings": "; ".join(f"{key}={text_of(value)}" for key, value in case.settings.items()),
         "measure": case.measure,
         "mesh": mesh,
-        "program": calculix.NAME,
-        "version": version,
+        "program": PROGRAM,
+        "version": release,
         "elements": element(problem, case.integration),
         "bricks": len(problem.bricks.elements),
         "nodes": len(problem.bricks.x),

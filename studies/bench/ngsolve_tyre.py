@@ -17,7 +17,7 @@ import numpy as np
 from ngsolve.meshes import MakeStructured3DMesh
 from ngsolve.nonlinearsolvers import NewtonSolver
 
-from studies.bench.peers.problems import Solved, size
+from studies.bench.problems import Solved, size
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.model import ORTHOTROPIC
 

@@ -9,14 +9,14 @@ import pandas as pd
 import pytest
 
 from studies import cli
-from studies.bench.newton import pressed
-from studies.bench.scaling import (
+from studies.bench.newton import (
     FLOORS,
     MESHES,
     TIMES,
     Pressed,
     exponents,
     lines,
+    pressed,
     request_of,
     scaling,
 )
@@ -92,7 +92,7 @@ def test_the_command_prints_and_writes(table, monkeypatch, capsys, tmp_path: Pat
         asked.append(list(meshes))
         return table
 
-    monkeypatch.setattr("studies.bench.scaling.scaling", measured)
+    monkeypatch.setattr("studies.bench.newton.scaling", measured)
     target = tmp_path / "scaling.csv"
     assert main(["bench", "scaling", "--machine", "floors", "--table", str(target)]) == cli.OK
     assert "exponent" in capsys.readouterr().out
