@@ -201,7 +201,7 @@ def solve(
     if result.unsupported:
         raise UsageError(result.unsupported)
     if step_error and rubbing(request.settings):
-        from studies.solving.friction import load_steps  # loaded with friction alone
+        from studies.solving import load_steps  # loaded with friction alone
 
         load_steps.estimate(result)
     return Run(result)

@@ -14,7 +14,7 @@ from support.inert_parameters import HEADING, Variant, inert
 TESTS = Path(__file__).parent
 PLANTED = """
 import pytest
-from studies.solving.solve import resolve
+from studies.scenes.complete import complete as resolve
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("mesh", ["8x1", "16x1"])

@@ -18,7 +18,8 @@ WITHOUT = (
         "studies.gate",
         "studies.run.pool",
         "studies.run.campaigns",
-        "studies.solving.friction",
+        "studies.solving.friction_stages",
+        "studies.solving.load_steps",
         "reports",
     ),
 )

@@ -23,8 +23,9 @@ from studies.cli import _parser
 from studies.experiments.conformance import conformance
 from studies.run.campaigns.file import names as campaigns
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 from studies.solving.result import SOLVED
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 ROOT = Path(__file__).parent.parent
 README, MANUAL = ROOT / "README.md", ROOT / ".github" / "MANUAL.md"
@@ -57,7 +58,7 @@ def test_the_notebook_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     assert run.outcome == "converged"
     assert f"{run.steps['force_N'].iloc[-1]:.2f}"[:5] in capsys.readouterr().out
     assert run.certificate["equilibrium"].max() < 1e-8
-    kept = solve(*resolve("tyre", {"delta_mm": "5,10"}, "42x40"))
+    kept = solve(*complete("tyre", {"delta_mm": "5,10"}, "42x40"))
     assert list(run.steps["force_N"]) == pytest.approx([step["force_N"] for step in kept.steps], rel=1e-9)
     assert run.errors["force_N"]["low"] < run.steps["force_N"].iloc[-1] < run.errors["force_N"]["high"]
 
@@ -130,7 +131,7 @@ def test_the_new_measure_conforms(tutorial: str) -> None:
 
 
 def test_the_new_measure_solves_a_scene(tutorial: str) -> None:
-    found = solve(*resolve("tyre", {"delta_mm": "5"}, "12x12", measure="no-drilling"))
+    found = solve(*complete("tyre", {"delta_mm": "5"}, "12x12", measure="no-drilling"))
     assert found.outcome.converged
 
 
@@ -153,7 +154,7 @@ def scene(monkeypatch: pytest.MonkeyPatch) -> dict:
 
 
 def sags(mesh: str, measure: str, fractions: str = "0.01,1", **settings: str) -> list[float]:
-    found = solve(*resolve("arch", {"load_fraction": fractions, **settings}, mesh, measure=measure))
+    found = solve(*complete("arch", {"load_fraction": fractions, **settings}, mesh, measure=measure))
     assert found.outcome.converged
     return [step["sag_mm"] for step in found.steps]
 
@@ -219,7 +220,7 @@ def saddle(monkeypatch: pytest.MonkeyPatch) -> str:
     ],
 )
 def test_the_new_algorithm_ends_where_ours_do(saddle: str, scene: str, given: dict[str, str], mesh: str) -> None:
-    found, ours = (solve(*resolve(scene, given, mesh, contact=contact)) for contact in ("saddle", "semismooth"))
+    found, ours = (solve(*complete(scene, given, mesh, contact=contact)) for contact in ("saddle", "semismooth"))
     assert found.verdict == ours.verdict
     assert found.verdict in SOLVED
     assert len(found.steps) == len(ours.steps) > 0

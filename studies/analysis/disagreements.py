@@ -21,8 +21,7 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON
 from studies.ask.settings import MU, own_keys
 from studies.run.cells.rows import keys
-from studies.solving.result import CONVERGED, SOLVED
-from studies.solving.step import unit_of
+from studies.solving.result import CONVERGED, SOLVED, unit_of
 
 LOAD_STEPS, BEYOND = "load steps", "beyond uniqueness"
 UNSTABLE, SYMMETRY, BRANCHES = "not both are stable", "broken symmetry", "two stable branches"

@@ -28,9 +28,8 @@ from studies.output.terminal import columns
 from studies.scenes.complete import complete
 from studies.solving import branching
 from studies.solving.refinement import mesh_error
-from studies.solving.result import UNSTABLE, WRONG, Result
+from studies.solving.result import UNSTABLE, WRONG, Result, Step
 from studies.solving.solve import Interrupted
-from studies.solving.step import Step
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
@@ -137,8 +136,8 @@ def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
         if options.budget is not None:
             raise UsageError("--budget bounds the time of --error: give both")
         return *complete(options.scene, given, options.mesh, **how), None
-    from studies.solving.refinement.cascade import first_grid
     from studies.solving.refinement.error_control import parse_error
+    from studies.solving.refinement.grids import first_grid
 
     wanted = parse_error(options.error)
     return *first_grid(options.scene, given, options.mesh, **how), wanted
@@ -160,7 +159,7 @@ def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
     """The error of load steps with friction, into the result; what there is to print of it."""
     if not rubbing(result.request.settings):
         return []
-    from studies.solving.friction import load_steps  # loaded with friction alone
+    from studies.solving import load_steps  # loaded with friction alone
 
     load_steps.estimate(result, tell)
     return load_steps.lines(result)

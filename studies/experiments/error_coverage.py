@@ -23,8 +23,8 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import Scene
 from studies.experiments import Row, tabulated
-from studies.solving.refinement.cascade import answer, first_grid
-from studies.solving.refinement.error_control import coarsest
+from studies.solving.refinement.cascade import answer
+from studies.solving.refinement.grids import coarsest, first_grid
 from studies.solving.refinement.richardson import correction
 from studies.solving.result import Result
 from studies.solving.solve import solve

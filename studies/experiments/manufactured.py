@@ -15,10 +15,11 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.quantities import FULL
 from studies.experiments import Row, tabulated
+from studies.scenes.complete import complete
 from studies.scenes.element import PRESETS
 from studies.scenes.manufactured.patches import PIECES
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 MESHES = (8, 16, 32)
 SURFACES = ("cylinder", "torus", "inner-torus")  # of positive, none and negative Gaussian curvature
@@ -77,7 +78,7 @@ def errors_of(case: Case, meshes: tuple[int, ...] = MESHES) -> Iterator[Row]:
     """The rows of a case."""
     for n in meshes:
         settings = {"surface": case.surface, "element": case.element, **case.settings}
-        result = solve(*resolve("manufactured", settings, f"{n}x{n}", measure=case.measure))
+        result = solve(*complete("manufactured", settings, f"{n}x{n}", measure=case.measure))
         yield {**case.said, "n": n, **result.quantities, "class": result.verdict}
 
 
@@ -90,7 +91,7 @@ def manufactured_contact() -> Iterator[Row]:
     own = product(("exact",), CONTACT_SURFACES, MESHES)
     others = product((name for name in MEASURES if name != "exact"), (FINEST_ON,), MESHES)
     for measure, surface, n in chain(own, [("exact", FINEST_ON, 2 * MESHES[-1])], others):
-        result = solve(*resolve("manufactured-contact", {"surface": surface}, f"{n}x{n}", measure=measure))
+        result = solve(*complete("manufactured-contact", {"surface": surface}, f"{n}x{n}", measure=measure))
         case = {"measure": measure, "surface": surface, "n": n, "class": result.verdict}
         for step in result.steps:
             found = {key: step[key] for key in step if key.startswith("error_") or key == "radius"}

@@ -21,7 +21,8 @@ from studies.ask.scene import Scene
 from studies.scenes.complete import complete
 from studies.scenes.element import PRESETS
 from studies.scenes.tyre.scene import Tyre
-from studies.solving.refinement.error_control import coarsest, solve_to_error
+from studies.solving.refinement.error_control import solve_to_error
+from studies.solving.refinement.grids import coarsest
 from studies.solving.solve import solve
 
 FAMILIES = dict.fromkeys(("uniform", "patch"), tuple((n, n) for n in range(20, 84, 4)))

@@ -22,7 +22,7 @@ from studies.fuzz.values import drawn, generator
 from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.refinement.trees import Family
+from studies.solving.refinement.grids import Family
 
 SCENE, FRICTION = "scene", "friction"  # kinds of a number that stands for a request
 KINDS = {SCENE: 0.2, FRICTION: 0.15, "posed": 0.15, "matrices": 0.5}  # by what a case costs

@@ -21,7 +21,7 @@ from studies.fuzz.cases import FRICTION
 from studies.fuzz.planting import Fault, fault, swapped
 from studies.solving import solve as solving
 from studies.solving.certificate import certificate
-from studies.solving.friction.stages import Stages
+from studies.solving.friction_stages import Stages
 
 Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 

@@ -19,8 +19,7 @@ from studies.ask.scene import CurveStage, Stage, moved
 from studies.gate.foreign import ClaimError, Foreign
 from studies.gate.recompute import Opened, Recomputed, arrays_of, as_written
 from studies.output.atomic import Table, plain
-from studies.solving.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG
-from studies.solving.step import seen_in
+from studies.solving.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG, seen_in
 
 AGREE, RESOLVED = 1e-9, 1e-6  # relative
 SHAKEN = 8  # times what other last digits make of a quantity

@@ -45,18 +45,34 @@ def certificate(
     passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.
     before: with friction, problem and state at the last accepted load, from which slip is counted.
     """
-    found = (
-        _judged(problem, state, epsilon, tolerance)
-        if before is None
-        else _with_friction(problem, state, epsilon, tolerance, before)
-    )
+    if before is None:
+        problem, friction, since, forces = _linearised_once(problem, state.u), None, None, state.pressure
+    else:  # where the slip is counted from is worked out anew: what the answer says of that is not asked
+        problem = problem.since(anchors_left(problem, *before, epsilon))
+        friction = np.zeros((len(state.pressure), 2)) if state.friction is None else state.friction.force
+        since, forces = before[1].u, problem.nodal_forces(state.pressure)
+    verdict = judge(problem, state.u, state.pressure, friction, epsilon=epsilon, since=since)
+    found = verdict.certificate
+    found["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
+    exceeded = verdict.exceeded(**claim(tolerance, len(state.u)))
+    failures = list(exceeded)
+    if friction is not None:
+        if state.friction is None and forces.any():
+            failures.append(UNTOLD)
+        sizes = {**verdict.kkt, **verdict.balances}
+        diagnosis = [f"{name}: {sizes[name]:.2e}" for name in failures if name in sizes]
+        standing = Stability(None, why=NO_POTENTIAL)
+    elif failures:
+        diagnosis = diagnose(problem, state.u, state.pressure, epsilon=epsilon)
+        standing = Stability(None, why=NO_STATE)
+    else:
+        diagnosis, standing = [], stability(problem, state, epsilon)
     if passed:
-        found["failures"].append(SWEPT)
+        failures.append(SWEPT)
         shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
-        found["diagnosis"].append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
-    if not found["exceeded"]:
-        del found["exceeded"]
-    return found
+        diagnosis.append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
+    found |= {"exceeded": exceeded} if exceeded else {}
+    return {**found, "failures": failures, "diagnosis": diagnosis, "stability": standing.record}
 
 
 def refusal(certificate: Mapping[str, Any]) -> str:
@@ -67,20 +83,6 @@ def refusal(certificate: Mapping[str, Any]) -> str:
         above = f"{name} {size:.3g}{unit} above {bound:.3g}{unit}"
         told[name] = f"{name} is not a number" if math.isnan(size) else above
     return ", ".join(told.get(name, name) for name in certificate["failures"])
-
-
-def _judged(problem: ContactProblem, state: ContactSolution, epsilon: float, tolerance: float) -> dict[str, Any]:
-    problem = _linearised_once(problem, state.u)
-    verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
-    found = verdict.certificate
-    found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
-    found["exceeded"] = verdict.exceeded(**claim(tolerance, len(state.u)))
-    found["failures"] = list(found["exceeded"])
-    found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
-    found["stability"] = (
-        Stability(None, why=NO_STATE) if found["failures"] else stability(problem, state, epsilon)
-    ).record
-    return found
 
 
 def _linearised_once(problem: ContactProblem, u: np.ndarray) -> ContactProblem:
@@ -95,26 +97,3 @@ def _linearised_once(problem: ContactProblem, u: np.ndarray) -> ContactProblem:
         return kept[0]
 
     return replace(problem, linearise=once)
-
-
-def _with_friction(
-    problem: ContactProblem,
-    state: ContactSolution,
-    epsilon: float,
-    tolerance: float,
-    before: tuple[ContactProblem, ContactSolution],
-) -> dict[str, Any]:
-    """Where the slip is counted from is worked out anew from the last accepted load: what the answer says is not."""
-    problem = problem.since(anchors_left(problem, *before, epsilon))
-    force = np.zeros((len(state.pressure), 2)) if state.friction is None else state.friction.force
-    verdict = judge(problem, state.u, state.pressure, force, epsilon=epsilon, since=before[1].u)
-    found, forces = verdict.certificate, problem.nodal_forces(state.pressure)
-    found["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
-    found["exceeded"] = verdict.exceeded(**claim(tolerance, len(state.u)))
-    found["failures"] = list(found["exceeded"])
-    if state.friction is None and forces.any():
-        found["failures"].append(UNTOLD)
-    values = {**verdict.kkt, **verdict.balances}
-    found["diagnosis"] = [f"{name}: {values[name]:.2e}" for name in found["failures"] if name in values]
-    found["stability"] = Stability(None, why=NO_POTENTIAL).record
-    return found

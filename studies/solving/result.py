@@ -1,4 +1,4 @@
-"""What a solve has found, its class, and the files that it is written to.
+"""What a solve has come to: the requested loads, its class, and the files that it is written to.
 
 How it is found does not enter here (:mod:`studies.solving.solve`), nor what makes a state wrong
 (:mod:`studies.solving.certificate`).
@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -24,8 +25,12 @@ from studies.ask.scene import SceneModel, moved
 from studies.output.atomic import Table, write_by, write_json
 from studies.output.provenance import provenance
 from studies.scenes.walk import Visited
-from studies.solving.step import Step
 
+CERTIFICATE = ("failures", "exceeded", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
+UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in
+# which no smaller step or element changes by a smaller amount
+COUNTS = ("contact_nodes", "sticking", "slipping", "limit_points")
+OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm counts
 RESULT = "result.json"
 OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu)")  # what a result may have written beside it
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
@@ -34,6 +39,44 @@ CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
 SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """seen: the load, which comes first, and the quantities at it {name_unit: value}; certificate: what the judge says
+    of the state; counters: what it has cost.
+    """
+
+    seen: dict[str, Any]
+    certificate: Mapping[str, Any]
+    counters: Mapping[str, int]
+
+    @property
+    def load(self) -> dict[str, float]:
+        """The load alone."""
+        return dict(islice(self.seen.items(), 1))
+
+    @property
+    def quantities(self) -> dict[str, Any]:
+        """All that was read off beside it."""
+        return dict(islice(self.seen.items(), 1, None))
+
+    @property
+    def flat(self) -> dict[str, Any]:
+        """The entry of ``steps`` in result.json."""
+        judged = {key: self.certificate[key] for key in CERTIFICATE if key in self.certificate}
+        return {**self.seen, **judged, **self.counters}
+
+
+def seen_in(entry: Mapping[str, Any], counters: Iterable[str]) -> dict[str, Any]:
+    """Load and quantities of an entry of ``steps``; counters: the names that its result counts."""
+    others = {*counters, *OF_THE_PATH, *CERTIFICATE}
+    return {key: value for key, value in entry.items() if key not in others}
+
+
+def unit_of(quantity: str) -> str:
+    """What the name of a quantity ends in; where that is no unit, the name."""
+    return next((unit for unit in UNITS if quantity.endswith(unit)), quantity)
 
 
 class Frozen(Protocol):

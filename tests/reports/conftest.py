@@ -35,8 +35,8 @@ from studies.run.campaigns.plan import Row
 from studies.run.campaigns.report_cells import LISTS
 from studies.run.campaigns.sheet_cells import GROUP as SHEETS
 from studies.scenes import SCENES
+from studies.scenes.complete import complete as resolve
 from studies.scenes.data import DATA
-from studies.solving.solve import resolve
 from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
 from support.stores.friction import made_up_friction

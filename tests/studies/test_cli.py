@@ -19,10 +19,11 @@ from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import Setting, UsageError
 from studies.cli import main
 from studies.output.atomic import write_by, write_json
+from studies.scenes.complete import complete
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.press import asymmetries, half_extent, to_edges
 from studies.solving.branching import branches_of
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]
 
@@ -94,7 +95,7 @@ def test_branches_of_an_unstable_tyre_are_stable_and_lie_lower(tmp_path: Path, c
     changes = [row["force_N"] / left - 1 for row in result["branches"]]
     assert [row["change_of_force"] for row in result["branches"]] == pytest.approx(changes)
     assert {"branch_1.vtu", "branch_2.vtu"} <= {path.name for path in tmp_path.iterdir()}
-    found = solve(*resolve("tyre", given, "14x12", contact="trial-and-error"))
+    found = solve(*complete("tyre", given, "14x12", contact="trial-and-error"))
     branches_of(found)
     energy = found.end.problem.energy
     left = energy(found.end.point.solution.u)
@@ -270,7 +271,7 @@ def test_too_little_memory_is_one_line(
     def hungry(*asked: object) -> None:
         np.empty(2**57)
 
-    monkeypatch.setattr("studies.solving.solve._run_stages", hungry)
+    monkeypatch.setattr("studies.solving.solve.record", hungry)
     assert main(["solve", "cantilever", "--mesh", "2x1", "--out", str(tmp_path / "out")]) == 1
     said = capsys.readouterr().err
     assert said.startswith("footprint: not enough memory; a coarser mesh needs less: Unable to allocate 1.00 EiB")
@@ -388,7 +389,7 @@ def test_a_refusal_is_an_outcome_and_one_line_of_a_solve(
     monkeypatch.setitem(ALGORITHMS, "refusing", refusing)
     words = ["--mesh", "6x6", "--contact", "refusing", "--set", "epsilon=inf"]
     why = "epsilon must be finite" if at == "birth" else "the matrix is not symmetric"
-    scene, request = resolve("tyre", {"delta_mm": "2", "epsilon": "inf"}, "6x6", contact="refusing")
+    scene, request = complete("tyre", {"delta_mm": "2", "epsilon": "inf"}, "6x6", contact="refusing")
     refused = solve(scene, request)
     assert refused.verdict == "unsupported"
     assert refused.as_json()["reason"] == f"refusing does not apply: {why}"

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from studies.cli import main
+from studies.scenes.complete import complete
 from studies.scenes.contact.heavy_strip import LIFT
 from studies.scenes.manufactured.scene import carrying
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 RING = ["solve", "ring", "--mesh", "1x8", "--set", "delta_mm=5,10"]
 
@@ -74,7 +75,7 @@ def test_a_step_is_frozen_into_the_directory_of_its_result(tmp_path: Path) -> No
 
 def test_fields_hold_the_displacements_given_to_supports(tmp_path: Path) -> None:
     """Of the lifted end; and resultants are those of the lifted strip, not of one whose end stays."""
-    found = solve(*resolve("heavy-strip", {"load_fraction": "0.25,0.5"}, "8x1"))
+    found = solve(*complete("heavy-strip", {"load_fraction": "0.25,0.5"}, "8x1"))
     found.write(tmp_path)
     fields = meshio.read(tmp_path / "fields.vtu")
     end = fields.points[:, 0] == 0.0
@@ -87,7 +88,7 @@ def test_fields_hold_the_displacements_given_to_supports(tmp_path: Path) -> None
 
 
 def test_fields_of_a_manufactured_solution_are_the_solution_at_its_held_edges(tmp_path: Path) -> None:
-    found = solve(*resolve("manufactured", {}, "4x4"))
+    found = solve(*complete("manufactured", {}, "4x4"))
     found.write(tmp_path)
     model = found.model
     body = carrying(model.shell, model.exact_at(1.0), model.loaded)

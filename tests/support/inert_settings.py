@@ -23,7 +23,7 @@ from studies.ask.scene import CurveStage, Scene, Setting, Stage, UsageError
 from studies.ask.settings import configured, parameters_of
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.refinement.error_control import coarsest_mesh
+from studies.solving.refinement.grids import coarsest_mesh
 from studies.solving.solve import solve
 
 NOISE = 1e-3  # mm, of the made-up displacements

@@ -32,7 +32,7 @@ from studies.output.stopwatch import timed
 from studies.scenes.complete import complete
 from studies.scenes.walk import walk
 from studies.solving.certificate import certificate
-from studies.solving.operations import counted
+from studies.solving.solve import counted
 
 ENDS = ("solved", "false claim", "not solved", "refused", "raised", "over the limit")
 SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE = ENDS

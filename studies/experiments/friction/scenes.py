@@ -25,7 +25,7 @@ from studies.scenes.complete import complete
 from studies.scenes.data import reference_rows
 from studies.scenes.friction_readings import FORCES, FRICTION
 from studies.scenes.walk import walk
-from studies.solving.friction.stages import Stages
+from studies.solving.friction_stages import Stages
 from studies.solving.result import Result
 from studies.solving.solve import solve
 

@@ -27,10 +27,11 @@ from formulations.strains.catalogue import EXACT, LINEAR
 from studies.experiments.shell_limits.bending import QUARTER, STRIP, E, R, layered, wall
 from studies.experiments.shell_limits.bodies import Answer, Solid, Variant, solved_shell, usual_shell
 from studies.scenes.closed_forms.elasticity import lame_growth
+from studies.scenes.complete import complete
 from studies.scenes.contact.base import outer_face
 from studies.scenes.element import spaced_lines
 from studies.scenes.statics import area_load
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 NU = 0.3
 P = 1.0  # MPa: everything is linear
@@ -257,7 +258,7 @@ def tyre_settings(ratio: float) -> dict[str, str]:
 
 
 def _tyre(scene: str, ratio: float, mesh: str, settings: dict[str, str]) -> Answer:
-    result = solve(*resolve(scene, tyre_settings(ratio) | settings, mesh, contact=ALGORITHM))
+    result = solve(*complete(scene, tyre_settings(ratio) | settings, mesh, contact=ALGORITHM))
     if not result.outcome.converged:
         raise ArithmeticError(f"{scene} at h/R = {ratio:g}: {result.reason}")
     force = result.quantities["force_N"] / ratio

@@ -20,8 +20,7 @@ from studies.run.cells.answers import Answers, number
 from studies.run.cells.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
 from studies.run.store.times import interval, read_times, times_path
 from studies.scenes.element import PRESETS
-from studies.solving.result import UNSUPPORTED
-from studies.solving.step import seen_in
+from studies.solving.result import UNSUPPORTED, seen_in
 
 MISSING = "missing"
 APART = (share_cells.GROUP, sheet_cells.GROUP)

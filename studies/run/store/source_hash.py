@@ -29,8 +29,7 @@ BESIDE_A_CELL = (
 )
 FRICTION = (  # what only a cell with friction executes
     *("contact.friction", "contact.friction.*"),
-    "studies.scenes.friction_readings",
-    *("studies.solving.friction", "studies.solving.friction.*"),
+    *("studies.scenes.friction_readings", "studies.solving.friction_stages"),
 )
 
 

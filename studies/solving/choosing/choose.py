@@ -7,24 +7,29 @@ left; last the cheapest of all that is enough, as its command line asks for it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from studies.ask.request import Request
-from studies.ask.scene import has_contact
-from studies.solving.choosing.choice import Choice
-from studies.solving.choosing.clock import Clock
-from studies.solving.choosing.ladder import FAILURES, Ladder, climb_all
-from studies.solving.choosing.offers import Offer, offers_of, recommended
-from studies.solving.choosing.rule import NONE, errors, first_enough
-from studies.solving.choosing.trials import FROM_REST, Question, race
-from studies.solving.choosing.variants import ELEMENT, MEASURE, MODEL, REFERENCE, Variant, variants
-from studies.solving.choosing.verdict import Verdict, judged
-from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade, first_grid
+from studies.ask.scene import Scene, has_contact
+from studies.solving.choosing.choice import Choice, Offer, offers_of, recommended
+from studies.solving.choosing.ladder import (
+    ELEMENT,
+    FAILURES,
+    MEASURE,
+    MODEL,
+    REFERENCE,
+    Ladder,
+    Variant,
+    variants,
+)
+from studies.solving.choosing.trials import FROM_REST, Clock, Question, race
+from studies.solving.choosing.verdict import NONE, Difference, Verdict, errors, first_enough, judged
+from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
+from studies.solving.refinement.grids import element_size, first_grid, near
 from studies.solving.refinement.limits import Estimate
-from studies.solving.refinement.nested import element_size, near
-from studies.solving.refinement.point_loads import no_limit
+from studies.solving.refinement.records import no_limit
 
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
@@ -124,6 +129,43 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     climb(others)
     known = {offer.words for offer in first}
     found.offers += [offer for offer in offers() if offer.words not in known]
+
+
+def climb_all(
+    ladders: Sequence[Ladder],
+    along: Ladder,
+    quantity: str,
+    limit: Callable[[Ladder], Difference | str],
+    scene: Scene,
+    error: float,
+    clock: Clock,
+) -> Iterator[str]:
+    """Climb grid by grid as far as time and sense go; yields what is done next.
+
+    All of them on the coarsest grid; then each on as many as a limit takes, if there is time for those; then the rest.
+    The next is the cheapest, those that are far from the reference on their last grid counted dearer: they come later,
+    and are not judged by that.  along: the reference.  limit: f of a ladder so far; a variant whose limit is surely off
+    by more than the error comes last: finer grids only say by how much.
+    """
+
+    def turn(ladder: Ladder) -> tuple[bool, int, float]:
+        apart = limit(ladder) if ladder.paths else NONE
+        sure = isinstance(apart, Difference) and apart.least > error
+        return sure, ladder.turn, ladder.price(along, quantity, error)
+
+    open_ = [ladder for ladder in ladders if not ladder.variant.refused]
+    while open_:
+        ladder = min(open_, key=turn)
+        path = ladder.next_of(along)
+        if path is None or ladder.said:
+            ladder.rest()
+            open_.remove(ladder)
+        elif not clock.fits(ladder.foreseen(along, ladder.begun(along))):
+            ladder.waits = path.mesh
+            open_.remove(ladder)
+        else:
+            yield f"{ladder.variant.axis} {ladder.variant.name} {path.mesh}"
+            ladder.climb(scene, path)
 
 
 def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> str:

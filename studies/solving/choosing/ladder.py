@@ -1,23 +1,96 @@
-"""A variant on the grids of the reference, coarse to fine, each path started from the one on the grid before.
+"""What may be varied on a scene, and a variant on the grids of the reference, coarse to fine.
 
-What is enough is not decided here (:mod:`studies.solving.choosing.verdict`).
+A variant is the request of the reference with one thing changed, on the same mesh: its strain measure, an option of the
+element as the scene declares them, its model. Each path starts from the one on the grid before. Contact algorithms are
+no variants: they give the same values, and are tried (:mod:`studies.solving.choosing.trials`). What is enough is not
+decided here (:mod:`studies.solving.choosing.verdict`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from studies.ask.request import PartError, UsageError
-from studies.ask.scene import Scene
-from studies.solving.choosing.clock import Clock
-from studies.solving.choosing.rule import NONE, Difference
-from studies.solving.choosing.variants import Variant
+from formulations.strains.catalogue import MEASURES
+from studies.ask.request import PartError, Request, Settings, UsageError, Value
+from studies.ask.scene import Scene, SettlingScene
+from studies.scenes.element import OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
+MEASURE, ELEMENT, MODEL = "measure", "element", "model"
+AXES = (MEASURE, ELEMENT, MODEL)
+REFERENCE = "exact"  # the measure that neglects nothing
 FEWEST = 4  # grids, each with twice the unknowns of the last, that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One thing changed: its axis, its name, the request, and what a command line says for it.
+
+    refused: why it does not apply, if it does not.
+    """
+
+    axis: str
+    name: str
+    request: Request
+    options: dict[str, str] = field(default_factory=dict)
+    settings: dict[str, str] = field(default_factory=dict)
+    refused: str = ""
+
+
+def variants(scene: Scene, reference: Request) -> Iterator[Variant]:
+    """All of them, axis by axis; reference: the request of the exact measure, on any mesh."""
+    for name in MEASURES:
+        if name != reference.measure:
+            yield _checked(scene, Variant(MEASURE, name, replace(reference, measure=name), {"measure": name}))
+    yield from (_checked(scene, each) for each in _elements(scene, reference))
+    if isinstance(scene, SettlingScene):
+        yield from _models(scene, reference)
+
+
+def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
+    """Presets, and each option changed alone, no combination twice."""
+    declared = {setting.key for setting in scene.settings}
+    own = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
+    seen = [own]
+    presets: list[tuple[str, dict[str, Value], dict[str, str]]] = [
+        (name, {**own, **values}, {"element": name}) for name, values in PRESETS.items() if "element" in declared
+    ]
+    alone: list[tuple[str, dict[str, Value], dict[str, str]]] = [
+        (f"{key}={choice}", {**own, key: choice}, {key: choice})
+        for key, choices, _ in OPTIONS
+        if key in own
+        for choice in choices
+    ]
+    for name, values, said in presets + alone:
+        if values not in seen:
+            seen.append(values)
+            settings = Settings({**reference.settings, **values})
+            yield Variant(ELEMENT, name, replace(reference, settings=settings), settings=said)
+
+
+def _models(scene: SettlingScene, reference: Request) -> Iterator[Variant]:
+    for name in scene.models:
+        if name in ("auto", reference.model):
+            continue
+        try:
+            settled = scene.settle(replace(reference, model=name))
+        except UsageError as error:
+            yield Variant(MODEL, name, reference, refused=str(error))
+            continue
+        if settled.model == name:
+            yield Variant(MODEL, name, settled, {"model": name})
+
+
+def _checked(scene: Scene, variant: Variant) -> Variant:
+    """The variant, refused where the scene is not built with it."""
+    try:
+        scene.build(variant.request)
+    except UsageError as error:
+        return replace(variant, refused=str(error))
+    return variant
 
 
 @dataclass(eq=False)
@@ -91,40 +164,3 @@ class Ladder:
     def values(self, quantity: str) -> list[float]:
         """What was read off, by grid."""
         return [float(each.quantities.get(quantity, math.nan)) for each in self.paths]
-
-
-def climb_all(
-    ladders: Sequence[Ladder],
-    along: Ladder,
-    quantity: str,
-    limit: Callable[[Ladder], Difference | str],
-    scene: Scene,
-    error: float,
-    clock: Clock,
-) -> Iterator[str]:
-    """Climb grid by grid as far as time and sense go; yields what is done next.
-
-    All of them on the coarsest grid; then each on as many as a limit takes, if there is time for those; then the rest.
-    The next is the cheapest, those that are far from the reference on their last grid counted dearer: they come later,
-    and are not judged by that.  along: the reference.  limit: f of a ladder so far; a variant whose limit is surely off
-    by more than the error comes last: finer grids only say by how much.
-    """
-
-    def turn(ladder: Ladder) -> tuple[bool, int, float]:
-        apart = limit(ladder) if ladder.paths else NONE
-        sure = isinstance(apart, Difference) and apart.least > error
-        return sure, ladder.turn, ladder.price(along, quantity, error)
-
-    open_ = [ladder for ladder in ladders if not ladder.variant.refused]
-    while open_:
-        ladder = min(open_, key=turn)
-        path = ladder.next_of(along)
-        if path is None or ladder.said:
-            ladder.rest()
-            open_.remove(ladder)
-        elif not clock.fits(ladder.foreseen(along, ladder.begun(along))):
-            ladder.waits = path.mesh
-            open_.remove(ladder)
-        else:
-            yield f"{ladder.variant.axis} {ladder.variant.name} {path.mesh}"
-            ladder.climb(scene, path)

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,24 +17,11 @@ import numpy as np
 
 from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
-from studies.scenes import SCENES
-from studies.scenes.complete import complete
-from studies.solving.refinement.error_control import coarsest, default_quantity, solve_to_error
+from studies.solving.refinement.error_control import solve_to_error
+from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
 from studies.solving.refinement.limits import FEW, Estimate, Seen, limit_of
-from studies.solving.refinement.nested import (
-    AdaptedScene,
-    Sketch,
-    element_size,
-    near,
-    quarter,
-    sketch,
-    solve_from,
-    touches,
-    ways,
-)
-from studies.solving.refinement.point_loads import no_limit
-from studies.solving.refinement.records import record_estimate, record_grids, record_loads
-from studies.solving.refinement.trees import Family, parts_of
+from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
+from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
 from studies.solving.result import Result
 
 FINER = math.sqrt(2)  # elements along a coordinate from grid to grid
@@ -144,32 +130,6 @@ def parse_budget(text: str | None) -> float:
     if not 0 < value < math.inf:
         raise UsageError(f"budget {text!r} must be a number of seconds above 0, as 5s")
     return value
-
-
-def first_grid(
-    name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
-) -> tuple[Scene, Request]:
-    """The scene and its request on the first grid of a cascade, as :func:`studies.scenes.complete.complete`.
-
-    mesh: by default a quarter of that of the scene both ways. Lines that may follow an estimate of the error do, unless
-    their grading is given: errors of contact scatter less on them.
-    """
-    scene = SCENES.get(name)
-    if isinstance(scene, AdaptedScene) and "grading" not in given:
-        with suppress(UsageError):  # where there is no estimate the lines are those of the scene
-            n1, n2 = scene.default_mesh
-            _, request = complete(
-                name, {**given, "grading": "adapted"}, mesh or (n1 // 2 & ~1, n2 // 2 & ~1), **options
-            )
-            return scene.adapted(request), request
-    if scene is None or mesh is not None:
-        return complete(name, given, mesh, **options)
-    found = complete(name, given, quarter(scene), **options)
-    try:
-        scene.build(found[1])
-    except UsageError:  # a scene may take no such mesh
-        return coarsest(name, given, mesh, **options)
-    return found
 
 
 def answer(

@@ -1,42 +1,81 @@
 """A quantity to an error: grids refined where it is decided, until its limit is known well enough.
 
-Each round solves on a grid and on the one with all its elements cut, and says what the limit is and how well it is
-known (:mod:`studies.solving.refinement.records`). Where that is not well enough, the difference between the two shows
-which elements to cut (:mod:`studies.solving.refinement.indicators`), and the next round begins. A grid whose elements
+Each round solves on a grid and on the one with all its elements cut, T and T'. Bilinear elements converge with the
+square of their size, so that a round says of the limit::
+
+    L = J' + (J' - J)/3
+
+and two rounds with different grids say how well: L is within ::
+
+    u = max(SAFETY |L - L_before|, |J' - J|/3, rim/2)
+
+of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements T may be off by
+more than four times what T' is. The third is half of what the rim of a patch of contact, which jumps from node to node,
+has done from T to T'. A first round alone knows |J' - J|. Where that is not well enough, the difference between the two
+shows which elements to cut (:mod:`studies.solving.refinement.goal`), and the next round begins. A grid whose elements
 have modes by themselves is none: its mesh is made finer across them, and the round begins again.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from contact.problem import Outcome
 from studies.ask.request import Request
-from studies.ask.scene import RefinedScene, Scene, ShellSceneModel, UsageError
-from studies.scenes import SCENES
-from studies.scenes.complete import complete
-from studies.solving.refinement.goal import OnGrid, on_grid
-from studies.solving.refinement.indicators import indicators
-from studies.solving.refinement.nested import quarter
-from studies.solving.refinement.point_loads import no_limit
+from studies.ask.scene import Scene, ShellSceneModel, UsageError
+from studies.solving.refinement.goal import OnGrid, indicators, on_grid
+from studies.solving.refinement.grids import Family
+from studies.solving.refinement.limits import SAFETY, Estimate
 from studies.solving.refinement.records import (
-    Round,
-    at_loads,
-    estimate,
-    of_rounds,
+    default_quantity,
+    no_limit,
     record_estimate,
+    record_grids,
     record_loads,
-    record_rounds,
 )
-from studies.solving.refinement.trees import Family
+from studies.solving.refinement.richardson import correction
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
 TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
+
+
+@dataclass(frozen=True)
+class Round:
+    """A quantity on a grid and on the one with all elements cut, and their unknowns.
+
+    seconds: CPU time of the round; finer_seconds, own_seconds: of the finer grid and of the other alone, which may be
+    that of the round before.  rim: what the rim of a patch of contact adds to the indicators.
+    """
+
+    value: float
+    finer: float
+    unknowns: int
+    finer_unknowns: int
+    seconds: float
+    finer_seconds: float
+    rim: float = 0.0
+    own_seconds: float = 0.0
+
+    @property
+    def limit(self) -> float:
+        """Richardson's for the order 2."""
+        return self.finer + correction((2.0, 1.0), (self.value, self.finer))
+
+
+def estimate(rounds: Sequence[Round]) -> Estimate:
+    """What all rounds so far say of the limit."""
+    last = rounds[-1]
+    step = abs(last.finer - last.value)
+    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 3, last.rim / 2)
+    scale = abs(last.limit) or np.finfo(float).tiny
+    return Estimate(last.limit, within / scale, abs(last.finer - last.limit) / scale)
 
 
 def parse_error(text: str) -> float:
@@ -48,27 +87,6 @@ def parse_error(text: str) -> float:
     if not 1e-4 <= value <= 0.5:
         raise UsageError(f"error {text!r} must be a part of the quantity in [0.01%, 50%], as 1% or 0.01")
     return value
-
-
-def coarsest(
-    name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
-) -> tuple[Scene, Request]:
-    """The scene and its request on the grid from which a refinement sets out; ``complete`` of scenes says how.
-
-    mesh: by default what the scene names, or a quarter of its own both ways. Where lines could be crowded where the
-    scene expects what decides its answers, they are not: refinement finds that out.
-    """
-    scene = SCENES.get(name)
-    if scene is not None:
-        mesh = mesh or coarsest_mesh(scene)
-        if any(setting.key == "grading" for setting in scene.settings):
-            given = {"grading": "uniform", **given}
-    return complete(name, given, mesh, **options)
-
-
-def coarsest_mesh(scene: Scene) -> tuple[int, int]:
-    """A quarter of the default mesh both ways, or what the scene names."""
-    return scene.coarsest_mesh if isinstance(scene, RefinedScene) else quarter(scene)
 
 
 def solve_to_error(
@@ -140,12 +158,6 @@ def solve_to_error(
     return fine, False
 
 
-def default_quantity(scene: Scene, quantities: Mapping[str, float]) -> str:
-    """The force, the first quantity with a reference, or the first of all."""
-    named = ["force_N", *(reference.quantity for reference in scene.references), *quantities]
-    return next(name for name in named if name in quantities)
-
-
 def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> tuple[Family, float]:
     """The grid of the next round, refined where the quantity asks for it, and what the rim has of the indicators.
 
@@ -170,3 +182,22 @@ def _on_grid(result: Result, quantity: str) -> OnGrid:
 def _may_come(scene: Scene, quantity: str) -> bool:
     """Whether a quantity that a grid lacks may come with finer ones: of a limit point, or with a reference."""
     return "limit_" in quantity or quantity in {reference.quantity for reference in scene.references}
+
+
+def record_rounds(result: Result, quantity: str, rounds: Sequence[Round]) -> None:
+    """The rounds as a table."""
+    record_grids(result, [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds])
+
+
+def at_loads(coarse: Result, fine: Result, quantity: str, last: Round) -> list[Round]:
+    """The round at every requested load; the rim of the last is taken to have the same part in all."""
+    seen = [[step.seen.get(quantity) for step in result.loads] for result in (coarse, fine)]
+    if fine.end is None or fine.end.trace is not None or None in seen[0] + seen[1]:
+        return []
+    pairs = zip(*seen, strict=True)
+    return [replace(last, value=a, finer=b, rim=last.rim * abs(b / (last.finer or 1.0))) for a, b in pairs]
+
+
+def of_rounds(rounds: Sequence[Sequence[Round]]) -> list[Estimate | str]:
+    """The estimates of every load from the rounds of all loads; none where a round does not have them."""
+    return [estimate(each) for each in zip(*rounds, strict=True)] if all(rounds) else []

@@ -16,22 +16,11 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import Scene
 from studies.output.atomic import Table
+from studies.solving.refinement.grids import FEWEST, AdaptedScene, element_size, near, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, limit_of, order_of
-from studies.solving.refinement.nested import (
-    FEWEST,
-    AdaptedScene,
-    Sketch,
-    element_size,
-    near,
-    quarter,
-    sketch,
-    solve_from,
-    touches,
-    ways,
-)
-from studies.solving.refinement.point_loads import HALVINGS, growth
-from studies.solving.result import SOLVED, Result
-from studies.solving.step import COUNTS, unit_of
+from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
+from studies.solving.refinement.records import HALVINGS, growth
+from studies.solving.result import COUNTS, SOLVED, Result, unit_of
 
 TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the table, and two times
 NESTED, COLD = "nested", "cold"

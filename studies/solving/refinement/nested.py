@@ -1,8 +1,12 @@
-"""Nested iteration: a path is followed on a coarser grid first, which starts it near its solution on the next one.
+"""States of a path on a coarser grid as starts of the same path on another: nested iteration.
 
 What coarser grids have come to is not judged: they are starts, and values to compare with. The answer is that of the
 last grid alone: where its path from a known one fails, or comes to a state that is not stable, it is followed from
 rest, and that decides. Source: Hackbusch, Multi-Grid Methods (1985), ch. 5.
+
+Displacements are carried by cubics, resultants mode by mode, for they build the geometric stiffness of the first step
+of a mixed Newton; pressures, the contact set and friction by the nodes around. Slips are counted from the states of the
+path itself.
 """
 
 from __future__ import annotations
@@ -12,36 +16,32 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import pairwise, product
-from typing import Any, Protocol, runtime_checkable
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from contact.continuation.critical_points import State
-from contact.continuation.starts import Start, Starts
+from contact.continuation.starts import Start, Starts, none_known
+from contact.coulomb import State as Rubs
+from contact.problem import ContactSolution
+from formulations.element.mixed import MODE_ROWS
+from formulations.geometry.transfer import Transfer
 from studies.ask.request import Request
-from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage, UsageError
+from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage
 from studies.ask.settings import configured
 from studies.scenes.plugins import blamed
 from studies.scenes.walk import Visited, no_starts, walk
-from studies.solving.refinement.carried import starts_from
+from studies.solving.refinement.grids import element_size
 from studies.solving.result import CONVERGED, Result
-from studies.solving.solve import cold, solve, stages_of
+from studies.solving.solve import solve, stages_of
 
-COARSER = 4  # the default mesh over the coarsest one
-FEWEST = 4  # elements along a coordinate, below which it is not made coarser
-NEAR = 2  # how far from the elements that are wanted those of a grid may be, where a scene does not take them
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
 FAR = 0.5  # of a step, as far as which from its state a start is none
-
-
-@runtime_checkable
-class AdaptedScene(Protocol):
-    """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
-
-    def adapted(self, request: Request) -> Scene:
-        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
+POWERS = tuple(powers for powers, _ in MODE_ROWS)
+LINEAR = 1  # what jumps at the rim of a patch is interpolated without overshooting
+MOSTLY = 0.5  # of the nodes around, in contact
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,17 +91,6 @@ class Sketch:
         return element_size(self.request)
 
 
-def element_size(request: Request) -> float:
-    """Of the elements along the coordinates that have several, over that of a single one."""
-    several = [n for n in request.mesh if n > 1] or [1]
-    return math.prod(several) ** (-1 / len(several))
-
-
-def ways(request: Request) -> int:
-    """Coordinates that have several elements."""
-    return sum(n > 1 for n in request.mesh)
-
-
 def touches(visited: Visited) -> bool:
     """Whether some candidates are in contact."""
     return bool(np.any(visited.point.solution.active))
@@ -111,7 +100,7 @@ def solve_from(
     scene: Scene, request: Request, known: Sketch | None, progress: Callable[[str], None] = lambda text: None
 ) -> Result:
     """The result on the grid of the request, its path started from a known one; from rest where that is not stable."""
-    result = solve(scene, request, progress, partial(starts_of, known) if known is not None else cold)
+    result = solve(scene, request, progress, None if known is None else partial(starts_of, known))
     if known is None or result.verdict == CONVERGED or result.unsupported:
         return result
     again = solve(scene, request, progress)
@@ -196,30 +185,97 @@ def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
     return starts_from(known.visits, known.model, model)
 
 
-def quarter(scene: Scene) -> tuple[int, int]:
-    """A quarter of the default mesh both ways."""
-    n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
-    return n1, n2
+def starts_from(visits: Sequence[Visited], here: ShellSceneModel, there: SceneModel) -> Callable[[Stage], Starts]:
+    """The starts of the stages of ``there``; none where the grids or the unknowns of a stage do not fit.
 
-
-def near(scene: Scene, request: Request, times: float) -> Request | None:
-    """The request with so many times the elements along each coordinate, or nearly; None where there is no such grid.
-
-    A coordinate with one element keeps it, and none is made coarser than FEWEST.
+    visits: the requested points of the path on the grid of ``here``.
     """
-    wanted = [n if n == 1 else max(n * times, min(n, FEWEST)) for n in request.mesh]
-    around = [[n] if n == 1 else _around(want) for n, want in zip(request.mesh, wanted, strict=True)]
-    for mesh in sorted(
-        product(*around), key=lambda mesh: sum(abs(n / w - 1) for n, w in zip(mesh, wanted, strict=True))
-    ):
-        asked = replace(request, mesh=(mesh[0], mesh[1]))
-        try:
-            scene.build(asked)
-        except UsageError:
-            continue
-        return asked if mesh != request.mesh else None
-    return None
+    if not isinstance(there, ShellSceneModel):
+        return no_starts
+    transfer = Transfer.between(here.shell.discretisation.grid, there.shell.discretisation.grid)
+    if transfer is None:
+        return no_starts
+    carrier = Carrier(here, there, transfer)
+
+    def of(stage: Stage) -> Starts:
+        known = [visited for visited in visits if visited.stage.name == stage.name and visited.converged]
+        return none_known if stage.whole is not None else _Known(carrier, known).at
+
+    return of
 
 
-def _around(wanted: float) -> list[int]:
-    return [n for n in range(round(wanted) - NEAR, round(wanted) + NEAR + 1) if n > 1]
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """The points of a stage in their order."""
+
+    carrier: Carrier
+    visits: Sequence[Visited]
+
+    def at(self, index: int, last: State, parameter: float) -> Start | None:
+        """That of the point with this index, if the path has stood at both parameters on its way there."""
+        if index >= len(self.visits):
+            return None
+        visited = self.visits[index]
+        way = dict(visited.point.way)
+        if parameter not in way or last[0] not in way:
+            return None
+        return self.carrier.start(visited, (last[0], way[last[0]]), (parameter, way[parameter]), last[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Carrier:
+    """From the model on one grid to that on another."""
+
+    here: ShellSceneModel
+    there: ShellSceneModel
+    transfer: Transfer
+
+    def start(self, visited: Visited, before: State, at: State, last: ContactSolution) -> Start | None:
+        """A state of a stage, where the path there has come to ``last`` as here to the state ``before``.
+
+        What the path here has moved since is added to the last state there: what the grids differ by hardly changes
+        from load to load. None where the unknowns of the stage are not those of the shell.
+        """
+        shell, other = self.here.moved(at[0]).shell, self.there.moved(at[0]).shell
+        was, old = self.here.moved(before[0]).shell, self.there.moved(before[0]).shell
+        if len(at[1].u) != shell.discretisation.n_free or len(last.u) != other.discretisation.n_free:
+            return None
+        if shell.prescribed is not None and before[0] == 0.0 and np.any(last.u):
+            return None  # a stage that begins with a guess, and not with a state
+        moved = shell.displacements(at[1].u) - was.displacements(before[1].u)
+        u = last.u + other.discretisation.map.restrict(self.transfer.nodal(moved))
+        H = None
+        if shell.newton == "mixed":
+            change = shell.resultants(at[1].u) - was.resultants(before[1].u)
+            H = old.resultants(last.u) + self.transfer.modes(change, POWERS)
+        start = Start(u, at[1].pressure, at[1].active, H)
+        return self._touching(visited, *at, start) if len(at[1].active) else start
+
+    def _touching(self, visited: Visited, t: float, state: ContactSolution, start: Start) -> Start:
+        """With pressures, set and friction at the candidates."""
+        active = self._at_candidates(state.active.astype(float)) >= MOSTLY
+        start = replace(start, pressure=np.where(active, self._at_candidates(state.pressure), 0.0), active=active)
+        if state.friction is None:
+            return start
+        weights = visited.problem_at(t).weights
+        traction = state.friction.force / np.where(weights > 0, weights, 1.0)[:, None]
+        slips, closed = (
+            self._at_candidates(each.astype(float))
+            for each in (state.friction.state == Rubs.SLIP, state.friction.state != Rubs.OPEN)
+        )
+        found = np.where(slips > MOSTLY * closed, Rubs.SLIP, Rubs.STICK)
+        return replace(
+            start,
+            traction=np.where(active[:, None], self._at_candidates(traction), 0.0),
+            state=np.where(active, found, Rubs.OPEN).astype(state.friction.state.dtype),
+        )
+
+    def _at_candidates(self, values: np.ndarray) -> np.ndarray:
+        """Values (m, ...) at the candidates here -> (k, ...) at those there; 0 at nodes that are none."""
+        of_node, to_node = self.here.candidate_of_node, self.there.candidate_of_node
+        at_nodes = np.concatenate([values, np.zeros((1, *values.shape[1:]))])[of_node]
+        carried = self.transfer.nodal(self.transfer.here.carried(at_nodes), LINEAR)
+        touching = to_node >= 0
+        found = np.zeros((int(to_node.max(initial=-1)) + 1, *values.shape[1:]))
+        found[to_node[touching]] = carried[touching]
+        return found

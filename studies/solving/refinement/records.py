@@ -1,68 +1,33 @@
-"""Rounds, what they say of the limit of a quantity, and how results keep what grids have come to.
+"""What a result states of a quantity on refined grids: its limit, grid by grid and load by load, or why it has none.
 
-Each round solves on a grid and on the one with all its elements cut, T and T'. Bilinear elements converge with the
-square of their size, so that a round says of the limit::
-
-    L = J' + (J' - J)/3
-
-and two rounds with different grids say how well: L is within ::
-
-    u = max(SAFETY |L - L_before|, |J' - J|/3, rim/2)
-
-of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements T may be off by
-more than four times what T' is. The third is half of what the rim of a patch of contact, which jumps from node to node,
-has done from T to T'. A first round alone knows |J' - J|.
-Nothing is solved here.
+A shell of the shear stiffness S [N/mm] sinks in under a normal point force F as S lap w = -F delta has it, with
+w = -F/(phi S) ln r over the angle phi of the wall around the point, without bound (:func:`studies.scenes.curves
+.point_rise`). Elements of half the size add F/(phi S) ln 2, whatever the grid; what a quantity has of the deflection at
+the point grows by as much. How grids are refined does not enter here, and nothing is solved.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from formulations.shell import ShellModel
 from studies.ask.request import Request
-from studies.ask.scene import ShellSceneModel
+from studies.ask.scene import Scene, ShellSceneModel
 from studies.output.atomic import Table
-from studies.solving.refinement.limits import SAFETY, Estimate
-from studies.solving.refinement.richardson import correction
+from studies.scenes.curves import CurveModel
+from studies.scenes.statics import StaticModel
+from studies.solving.refinement.limits import Estimate
+from studies.solving.refinement.nested import Sketch
 from studies.solving.result import Result
 
 UNKNOWN: dict[str, float | None] = {"limit": None, "uncertainty": None}
-
-
-@dataclass(frozen=True)
-class Round:
-    """A quantity on a grid and on the one with all elements cut, and their unknowns.
-
-    seconds: CPU time of the round; finer_seconds, own_seconds: of the finer grid and of the other alone, which may be
-    that of the round before.  rim: what the rim of a patch of contact adds to the indicators.
-    """
-
-    value: float
-    finer: float
-    unknowns: int
-    finer_unknowns: int
-    seconds: float
-    finer_seconds: float
-    rim: float = 0.0
-    own_seconds: float = 0.0
-
-    @property
-    def limit(self) -> float:
-        """Richardson's for the order 2."""
-        return self.finer + correction((2.0, 1.0), (self.value, self.finer))
-
-
-def estimate(rounds: Sequence[Round]) -> Estimate:
-    """What all rounds so far say of the limit."""
-    last = rounds[-1]
-    step = abs(last.finer - last.value)
-    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 3, last.rim / 2)
-    scale = abs(last.limit) or np.finfo(float).tiny
-    return Estimate(last.limit, within / scale, abs(last.finer - last.limit) / scale)
+HALVINGS = 10  # of the elements at a point load, whose growth has to stay within the error that is asked for
+STEP = 1e-6  # of the largest displacement, for the slope of a quantity
+SHEAR = (slice(6, 8), slice(8, 10))  # 2E13 and 2E23 of both faces
 
 
 def record_estimate(result: Result, quantity: str, found: Estimate, error: float) -> None:
@@ -79,23 +44,9 @@ def record_estimate(result: Result, quantity: str, found: Estimate, error: float
     }
 
 
-def record_rounds(result: Result, quantity: str, rounds: Sequence[Round]) -> None:
-    """The rounds as a table."""
-    record_grids(result, [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds])
-
-
 def record_grids(result: Result, rows: Sequence[dict[str, Any]]) -> None:
     """What grids have come to, a row each, as a table."""
     result.tables["refinement"] = [Table.of_rows(rows)]
-
-
-def at_loads(coarse: Result, fine: Result, quantity: str, last: Round) -> list[Round]:
-    """The round at every requested load; the rim of the last is taken to have the same part in all."""
-    seen = [[step.seen.get(quantity) for step in result.loads] for result in (coarse, fine)]
-    if fine.end is None or fine.end.trace is not None or None in seen[0] + seen[1]:
-        return []
-    pairs = zip(*seen, strict=True)
-    return [replace(last, value=a, finer=b, rim=last.rim * abs(b / (last.finer or 1.0))) for a, b in pairs]
 
 
 def record_loads(result: Result, quantity: str, stated: Sequence[Estimate | str]) -> None:
@@ -109,11 +60,6 @@ def record_loads(result: Result, quantity: str, stated: Sequence[Estimate | str]
     result.tables["loads"] = [Table.of_rows(rows)]
 
 
-def of_rounds(rounds: Sequence[Sequence[Round]]) -> list[Estimate | str]:
-    """The estimates of every load from the rounds of all loads; none where a round does not have them."""
-    return [estimate(each) for each in zip(*rounds, strict=True)] if all(rounds) else []
-
-
 def _elements(model: ShellSceneModel, request: Request) -> Table:
     """The elements of the last grid: their ends along a1 and a2, and how often they were cut."""
     grid = model.shell.discretisation.grid
@@ -121,3 +67,54 @@ def _elements(model: ShellSceneModel, request: Request) -> Table:
     levels = [level for level, _, _ in request.leaves] or np.zeros(len(low), int)
     ends = {f"a{axis + 1}_{name}": each[:, axis] for axis in (0, 1) for name, each in (("low", low), ("high", high))}
     return Table.of({**ends, "level": levels})
+
+
+def default_quantity(scene: Scene, quantities: Mapping[str, float]) -> str:
+    """The force, the first quantity with a reference, or the first of all."""
+    named = ["force_N", *(reference.quantity for reference in scene.references), *quantities]
+    return next(name for name in named if name in quantities)
+
+
+def growth(result: Result | Sketch, quantity: str) -> float:
+    """How much a quantity of the last state changes with every halving of the elements at its point loads; 0: none."""
+    name, model, end = quantity.removeprefix("limit_"), result.model, result.end
+    if not isinstance(model, StaticModel) or model.shell.forces is None or end is None:
+        return 0.0
+    if isinstance(model, CurveModel) and name in (key.replace("_mm", "_even_mm") for key in model.rises):
+        return 0.0  # it is what is left without the growth
+    state = end.point.solution
+    step = STEP * float(np.max(np.abs(state.u), initial=0.0))
+
+    def read(u: np.ndarray) -> float:
+        seen = end.stage.observe(end.problem, replace(state, u=u), end.point.requested)
+        return seen.quantities.get(name, np.nan)
+
+    total = 0.0
+    for node, sink in sinks(model.shell).items():
+        along = np.zeros((model.shell.discretisation.grid.n_nodes, 6))
+        along[node, 4:] = 1.0
+        moved = state.u + step * model.shell.discretisation.map.restrict(along)
+        total += end.point.requested * sink * float(np.log(2)) * (read(moved) - read(state.u)) / step
+    return 0.0 if np.isnan(total) else abs(total)
+
+
+def no_limit(result: Result | Sketch, quantity: str, error: float) -> str:
+    """Why a quantity of the last state has no limit to a relative error under a point load; empty where it has."""
+    grows, size = growth(result, quantity), abs(result.quantities.get(quantity, np.nan))
+    if not HALVINGS * grows > error * size:
+        return ""
+    grown = f"it grows by {100 * grows / size:.2g} % with every halving of the elements"
+    return f"{quantity} has no limit in a theory with shear under a point load: {grown}"
+
+
+def sinks(shell: ShellModel) -> dict[int, float]:
+    """F/(phi S) [mm] of the nodes that carry normal forces alone, beside no other node that does."""
+    assert shell.forces is not None
+    discretisation = shell.discretisation
+    force = discretisation.map.placed(shell.forces)[:, 4:].sum(axis=1)
+    elements, loaded = discretisation.grid.elements, force != 0
+    D = discretisation.laminate.stiffness(shell.section)
+    stiffness = float(np.sqrt(np.prod([D[rows, rows].sum() for rows in SHEAR])))
+    alone = loaded & ~np.isin(np.arange(len(force)), elements[loaded[elements].sum(axis=1) > 1])
+    angle = np.pi / 2 * np.bincount(elements.ravel(), minlength=len(force))
+    return {int(node): float(force[node] / (angle[node] * stiffness)) for node in np.flatnonzero(alone)}

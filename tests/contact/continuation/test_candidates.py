@@ -14,7 +14,8 @@ from contact.continuation.candidates import solve_within_reach
 from contact.events import EventKind, events
 from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
-from studies.solving.solve import resolve, solve
+from studies.scenes.complete import complete as resolve
+from studies.solving.solve import solve
 from support.problems.contact_problems import linear_mechanics
 
 DOWN = np.array([0.0, 0.0, -1.0])

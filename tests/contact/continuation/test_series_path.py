@@ -15,8 +15,8 @@ from contact.continuation.equilibrium_curve import ArcPoint, Curve
 from contact.continuation.power_series import Piece
 from contact.continuation.series_path import PowerSeries
 from contact.problem import Linearisation, Outcome
+from studies.scenes.complete import complete as resolve
 from studies.scenes.curves import CurveModel
-from studies.solving.solve import resolve
 
 ON_CURVE = 1e-10
 CLOSE = 1e-8  # relative, of two limit loads and of two states

@@ -13,9 +13,9 @@ from contact.problem import ContactSolution
 from contact.solvers.sparse import checked_solve, factorise
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.geometry.nested_dissection import dissection
+from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
-from studies.solving.solve import resolve
 from support.problems.shells import make_shell
 
 ROUNDING = 1e-9  # relative: what another order of elimination leaves of a solution

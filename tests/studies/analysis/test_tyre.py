@@ -23,8 +23,8 @@ from studies.output.atomic import SCHEMA, plain, write_json
 from studies.run.campaigns.plan import Row
 from studies.run.campaigns.report_cells import BUDGET, READINGS, ROBUSTNESS
 from studies.run.cells.answers import Answers
+from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
-from studies.solving.solve import resolve
 
 LIMIT = 2000.0
 CHANGED = {"follower": 0.15, "full-3d": 0.1, "nonsymmetric": 0.0}

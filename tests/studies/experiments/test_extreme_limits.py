@@ -13,7 +13,7 @@ from studies.experiments.extreme_limits import ALGORITHM, LIMITS, MEASURE, RESOL
 from studies.experiments.extremes import CONVERGED, FAILED, REFUSED, Found
 from studies.run.campaigns.cell import Cell
 from studies.scenes.closed_forms.contact import flattened_ring, pinched_ring
-from studies.solving.solve import resolve
+from studies.scenes.complete import complete as resolve
 
 
 @pytest.mark.parametrize("limit", [3e-5, 0.2, 0.999])

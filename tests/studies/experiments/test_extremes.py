@@ -32,8 +32,9 @@ from studies.experiments.extremes import (
     extremes_table,
 )
 from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import complete as resolve
 from studies.scenes.contact.panel import lines
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 
 def panel(contact: str = "semismooth", mesh: str = "4x4", **settings: str) -> Cell:

@@ -9,7 +9,8 @@ from scipy.stats import mannwhitneyu
 
 from studies.gate.compare import NothingComparedError
 from studies.gate.times import FEWEST, compare_times, floor_of
-from studies.solving.solve import resolve, solve
+from studies.scenes.complete import complete as resolve
+from studies.solving.solve import solve
 
 CELLS, SAMPLES = 100, 10
 

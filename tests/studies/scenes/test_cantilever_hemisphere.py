@@ -10,8 +10,9 @@ from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.problem import Outcome
 from studies.scenes import SCENES
+from studies.scenes.complete import complete as resolve
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 MESHES = (16, 32, 64)
 FINER = (32, 64, 128)

@@ -9,10 +9,11 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from studies.scenes.closed_forms.contact import flattened_ring, lifted_strip, plate_contact, strip_contact
+from studies.scenes.complete import complete as resolve
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
 from studies.solving.result import CONVERGED, Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 
 DIGITS = 6e-7  # of the tables, relative: they have eight

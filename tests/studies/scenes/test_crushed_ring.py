@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from studies.ask.request import UsageError
+from studies.scenes.complete import complete as resolve
 from studies.scenes.contact import crushed_ring_solid
 from studies.scenes.contact.crushed_ring import FILE
 from studies.scenes.contact.crushed_ring_solid import COLUMNS
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 TABLE = read_reference(FILE)
 DIGITS = 3e-4  # of the other program on the same mesh, relative: it prints three decimals

@@ -16,9 +16,10 @@ from studies.ask.scene import UsageError
 from studies.cli import main
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.sze_moment import H, L
+from studies.scenes.complete import complete as resolve
 from studies.scenes.element import PRESETS
 from studies.scenes.statics import area_load
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,10 @@ from formulations.recovery import energy_products, recovery_errors, refined
 from studies.analysis.tyre import reaching
 from studies.ask.scene import UsageError
 from studies.experiments.work_precision import work_precision
+from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
 from studies.scenes.tyre.model import TyreModel
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 LIMITS = {"paper": 1880.2, "refined": 1879.9}  # N, adapted grids of 74x94 and 90x112, which agree to 0.05 %
 

@@ -31,7 +31,8 @@ from studies.scenes.benchmarks.hyperboloid import (
     solid,
     two_faces,
 )
-from studies.solving.solve import resolve, solve
+from studies.scenes.complete import complete as resolve
+from studies.solving.solve import solve
 from support.problems.naghdi import NaghdiShell
 
 MUST = 0.005  # of the printed values on at most 64 x 64 elements

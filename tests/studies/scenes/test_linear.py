@@ -22,11 +22,12 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
 from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
 from studies.scenes.benchmarks import scordelis_lo as linear_roof
+from studies.scenes.complete import complete as resolve
 from studies.scenes.curves import point_rise
 from studies.scenes.data import DATA, read_reference
 from studies.scenes.element import ShearCorrected
 from studies.scenes.statics import area_load
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 
 PUBLISHED = 0.005  # extrapolated against published, unless a line says otherwise

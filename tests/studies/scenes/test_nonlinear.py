@@ -18,9 +18,10 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
 from studies.scenes.benchmarks.sze_annulus import P_MAX
 from studies.scenes.benchmarks.sze_moment import EI, M_MAX, H, L
-from studies.solving.refinement.trees import Family
+from studies.scenes.complete import complete as resolve
+from studies.solving.refinement.grids import Family
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 CLOSE = 5e-3  # of a published value, after refinement
 LIMIT = "limit_load_fraction"

@@ -12,8 +12,9 @@ from contact.continuation.series_path import PowerSeries
 from studies.ask.scene import CurveStage
 from studies.cli import main
 from studies.scenes import SCENES
+from studies.scenes.complete import complete as resolve
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 CURVES = (*(f"roof-{letter}" for letter in "abcdef"), "shallow-cap", "sze-pullout")
 FACTORISATIONS = 40  # of the whole curve; arc length takes 126 to 316

@@ -11,8 +11,9 @@ from scipy.interpolate import PchipInterpolator
 
 from contact.problem import Outcome
 from studies.scenes import SCENES
+from studies.scenes.complete import complete as resolve
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 from support.problems.curves import distances
 
 AT_QUARTERS = 1e-2  # of a published displacement, on 32x32

@@ -22,9 +22,10 @@ from formulations.solid_mesh import SolidMesh
 from studies.cli import NOT_CONVERGED, main
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.roofs import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
+from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 from support.problems.curves import distances
 
 ROOF = 1e-2  # of the load at a limit point

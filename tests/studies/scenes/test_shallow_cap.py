@@ -10,8 +10,9 @@ import pytest
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.shallow_cap import BASE, NU, RADIUS, RISE, shallow_cap, thickness
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
+from studies.scenes.complete import complete as resolve
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 PUBLISHED = 0.005  # of Teng and Rotter's three digits for caps four times as deep
 CONVERGED = 0.002  # of the snap pressure of the shallow equations: shear, depth and the hole are left

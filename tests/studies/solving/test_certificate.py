@@ -14,11 +14,12 @@ from contact.continuation.critical_points import Ending, PathEnd
 from contact.continuation.load_stepping import PathPoint
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.ask.scene import Stage
+from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, walk
 from studies.solving.branching import branches_of
 from studies.solving.certificate import certificate
 from studies.solving.result import CAP_HIT, CONVERGED, NOT_CONVERGED, UNSTABLE, Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding", "stability"}
 MESH = "12x12"
@@ -31,7 +32,7 @@ def tyre():
 
 def pressed(given: dict[str, str], contact: str = "semismooth"):
     """A tyre at 8 mm: its last problem, its state, and the result."""
-    found = solve(*resolve("tyre", {"delta_mm": "8", **given}, MESH, contact=contact, model="full"))
+    found = solve(*complete("tyre", {"delta_mm": "8", **given}, MESH, contact=contact, model="full"))
     assert found.outcome.converged
     assert all(set(step) >= KEYS for step in found.steps)
     assert [step["failures"] + step["diagnosis"] for step in found.steps] == [[]] * len(found.steps)
@@ -78,7 +79,7 @@ def test_a_regularised_state_is_certified_by_its_own_law_only() -> None:
 
 def test_scenes_without_contact_are_certified_too() -> None:
     for scene, balances in (("cantilever", {"energy", "force"}), ("pressurised-sphere", {"force"})):
-        found = solve(*resolve(scene, {}, "4x2" if scene == "cantilever" else "6x6"))
+        found = solve(*complete(scene, {}, "4x2" if scene == "cantilever" else "6x6"))
         for step in found.steps:
             assert set(step) >= KEYS
             assert step["failures"] == []
@@ -117,7 +118,7 @@ def test_negative_eigenvalues_of_a_coarse_tyre_are_all_counted_and_are_of_its_el
     contact, epsilon, measure, mesh, alone
 ) -> None:
     """By dense algebra they are as many; from 10 x 10 elements on there are none."""
-    scene, request = resolve("tyre", {"delta_mm": "20"}, mesh, measure=measure, contact=contact)
+    scene, request = complete("tyre", {"delta_mm": "20"}, mesh, measure=measure, contact=contact)
     *_, last = walk(scene.build(request).stages(), ALGORITHMS[contact](epsilon=epsilon))
     values = free_eigenvalues(last.problem, last.point.solution, epsilon)
     told = certificate(last.problem, last.point.solution, epsilon)["stability"]
@@ -126,7 +127,7 @@ def test_negative_eigenvalues_of_a_coarse_tyre_are_all_counted_and_are_of_its_el
 
 
 def test_an_unstable_equilibrium_is_a_class_of_its_own() -> None:
-    found = solve(*resolve("sze-moment", {"load_fraction": "0.9,1"}, "8x1"))
+    found = solve(*complete("sze-moment", {"load_fraction": "0.9,1"}, "8x1"))
     assert found.outcome.converged
     assert found.verdict == UNSTABLE
     assert [step["failures"] for step in found.steps] == [[], []]
@@ -138,7 +139,7 @@ def test_an_unstable_equilibrium_is_a_class_of_its_own() -> None:
 @pytest.mark.slow
 def test_points_of_a_traced_curve_say_their_count_and_are_no_such_class() -> None:
     """The roof snaps: its curve passes unstable points on purpose, from the limit point to the other."""
-    found = solve(*resolve("roof-b", {}, "4x4"))
+    found = solve(*complete("roof-b", {}, "4x4"))
     counts = [step["stability"]["negative"] for step in found.steps]
     limits = [i for i, step in enumerate(found.steps) if step["limit_point"]]
     assert found.verdict == CONVERGED
@@ -157,7 +158,7 @@ def test_points_of_a_traced_curve_say_their_count_and_are_no_such_class() -> Non
     ],
 )
 def test_a_limit_of_iterations_is_no_cause_where_the_path_ends(outcome, end, verdict, found_by) -> None:
-    _, request = resolve("cantilever", {}, "4x2")
+    _, request = complete("cantilever", {}, "4x2")
     rest = ContactSolution.at_rest(1, 0)
     point = PathPoint(20.0, 7.4, outcome, rest, 3, Outcome.ITERATION_LIMIT, end)
     visited = Visited(Stage("press", lambda before: (None, before), (20.0,), None), lambda t: None, rest, point)
@@ -173,7 +174,7 @@ def test_a_limit_of_iterations_is_no_cause_where_the_path_ends(outcome, end, ver
 @pytest.mark.slow
 def test_qp_ends_at_the_limit_point_that_the_others_end_at() -> None:
     """It cannot solve for a travel, and must not say that its path ends nowhere."""
-    ends = [solve(*resolve("tyre", {"delta_mm": "20"}, "8x8", contact=name)).path_end for name in ("qp", "semismooth")]
+    ends = [solve(*complete("tyre", {"delta_mm": "20"}, "8x8", contact=name)).path_end for name in ("qp", "semismooth")]
     assert [end["kind"] for end in ends] == ["limit point"] * 2
     assert ends[0]["parameter"] == pytest.approx(ends[1]["parameter"], rel=1e-8)
 
@@ -181,7 +182,7 @@ def test_qp_ends_at_the_limit_point_that_the_others_end_at() -> None:
 @pytest.mark.slow
 def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ball of 0.05 mm that comes by 1 mm: behind the panel, where nothing touches and all residuals are zero."""
-    asked = resolve("panel", {"foundation": "ball", "ball_mm": "0.05", "delta_mm": "1"}, "4x4")
+    asked = complete("panel", {"foundation": "ball", "ball_mm": "0.05", "delta_mm": "1"}, "4x4")
     found = solve(*asked)
     assert found.verdict == "converged"
     assert found.quantities["force_N"] > 0
@@ -203,8 +204,8 @@ def test_of_two_equilibria_of_one_question_the_certificate_says_which_is_stable(
     """On a cleat two algorithms end at 761.2 and 712.2 N; the second is a saddle, and leads down to the first."""
     given = {"gamma_deg": "70", "p0_MPa": "0.1", "delta_mm": "20", "pressure_area": "face", "foundation": "cleat"}
     given |= {"thickness_strain": "balanced", "interpolation": "isoparametric"}
-    stable = solve(*resolve("tyre", given, "14x12"))
-    saddle = solve(*resolve("tyre", given | {"epsilon": "inf"}, "14x12", contact="trial-and-error"))
+    stable = solve(*complete("tyre", given, "14x12"))
+    saddle = solve(*complete("tyre", given | {"epsilon": "inf"}, "14x12", contact="trial-and-error"))
     assert (stable.verdict, saddle.verdict) == (CONVERGED, UNSTABLE)
     assert saddle.steps[-1]["force_N"] < 0.95 * stable.steps[-1]["force_N"]
     assert saddle.steps[-1]["stability"]["negative"] == 1

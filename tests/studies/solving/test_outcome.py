@@ -17,10 +17,12 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.cli import main
 from studies.output.atomic import as_text
-from studies.solving import solve as solving
-from studies.solving.refinement.error_control import coarsest, solve_to_error
+from studies.scenes.complete import complete
+from studies.solving import recording
+from studies.solving.refinement.error_control import solve_to_error
+from studies.solving.refinement.grids import coarsest
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 LOADS = {"delta_mm": "5,10,20"}
 
@@ -45,7 +47,7 @@ def liar(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def lied() -> Result:
-    return solve(*resolve("ring", LOADS, "1x16", contact="liar"))
+    return solve(*complete("ring", LOADS, "1x16", contact="liar"))
 
 
 def test_the_path_ends_at_the_load_that_the_judge_refuses(lied: Result) -> None:
@@ -97,7 +99,7 @@ def test_a_refinement_ends_with_a_state_that_is_wrong() -> None:
 
 @pytest.mark.parametrize("path", ["arc-length", "series"])
 def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    judge = solving.certificate
+    judge = recording.certificate
 
     def planted() -> Iterator[bool]:
         yield from (False, False)
@@ -110,8 +112,8 @@ def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(path: str, monk
         more = {"failures": ["equilibrium"], "exceeded": {"equilibrium": (0.5, 1e-8)}}
         return judge(*asked) | (more if next(wrong) else {})
 
-    monkeypatch.setattr(solving, "certificate", refusing)
-    found = solve(*resolve("roof-b", {"path": path}, "4x4"))
+    monkeypatch.setattr(recording, "certificate", refusing)
+    found = solve(*complete("roof-b", {"path": path}, "4x4"))
     curve = found.table("curve").columns
     assert len(found.steps) == 3
     assert (len(curve["load_fraction"]) == 3) == (path == "arc-length")
@@ -148,7 +150,7 @@ def test_an_interrupted_solve_writes_the_loads_that_were_finished(
 
 
 def _whole() -> dict[str, Any]:
-    return dict(json.loads(as_text(solve(*resolve("ring", {"delta_mm": "5"}, "1x16")).as_json())))
+    return dict(json.loads(as_text(solve(*complete("ring", {"delta_mm": "5"}, "1x16")).as_json())))
 
 
 @dataclass(frozen=True)
@@ -183,7 +185,7 @@ class Inflation(Semismooth):
 
 def test_what_no_step_shows_is_judged_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(ALGORITHMS, "semismooth", Inflation)
-    found = solve(*resolve("tyre", {"delta_mm": "5"}, "8x8"))
+    found = solve(*complete("tyre", {"delta_mm": "5"}, "8x8"))
     assert (found.outcome, found.verdict) == (Outcome.WRONG, "wrong")
     assert found.reason.startswith("equilibrium ")
     assert found.reason.endswith(" in column at 1")
@@ -194,12 +196,12 @@ def test_a_path_through_an_unstable_state_says_so() -> None:
     """Two ways of Newton reach two states, both stable once the tyre is pressed: inflated, neither was."""
     asked = ("tyre", {"delta_mm": "13.6", "load": "follower", "nu_TT": "0.2889"}, "6x8")
     ways = [
-        solve(*resolve(*asked, measure="moderate-rotation", model="full", newton=way)) for way in ("mixed", "plain")
+        solve(*complete(*asked, measure="moderate-rotation", model="full", newton=way)) for way in ("mixed", "plain")
     ]
     one, other = (way.quantities["force_N"] for way in ways)
     assert abs(one - other) > 1
     for way in ways:
         assert way.verdict == "converged"
         assert any(note.startswith("inflation at 1: unstable: ") for note in way.as_json()["notes"])
-    steady = solve(*resolve("tyre", {"delta_mm": "13.6"}, "20x20"))
+    steady = solve(*complete("tyre", {"delta_mm": "13.6"}, "20x20"))
     assert steady.on_the_way == []

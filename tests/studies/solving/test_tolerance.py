@@ -9,14 +9,15 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.verify import claim, judge
 from studies.ask.scene import UsageError
+from studies.scenes.complete import complete
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 LOOSE = 1e-2
 
 
 def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: str) -> Result:
-    found = solve(*resolve(scene, settings, mesh, contact=contact))
+    found = solve(*complete(scene, settings, mesh, contact=contact))
     assert found.outcome.converged
     return found
 
@@ -40,7 +41,7 @@ def test_the_default_is_what_it_was() -> None:
 
 def test_a_loose_answer_is_wrong_for_who_claims_more() -> None:
     """Must fail beside must pass."""
-    scene, request = resolve("cantilever", {"tolerance": "1e-1"}, "16x1")
+    scene, request = complete("cantilever", {"tolerance": "1e-1"}, "16x1")
     found = solve(scene, request)
     *_, stage = found.model.stages()
     verdict = judge(stage.begin(None)[0](1.0), found.last.u, found.last.pressure)
@@ -60,4 +61,4 @@ def test_arc_length_honours_it() -> None:
 @pytest.mark.parametrize("value", ["0", "1e-15", "0.2", "nan", "x"])
 def test_a_value_out_of_range_is_one_line(value: str) -> None:
     with pytest.raises(UsageError, match=r"tolerance = '.*' must be a number in \[1e-14, 0\.1\]"):
-        resolve("hemisphere", {"tolerance": value})
+        complete("hemisphere", {"tolerance": value})

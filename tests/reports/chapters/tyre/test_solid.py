@@ -21,8 +21,8 @@ from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.plan import Row
 from studies.run.campaigns.report_cells import LISTS
 from studies.scenes import SCENES
+from studies.scenes.complete import complete as resolve
 from studies.scenes.data import DATA
-from studies.solving.solve import resolve
 from support.stores.made_up import analysed_again
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]

@@ -13,9 +13,9 @@ from studies.ask.declarations import Ladder
 from studies.ask.scene import UsageError
 from studies.run.campaigns.ladder_cells import LADDERS
 from studies.scenes.closed_forms.contact import lifted_strip, strip_contact
+from studies.scenes.complete import complete as resolve
 from studies.scenes.contact.base import rim_lines
 from studies.scenes.element import spaced_lines, tree_over
-from studies.solving.solve import resolve
 
 SAME = 1e-12
 BUILT = 1500  # elements, of a mesh that is built in a test

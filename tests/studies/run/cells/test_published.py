@@ -8,8 +8,8 @@ import pytest
 from studies.run.cells.collect import COLUMNS
 from studies.run.cells.published import ASKED, published
 from studies.scenes import SCENES
-from studies.solving.operations import KINDS
-from studies.solving.solve import resolve
+from studies.scenes.complete import complete as resolve
+from studies.solving.solve import KINDS
 
 REFERENCE = SCENES["pinched-cylinder"].references[0]
 

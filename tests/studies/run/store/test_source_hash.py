@@ -72,18 +72,19 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
         identity(Cell("a", "strip-contact", {"mesh": "4x1"}, {"mu": mu}))
     smooth, rubbed = asked
     rubs = {name for name in rubbed if any(fnmatchcase(name, each) for each in FRICTION)}
-    assert rubs > {"contact.friction.run", "studies.solving.friction.stages"}
+    assert rubs > {"contact.friction.run", "studies.solving.friction_stages"}
     assert not smooth & rubs
-    code = "import sys; from studies.solving.solve import resolve, solve; import studies.run.store.record\n"
+    code = "import sys; from studies.solving.solve import solve; import studies.run.store.record\n"
+    code += "from studies.scenes.complete import complete\n"
     code += "called = set()\n"
     code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
     code += "for scene, mesh in ('strip-contact', '4x1'), ('panel', '4x4'), ('tyre', '6x6'):\n"
     code += "    for name in 'semismooth', 'trial-and-error', 'regularised', 'augmented-lagrangian', 'qp', 'lcp':\n"
-    code += "        solve(*resolve(scene, {}, mesh, contact=name))\n"
+    code += "        solve(*complete(scene, {}, mesh, contact=name))\n"
     code += "sys.setprofile(None); print(*filter(None, called))"
     called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "contact.newton.loop" in called
-    assert set(called) & rubs <= {"studies.solving.friction"}
+    assert not set(called) & rubs
 
 
 @pytest.mark.parametrize(("scene", "files"), [("cantilever", 80), ("strip-contact", 85)])

@@ -21,9 +21,10 @@ from studies.experiments.manufactured import (
     manufactured_contact,
     statements,
 )
+from studies.scenes.complete import complete as resolve
 from studies.scenes.manufactured import statements as stated
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 WITHIN = {"order_displacement": 0.1, "order_resultants": 0.1, "order_mean_resultants": 0.2, "order_energy": 0.1}
 CONTACT_SAMPLE = ("exact", "linear", "elongation")

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from contact.problem import Outcome
+from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 # force [N] at delta [mm] of the independent trial implementation, dead pressure on the mid area
 TRIAL_FORCE = {5.0: 312.0, 10.0: 767.0, 15.0: 1327.0, 20.0: 1959.0}

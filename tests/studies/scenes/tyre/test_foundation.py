@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from studies.ask.scene import UsageError
+from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.foundation import PARAMETERS
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 
 FIRST_ORDER = 0.02  # half-width of the interval around the exponent -1 of force difference over radius

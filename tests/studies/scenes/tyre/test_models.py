@@ -9,9 +9,10 @@ import pytest
 
 from formulations.conditions.dof_map import DofMap, Images
 from studies.ask.scene import UsageError
+from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.foundation import PARAMETERS
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 EXACT = 1e-9  # relative
 ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "load": "follower", "pressure_area": "face"}

@@ -12,9 +12,10 @@ from contact.continuation.load_stepping import EASY_ITERATIONS, WORTH
 from contact.problem import Outcome
 from reports.figures.result_figures import draw_result
 from studies.ask.scene import UsageError
+from studies.scenes.complete import complete as resolve
 from studies.scenes.walk import walk
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 
 def run(mesh: str, **settings: str) -> Result:

@@ -9,8 +9,9 @@ import pytest
 
 from studies.ask.request import Request
 from studies.scenes import SCENES
-from studies.solving.refinement.trees import Family
-from studies.solving.solve import resolve, solve
+from studies.scenes.complete import complete as resolve
+from studies.solving.refinement.grids import Family
+from studies.solving.solve import solve
 
 ROOTS = (20, 22, 24, 26, 28, 30)
 PATCH = 30.0, 20.0  # deg: half axes psi, phi of the patch at 20 mm, about

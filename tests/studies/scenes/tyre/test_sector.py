@@ -9,9 +9,10 @@ import pytest
 
 from studies.ask.scene import UsageError
 from studies.cli import WRONG_USE, main
+from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.sector import check_patch, check_reach, with_line_at, within
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 MESH = "16x48"  # uniform: lines every 7.5 degrees
 CUTS = (45, 60, 90, 135)

@@ -16,9 +16,10 @@ from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
 from studies.ask.scene import UsageError
 from studies.output.vtu import write_solid_fields
+from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
-from studies.solving.solve import resolve, solve
+from studies.solving.solve import solve
 
 ONE_PERCENT = 0.01
 TO_10 = {"delta_mm": "10"}

@@ -15,7 +15,7 @@ from studies.scenes.complete import complete
 from studies.solving.choosing import choose as choosing
 from studies.solving.choosing.choice import ANSWERED, NOT_ANSWERED
 from studies.solving.choosing.choose import choose, loosened
-from studies.solving.choosing.clock import Clock
+from studies.solving.choosing.trials import Clock
 from studies.solving.choosing.verdict import ENOUGH, NOT_ENOUGH, WORDS
 from studies.solving.solve import solve
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from studies.scenes.complete import complete
-from studies.solving.choosing.clock import Clock, until
+from studies.solving.choosing.trials import Clock, until
 from studies.solving.solve import Interrupted, solve
 
 

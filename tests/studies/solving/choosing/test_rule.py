@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from studies.solving.choosing.rule import NONE, Difference, difference, errors, first_enough
+from studies.solving.choosing.verdict import NONE, Difference, difference, errors, first_enough
 from studies.solving.refinement.limits import GROWING, Estimate, Seen, limit_of
 
 SIZES = [2.0 ** (-k / 2) for k in range(7)]

@@ -24,7 +24,7 @@ from studies.scenes.friction_readings import FRICTION, in_space
 from studies.scenes.walk import walk
 from studies.solving.branching import branches_of
 from studies.solving.certificate import certificate
-from studies.solving.friction.stages import Stages
+from studies.solving.friction_stages import Stages
 from studies.solving.result import Result
 from studies.solving.solve import solve
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from studies.scenes.complete import complete
+from studies.solving.result import unit_of
 from studies.solving.solve import solve
-from studies.solving.step import unit_of
 
 GOLDEN = json.loads(Path(__file__).with_name("golden.json").read_text(encoding="utf-8"))
 EXACT = 1e-9  # of the largest in a unit: what the tolerance of Newton's iteration leaves

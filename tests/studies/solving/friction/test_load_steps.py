@@ -13,7 +13,7 @@ from contact.events import Event, EventKind
 from studies import solve as solve_in_a_notebook
 from studies.cli import main
 from studies.scenes.complete import complete
-from studies.solving.friction.load_steps import TABLE, StepError, estimate, lines
+from studies.solving.load_steps import TABLE, StepError, estimate, lines
 from studies.solving.result import Result
 from studies.solving.solve import solve
 

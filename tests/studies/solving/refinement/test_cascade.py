@@ -14,7 +14,8 @@ from studies.ask.scene import UsageError
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.scenes.complete import complete
 from studies.solving.refinement import cascade
-from studies.solving.refinement.cascade import answer, first_grid, parse_budget
+from studies.solving.refinement.cascade import answer, parse_budget
+from studies.solving.refinement.grids import first_grid
 from studies.solving.solve import solve
 
 

@@ -16,9 +16,9 @@ from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.experiments.error_coverage import Case, error_coverage, shipped_cases
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.refinement.error_control import coarsest, parse_error, solve_to_error
-from studies.solving.refinement.point_loads import growth
-from studies.solving.refinement.records import Round, estimate
+from studies.solving.refinement.error_control import Round, estimate, parse_error, solve_to_error
+from studies.solving.refinement.grids import coarsest
+from studies.solving.refinement.records import growth
 from studies.solving.solve import solve
 
 

@@ -119,7 +119,7 @@ def test_a_deflection_under_a_point_load_has_no_limit() -> None:
 
 
 def test_with_friction_the_interval_is_that_of_grids_and_of_load_steps() -> None:
-    from studies.solving.friction import load_steps
+    from studies.solving import load_steps
 
     result = stated("heavy-strip", "64x1", {"mu": "0.2"})
     grids = dict(result.errors["friction_N"])

@@ -14,7 +14,8 @@ from studies.ask.scene import Scene
 from studies.scenes.complete import complete
 from studies.scenes.element import tree_over
 from studies.solving.refinement import nested
-from studies.solving.refinement.nested import FAR, near, sketch, solve_from
+from studies.solving.refinement.grids import near
+from studies.solving.refinement.nested import FAR, sketch, solve_from
 from studies.solving.result import Result
 from studies.solving.solve import solve
 

@@ -9,8 +9,7 @@ import pytest
 
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.refinement.error_control import coarsest
-from studies.solving.refinement.trees import FLAT, GROWTH, Family, _mirror
+from studies.solving.refinement.grids import FLAT, GROWTH, Family, _mirror, coarsest
 from studies.solving.result import CONVERGED
 from studies.solving.solve import solve
 

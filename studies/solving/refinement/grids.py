@@ -1,4 +1,4 @@
-"""The trees of a request: the coarsest one, what is refined next, and the requests that have their leaves.
+"""The grids of a request: the coarsest one, finer ones of the same shape, trees that are refined, and their requests.
 
 A scene whose grid takes no leaves is refined everywhere, by its mesh. A coordinate with one element is not cut, for
 nothing varies along it, until the stress drives elements that would be too long for it.
@@ -6,8 +6,12 @@ nothing varies along it, until the stress drives elements that would be too long
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -15,16 +19,28 @@ from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.shell import ShellModel
 from studies.ask.request import Leaves, Request
-from studies.ask.scene import Scene, UsageError
+from studies.ask.scene import RefinedScene, Scene, UsageError
+from studies.scenes import SCENES
+from studies.scenes.complete import complete
 from studies.scenes.element import tree_over
-from studies.solving.refinement.indicators import dorfler
 from studies.solving.result import Result
 
+COARSER = 4  # the default mesh over the coarsest one
+FEWEST = 4  # elements along a coordinate, below which it is not made coarser
+NEAR = 2  # how far from the elements that are wanted those of a grid may be, where a scene does not take them
 SHARE = 0.5  # of the sum of all indicators, marked at a time
 GROWTH = 2.0  # of the number of elements from one tree to the next, at the least
 FLAT = 1.0  # k l^2/h of an element, above which no node may hang on it: the arc of its edge would still lock
 PART = 1 / 4  # of the indicator of an element that its parts have in all: an order of the size, on both sides
 WORTH = 0.8  # of error times elements of the grid cut everywhere, above which hanging nodes are not worth their price
+
+
+@runtime_checkable
+class AdaptedScene(Protocol):
+    """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
+
+    def adapted(self, request: Request) -> Scene:
+        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,3 +169,99 @@ def _mirror(tree: Quadtree) -> np.ndarray:
     image = np.empty(len(level), np.intp)
     image[mirrored] = order
     return image
+
+
+def dorfler(eta: np.ndarray, share: float) -> np.ndarray:
+    """The fewest elements (E,) bool whose eta add up to a share of all (Dörfler, SIAM J. Numer. Anal. 33 (1996))."""
+    order = np.argsort(-eta, kind="stable")
+    count = int(np.searchsorted(np.cumsum(eta[order]), share * eta.sum())) + 1
+    marked = np.zeros(len(eta), bool)
+    marked[order[:count]] = True
+    return marked
+
+
+def element_size(request: Request) -> float:
+    """Of the elements along the coordinates that have several, over that of a single one."""
+    several = [n for n in request.mesh if n > 1] or [1]
+    return math.prod(several) ** (-1 / len(several))
+
+
+def ways(request: Request) -> int:
+    """Coordinates that have several elements."""
+    return sum(n > 1 for n in request.mesh)
+
+
+def quarter(scene: Scene) -> tuple[int, int]:
+    """A quarter of the default mesh both ways."""
+    n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
+    return n1, n2
+
+
+def near(scene: Scene, request: Request, times: float) -> Request | None:
+    """The request with so many times the elements along each coordinate, or nearly; None where there is no such grid.
+
+    A coordinate with one element keeps it, and none is made coarser than FEWEST.
+    """
+    wanted = [n if n == 1 else max(n * times, min(n, FEWEST)) for n in request.mesh]
+    around = [[n] if n == 1 else _around(want) for n, want in zip(request.mesh, wanted, strict=True)]
+    for mesh in sorted(
+        product(*around), key=lambda mesh: sum(abs(n / w - 1) for n, w in zip(mesh, wanted, strict=True))
+    ):
+        asked = replace(request, mesh=(mesh[0], mesh[1]))
+        try:
+            scene.build(asked)
+        except UsageError:
+            continue
+        return asked if mesh != request.mesh else None
+    return None
+
+
+def _around(wanted: float) -> list[int]:
+    return [n for n in range(round(wanted) - NEAR, round(wanted) + NEAR + 1) if n > 1]
+
+
+def coarsest(
+    name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
+) -> tuple[Scene, Request]:
+    """The scene and its request on the grid from which a refinement sets out; ``complete`` of scenes says how.
+
+    mesh: by default what the scene names, or a quarter of its own both ways. Where lines could be crowded where the
+    scene expects what decides its answers, they are not: refinement finds that out.
+    """
+    scene = SCENES.get(name)
+    if scene is not None:
+        mesh = mesh or coarsest_mesh(scene)
+        if any(setting.key == "grading" for setting in scene.settings):
+            given = {"grading": "uniform", **given}
+    return complete(name, given, mesh, **options)
+
+
+def coarsest_mesh(scene: Scene) -> tuple[int, int]:
+    """A quarter of the default mesh both ways, or what the scene names."""
+    return scene.coarsest_mesh if isinstance(scene, RefinedScene) else quarter(scene)
+
+
+def first_grid(
+    name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
+) -> tuple[Scene, Request]:
+    """The scene and its request on the first grid of a cascade, as :func:`studies.scenes.complete.complete`.
+
+    mesh: by default a quarter of that of the scene both ways. Lines that may follow an estimate of the error do, unless
+    their grading is given: errors of contact scatter less on them.
+    """
+    scene = SCENES.get(name)
+    if isinstance(scene, AdaptedScene) and "grading" not in given:
+        with suppress(UsageError):  # where there is no estimate the lines are those of the scene
+            n1, n2 = scene.default_mesh
+            _, request = complete(
+                name, {**given, "grading": "adapted"}, mesh or (n1 // 2 & ~1, n2 // 2 & ~1), **options
+            )
+            return scene.adapted(request), request
+    if scene is None or mesh is not None:
+        return complete(name, given, mesh, **options)
+    found = complete(name, given, quarter(scene), **options)
+    try:
+        scene.build(found[1])
+    except UsageError:  # a scene may take no such mesh
+        return coarsest(name, given, mesh, **options)
+    return found

@@ -24,9 +24,8 @@ from studies.ask.settings import configured
 from studies.output.atomic import Table
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate
-from studies.solving.friction.stages import Stages
-from studies.solving.result import SOLVED, Result
-from studies.solving.step import COUNTS, unit_of
+from studies.solving.friction_stages import Stages
+from studies.solving.result import COUNTS, SOLVED, Result, unit_of
 
 TABLE = "load_steps"
 SAFETY = 3.0  # of an estimate by two grids, whose order nobody has observed: Roache, J. Fluids Eng. 116 (1994) 405-413

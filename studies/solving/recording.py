@@ -1,0 +1,177 @@
+"""What is kept of the points of a path: each one judged, what is read off it, and why the path ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from typing import Any
+
+from contact.continuation.arc_length import Trace
+from contact.continuation.critical_points import PathEnd
+from contact.friction.slip import anchors_left
+from contact.interchange.linearised_step import freeze
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.swept import Crossing, crossings
+from studies.ask.request import Request
+from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageError
+from studies.output.atomic import Table, plain
+from studies.scenes.walk import Visited
+from studies.solving.certificate import certificate, refusal
+from studies.solving.result import UNSTABLE, Frozen, Result, Step
+
+DRAWN = 8  # points of a curve that every piece of it has in its table
+ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """A state of a path at the parameter ``at`` of its stage.
+
+    passed: what went through the foundation on the way to it.  before: with friction, the last accepted problem and
+    state.  spent: counts of its solution.  where: in words, for a state that no step shows.
+    """
+
+    problem: ContactProblem
+    state: ContactSolution
+    at: float
+    passed: Sequence[Crossing]
+    spent: Mapping[str, int]
+    before: tuple[ContactProblem, ContactSolution] | None = None
+    where: str = ""
+
+
+def record(visited: Visited, result: Result, epsilon: float) -> None:
+    """What was reached, or why it was not; a state that the judge refuses ends the path, and is the last one."""
+    point, stage = visited.point, visited.stage
+    result.visits.append(visited)
+    result.ways.append((stage.name, tuple(t for t, _ in point.way[1:])))
+    for key, value in point.solution.counters.items():
+        result.counters[key] = result.counters.get(key, 0) + value
+    result.history += [{"stage": stage.name, **row} for row in point.solution.history]
+    if visited.converged or point.reached != 0.0:
+        result.last = visited.state
+    if visited.trace is None:
+        result.frozen = partial(_freeze, visited, result, epsilon)
+    if not visited.converged:
+        _record_end(visited, result)
+    for reached in _reached(visited):
+        _judge(reached, visited, result, epsilon)
+        if result.outcome is Outcome.WRONG:
+            result.last = stage.lifted(reached.state)
+            break
+    if visited.trace is not None:
+        assert isinstance(stage, CurveStage)
+        if result.outcome is not Outcome.WRONG:
+            result.quantities |= stage.summarise(visited.trace.points)
+        result.tables["curve"] = [Table.of_rows(_curve_rows(visited, visited.trace, result))]
+
+
+def _reached(visited: Visited) -> Iterator[Reached]:
+    """The requested load, or all points of a traced curve."""
+    point, stage = visited.point, visited.stage
+    if visited.trace is not None:
+        for before, at in pairwise(visited.trace.points):
+            state = at.state
+            problem = replace(visited.problem_at(at.factor), energy=None)  # costs as much again
+            spent = {"newton_iterations": at.iterations, "substeps": 1, "limit_point": int(at.limit)}
+            standing = visited.problem_at(before.factor).standing  # led there in steps
+            passed = crossings(standing, before.u, problem.standing, state.u) if before.factor else []
+            yield Reached(problem, state, at.factor, passed, spent)
+    elif visited.converged:
+        spent = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
+        accepted = visited.last_accepted if visited.problem.coulomb is not None else None
+        where = f"{stage.name} at {point.requested:g}"
+        spent["substeps"] = point.substeps
+        yield Reached(visited.problem, point.solution, point.requested, visited.passed, spent, accepted, where)
+
+
+def _judge(reached: Reached, visited: Visited, result: Result, epsilon: float) -> None:
+    """What is read off a state and what the judge says of it, into the result."""
+    problem, state = reached.problem, reached.state
+    seen = visited.stage.observe(problem, state, reached.at)
+    tolerance = result.request.number("tolerance")
+    judged = certificate(problem, state, epsilon, tolerance, reached.passed, reached.before)
+    if reached.where and judged["stability"]["word"] == UNSTABLE:
+        sentence = f"{reached.where}: {judged['stability']['sentence']}"
+        if seen.step is None:
+            result.on_the_way.append(f"{sentence}; {ON_THE_WAY}")
+        else:
+            result.unstable.append(sentence)
+    where = f"in {reached.where}"
+    if seen.step is not None:
+        result.loads.append(Step(seen.step, judged, reached.spent))
+        load, value = next(iter(seen.step.items()))
+        where = f"at {load} {value:g}"
+    _keep(seen, result)
+    if judged["failures"]:
+        result.outcome = result.cause = Outcome.WRONG
+        result.reason = f"{refusal(judged)} {where}"
+
+
+def _keep(seen: Observation, result: Result) -> None:
+    for name, table in seen.tables().items():
+        result.tables.setdefault(name, []).append(table)
+    result.quantities |= seen.quantities
+
+
+def _record_end(visited: Visited, result: Result) -> None:
+    """Why the path ends before its last point."""
+    point, stage = visited.point, visited.stage.name
+    result.outcome, result.cause = point.outcome, point.cause
+    if point.outcome is Outcome.REFUSED:  # at once, or known only once the tangent is
+        result.unsupported = f"{result.request.contact} does not apply: {visited.said}"
+        return
+    said = visited.said
+    if point.end is not None and point.end.limit is not None:
+        result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
+    if point.end is not None and point.end.mode is not None and visited.stage.see_mode is not None:
+        seen = visited.stage.see_mode(point.solution, point.end.mode)
+        _keep(seen, result)
+        said += f"; {seen.said}"
+    if point.end is not None and point.end.kind is not PathEnd.NEITHER and isinstance(result.model, ShellSceneModel):
+        said += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
+    where = f"{stage} at {point.requested:g}: {said}" if visited.trace is None else f"{stage}: {visited.trace.reason}"
+    result.reason = f"{where}; last converged at {point.reached:g}"
+
+
+def _grid(request: Request) -> str:
+    return f"{request.mesh_text}, refined" if request.leaves else request.mesh_text
+
+
+def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
+    """The contact problem at the end of the path, linearised: at its solution, or where the last step set out from.
+
+    Raises UsageError when it has no contact candidates.
+    """
+    point, stage = visited.point, visited.stage.name
+    parameter = point.requested if visited.converged else float(result.history[-1]["parameter"])
+    problem, state = visited.problem_at(parameter), point.solution
+    if not len(problem.weights):
+        raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")
+    told = result.as_json()
+    origin = {key: told[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
+    origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": result.outcome.value}
+    commit = {key: told["provenance"][key] for key in ("version", "commit")}
+    meta = plain({**origin, **commit})
+    if problem.coulomb is not None:
+        # at a solution the slip is that of its own step, else that which the failed step begins with
+        before = visited.last_accepted if visited.converged else (visited.problem_at(point.reached), state)
+        problem = problem.since(anchors_left(problem, *before, epsilon))
+    return freeze(problem, state.u, state.pressure, meta)
+
+
+def _curve_rows(visited: Visited, trace: Trace, result: Result) -> list[dict[str, Any]]:
+    """The judged points of the curve with what they have cost; of one that is known itself, points all along it."""
+    if trace.curve is None:
+        return [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
+    judged = trace.points[1 : 1 + len(result.loads)]
+    lengths, problem = [point.along for point in judged], visited.problem  # without contact only u is read off
+    others = [point for point in trace.curve.sampled(DRAWN) if point.along not in lengths]
+    rows = []
+    for point in sorted([*judged, *others], key=lambda each: each.along):
+        if point.along <= max(lengths, default=0.0):
+            seen = visited.stage.observe(problem, point.state, point.factor).step or {}
+            rows.append({**seen, "newton_iterations": point.iterations, "limit_point": int(point.limit)})
+    return rows
