@@ -58,8 +58,7 @@ def _row(result: Result, branch: Branch) -> dict[str, Any]:
     row |= {"away": branch.away, "factorisations": int(branch.solution.counters.get("factorisations", 0))}
     if not branch.solution.outcome.converged:
         return row
-    epsilon = configured(result.request.contact, result.request.settings).epsilon
-    told = certificate(visited.problem, branch.solution, epsilon)
+    told = certificate(visited.problem, branch.solution, result.epsilon)
     if told["failures"]:
         row |= {"found": False, "said": f"the judge finds {', '.join(told['failures'])} beyond its bounds"}
     seen = visited.stage.observe(visited.problem, branch.solution, visited.point.requested).step or {}

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.critical_points import PathEnd
@@ -42,7 +41,7 @@ class Reached:
     where: str = ""
 
 
-def record(visited: Visited, result: Result, epsilon: float) -> None:
+def record(visited: Visited, result: Result) -> None:
     """What was reached, or why it was not; a state that the judge refuses ends the path, and is the last one."""
     point, stage = visited.point, visited.stage
     result.visits.append(visited)
@@ -53,11 +52,11 @@ def record(visited: Visited, result: Result, epsilon: float) -> None:
     if visited.converged or point.reached != 0.0:
         result.last = visited.state
     if visited.trace is None:
-        result.frozen = partial(_freeze, visited, result, epsilon)
+        result.frozen = partial(_freeze, visited, result)
     if not visited.converged:
         _record_end(visited, result)
     for reached in _reached(visited):
-        _judge(reached, visited, result, epsilon)
+        _judge(reached, visited, result)
         if result.outcome is Outcome.WRONG:
             result.last = stage.lifted(reached.state)
             break
@@ -65,7 +64,7 @@ def record(visited: Visited, result: Result, epsilon: float) -> None:
         assert isinstance(stage, CurveStage)
         if result.outcome is not Outcome.WRONG:
             result.quantities |= stage.summarise(visited.trace.points)
-        result.tables["curve"] = [Table.of_rows(_curve_rows(visited, visited.trace, result))]
+        result.tables["curve"] = [_curve(visited, visited.trace, result)]
 
 
 def _reached(visited: Visited) -> Iterator[Reached]:
@@ -87,12 +86,12 @@ def _reached(visited: Visited) -> Iterator[Reached]:
         yield Reached(visited.problem, point.solution, point.requested, visited.passed, spent, accepted, where)
 
 
-def _judge(reached: Reached, visited: Visited, result: Result, epsilon: float) -> None:
+def _judge(reached: Reached, visited: Visited, result: Result) -> None:
     """What is read off a state and what the judge says of it, into the result."""
     problem, state = reached.problem, reached.state
     seen = visited.stage.observe(problem, state, reached.at)
     tolerance = result.request.number("tolerance")
-    judged = certificate(problem, state, epsilon, tolerance, reached.passed, reached.before)
+    judged = certificate(problem, state, result.epsilon, tolerance, reached.passed, reached.before)
     if reached.where and judged["stability"]["word"] == UNSTABLE:
         sentence = f"{reached.where}: {judged['stability']['sentence']}"
         if seen.step is None:
@@ -140,7 +139,7 @@ def _grid(request: Request) -> str:
     return f"{request.mesh_text}, refined" if request.leaves else request.mesh_text
 
 
-def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
+def _freeze(visited: Visited, result: Result) -> Frozen:
     """The contact problem at the end of the path, linearised: at its solution, or where the last step set out from.
 
     Raises UsageError when it has no contact candidates.
@@ -158,14 +157,15 @@ def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
     if problem.coulomb is not None:
         # at a solution the slip is that of its own step, else that which the failed step begins with
         before = visited.last_accepted if visited.converged else (visited.problem_at(point.reached), state)
-        problem = problem.since(anchors_left(problem, *before, epsilon))
+        problem = problem.since(anchors_left(problem, *before, result.epsilon))
     return freeze(problem, state.u, state.pressure, meta)
 
 
-def _curve_rows(visited: Visited, trace: Trace, result: Result) -> list[dict[str, Any]]:
+def _curve(visited: Visited, trace: Trace, result: Result) -> Table:
     """The judged points of the curve with what they have cost; of one that is known itself, points all along it."""
     if trace.curve is None:
-        return [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
+        rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
+        return Table.of_rows(rows)
     judged = trace.points[1 : 1 + len(result.loads)]
     lengths, problem = [point.along for point in judged], visited.problem  # without contact only u is read off
     others = [point for point in trace.curve.sampled(DRAWN) if point.along not in lengths]
@@ -174,4 +174,4 @@ def _curve_rows(visited: Visited, trace: Trace, result: Result) -> list[dict[str
         if point.along <= max(lengths, default=0.0):
             seen = visited.stage.observe(problem, point.state, point.factor).step or {}
             rows.append({**seen, "newton_iterations": point.iterations, "limit_point": int(point.limit)})
-    return rows
+    return Table.of_rows(rows)

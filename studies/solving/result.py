@@ -7,6 +7,7 @@ How it is found does not enter here (:mod:`studies.solving.solve`), nor what mak
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -98,6 +99,7 @@ class Result:
     work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
     visits: the requested points, in order.  ways: stage and accepted parameters on the way to each requested load, that
     included.  remarks: further notes.
+    epsilon [MPa/mm]: of the contact law by which states are judged.
     errors: {quantity: {low, high}} of those whose error is estimated.
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
@@ -123,6 +125,7 @@ class Result:
     history: list[dict[str, Any]] = field(default_factory=list)
     tables: dict[str, list[Table]] = field(default_factory=dict)
     last: ContactSolution | None = None
+    epsilon: float = math.inf
     frozen: Callable[[], Frozen] | None = None
     visits: list[Visited] = field(default_factory=list)
 

@@ -54,16 +54,16 @@ def solve(
         result = Result(request, model, work=work)
         built = time.perf_counter()
         result.counters["dofs"] = model.n_unknowns
-        stages = stages_of(model, request)
         try:
             algorithm = configured(request.contact, request.settings)
         except ValueError as error:  # a parameter that it cannot have
             result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
         else:
+            result.epsilon = algorithm.epsilon
             try:
                 start_of = no_starts if starts is None else starts(model)
-                for visited in walk(stages, algorithm, request.steps, tell=tell, starts=start_of):
-                    record(visited, result, algorithm.epsilon)
+                for visited in walk(stages_of(model, request), algorithm, request.steps, tell=tell, starts=start_of):
+                    record(visited, result)
                     if result.outcome is Outcome.WRONG:
                         break  # no equilibrium leads further
             except KeyboardInterrupt:
