@@ -1,4 +1,7 @@
-"""What the cells of the sheets answer, beside what is known of it."""
+"""What the cells of the sheets answer, beside what is known of it, and what quantities mean.
+
+Quantities that any scene may have are named here; its own a scene declares.
+"""
 
 from __future__ import annotations
 
@@ -9,32 +12,43 @@ import pandas as pd
 
 from studies.ask.request import text_of
 from studies.ask.scene import Reference, judged_of, ladders_of
-from studies.catalogue.quantities import definition, unit
 from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.sheet_cells import sheet_cell
 from studies.run.cells.answers import Answer, Answers, number
 from studies.run.cells.rows import STEP_KEYS, holding
 from studies.scenes import SCENES
 
+UNITS = ("N_per_mm", "mm", "MPa", "deg", "N")
+ALL: Mapping[str, str] = {  # of any scene
+    "force_N": "contact force, the sum of the nodal pressures times their areas",
+    "contact_nodes": "nodes that touch",
+    "limit_points": "limit points of the load on the curve",
+    "limit_load_fraction": "load fraction at the first limit point",
+    "load_limit_point": "load fraction at which the path ends at a limit point",
+}
 COLUMNS = (
-    *(
-        "scene",
-        "quantity",
-        "definition",
-        "unit",
-        "headline",
-        "value",
-        "target",
-        "uncertainty",
-        "kind",
-        "source",
-        "error",
-    ),
-    *("limit", "limit_uncertainty", "finest_mesh", "verdict"),
+    *("scene", "quantity", "definition", "unit", "headline", "value", "target", "uncertainty", "kind", "source"),
+    *("error", "limit", "limit_uncertainty", "finest_mesh", "verdict"),
 )
 ANSWERED = ("scene", "label", "mesh", "measure", "model", "outcome", "reason", "unknowns", "iterations", "command")
 LOADS = (*STEP_KEYS, "radius", "motion")
 NOT_LISTED = ("contact_nodes", "limit_points")
+
+
+def definition(scene: str, quantity: str) -> str:
+    """What a quantity is and where it is read; a value at a limit point says so."""
+    of_limit = quantity.startswith("limit_") and quantity not in ALL
+    bare = quantity.removeprefix("limit_") if of_limit else quantity
+    declared: Mapping[str, str] = getattr(SCENES[scene], "quantities", {})
+    own = {**ALL, **declared}
+    said = next((text for name, text in own.items() if bare == name or bare.startswith(f"{name}_")), "see the scene")
+    return f"{said}, at the first limit point" if of_limit else said
+
+
+def unit(quantity: str) -> str:
+    """The unit that a name ends in; 1 for a number without one."""
+    found = next((name for name in UNITS if quantity.endswith(f"_{name}")), "1")
+    return found.replace("_per_", "/")
 
 
 def values(answers: Answers, convergence: pd.DataFrame) -> pd.DataFrame:

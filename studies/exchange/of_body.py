@@ -22,7 +22,7 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import StVenantKirchhoff
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import UsageError
-from studies.catalogue.supports import held_of
+from studies.catalogue.words import held_of
 from studies.exchange.problem import INNER, ON_FACE, OUTER, Bricks, Supports, serendipity
 
 Model = TypeVar("Model", ShellModel, SolidModel)

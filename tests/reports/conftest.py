@@ -21,7 +21,7 @@ from reports.site import rendered
 from reports.store import load_store
 from studies.analysis.everything import written
 from studies.ask.declarations import Ladder
-from studies.catalogue.models import built
+from studies.catalogue.bodies import built
 from studies.catalogue.tables import catalogue_tables
 from studies.experiments import epsilon as epsilon_study
 from studies.experiments import extremes, locking, rigid_body

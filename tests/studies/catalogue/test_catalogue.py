@@ -1,9 +1,11 @@
-"""The tables of the sheets: read from the parts and models themselves, and solved by the command that stands there."""
+"""What the parts of the catalogues say of themselves: ``footprint show`` and ``list``, and the tables of the sheets."""
 
 from __future__ import annotations
 
 import math
+import re
 import shlex
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 
@@ -11,17 +13,17 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from contact.catalogue import ALGORITHMS
 from formulations.shell import ShellModel
-from formulations.strains.catalogue import MEASURES
-from formulations.strains.measure import QuadraticMeasure
-from studies.catalogue.bodies import skin
-from studies.catalogue.loads import loads
-from studies.catalogue.models import built
-from studies.catalogue.parts import facts, laws, parts, plies, settings, terms
-from studies.catalogue.quantities import definition, unit
-from studies.catalogue.supports import supports
-from studies.catalogue.surfaces import shape_of
-from studies.catalogue.values import answered, values
+from formulations.strains.catalogue import MEASURES, SANDERS
+from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
+from formulations.strains.quantities import QUANTITIES, STRAINS
+from studies.ask.scene import Setting, UsageError, has_contact, settings_beside
+from studies.catalogue.bodies import built, skin
+from studies.catalogue.descriptions import describe, meaning_of
+from studies.catalogue.tables import facts, laws, parts, plies, settings, terms
+from studies.catalogue.values import answered, definition, unit, values
+from studies.catalogue.words import loads, shape_of, supports
 from studies.cli import main
 from studies.output.vtu import read_vtu, write_vtu
 from studies.run.campaigns.file import find
@@ -32,6 +34,8 @@ from studies.run.cells.rows import STEP_KEYS
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
 from studies.scenes.complete import complete
+
+NAMES = (*SCENES, *MEASURES, *ALGORITHMS)
 
 
 class Mine(Cantilever):
@@ -48,9 +52,8 @@ def shell_of(name: str) -> ShellModel:
     return body
 
 
-@pytest.mark.parametrize(
-    ("scene", "where", "said"),
-    [
+def test_supports_are_read_from_what_is_held() -> None:
+    for scene, where, said in (
         ("cantilever", "edge a1 = 0", "clamped: neither face moves"),
         ("cantilever", "edge a1 = 10", "free"),
         ("hemisphere", "edge a2 = 0", "plane of symmetry: neither face moves along a2"),
@@ -59,30 +62,21 @@ def shell_of(name: str) -> ShellModel:
         ("scordelis-lo", "edge a1 = 0", "hard diaphragm: neither face moves along a2, the middle not along the normal"),
         ("strip-contact", "edge a1 = 100", "plane of symmetry: neither face moves along a1"),
         ("heavy-strip", "edge a1 = 0", "held: inner and outer face along the normal"),
-    ],
-)
-def test_supports_are_read_from_what_is_held(scene: str, where: str, said: str) -> None:
-    assert dict(supports(shell_of(scene).discretisation))[where] == said
+    ):
+        assert dict(supports(shell_of(scene).discretisation))[where] == said
 
 
-@pytest.mark.parametrize(
-    ("scene", "kind", "said"),
-    [
+def test_loads_are_those_of_load_fraction_one() -> None:
+    for scene, kind, said in (
         ("cantilever", "line force", "(0, 0, 4) N in all along the edge a1 = 10, dead"),
         ("roof-a", "point force", "(-750, 0, 0) N at (2540, 0, 0) mm, shared by both faces"),
         ("sze-moment", "couple", "52.3599 N mm in all along the edge a1 = 12, turns with the director"),
         ("strip-contact", "area load", "2.4e-05 N/mm² in the median"),
         ("pressurised-sphere", "pressure", "0.52381 MPa on the inner face, outwards"),
-    ],
-)
-def test_loads_are_those_of_load_fraction_one(scene: str, kind: str, said: str) -> None:
-    found = dict(loads(shell_of(scene)))
-    assert said in found[kind]
-
-
-def test_two_point_forces_are_told_one_by_one() -> None:
-    found = [text for kind, text in loads(shell_of("hemisphere")) if kind == "point force"]
-    assert [text.partition(" N at ")[0] for text in found] == ["(200, 0, 0)", "(0, -200, 0)"]
+    ):
+        assert said in dict(loads(shell_of(scene)))[kind]
+    points = [text for kind, text in loads(shell_of("hemisphere")) if kind == "point force"]  # one by one
+    assert [text.partition(" N at ")[0] for text in points] == ["(200, 0, 0)", "(0, -200, 0)"]
 
 
 def test_surfaces_are_named_with_their_sizes() -> None:
@@ -96,7 +90,7 @@ def test_surfaces_are_named_with_their_sizes() -> None:
     }
 
 
-def words_of(formula: str) -> list[str]:
+def terms_of(formula: str) -> list[str]:
     return sorted(formula.replace("- ", "-").replace("+ ", "").split())
 
 
@@ -108,12 +102,8 @@ def test_what_a_measure_drops_and_keeps_is_the_exact_one() -> None:
     for name in ("linear", "donnell", "novozhilov", "moderate-rotation"):
         own = table[table["measure"] == name].set_index("strain")
         for strain in own.index:
-            whole = sorted(exact.loc[strain, "formula"].replace("- ", "-").replace("+ ", "").split(" "))
             kept = f"{own.loc[strain, 'formula']} {own.loc[strain, 'dropped']}"
-            assert sorted(kept.replace("- ", "-").replace("+ ", "").split()) == [each for each in whole if each], (
-                name,
-                strain,
-            )
+            assert terms_of(kept) == terms_of(exact.loc[strain, "formula"]), (name, strain)
 
 
 def test_every_scene_measure_and_algorithm_is_a_part_also_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -200,3 +190,103 @@ def test_every_model_of_the_catalogue_is_described() -> None:
         assert len(layers[layers["scene"] == name]) > 0, name
     assert isinstance(MEASURES["exact"], QuadraticMeasure)
     assert sheet_cell("tyre").options["model"] == "full"
+
+
+def test_a_name_means_one_thing() -> None:
+    assert len(set(NAMES)) == len(NAMES)
+
+
+def test_nothing_is_without_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in NAMES:
+        found = describe(name)
+        assert found.meaning.strip(), name
+        assert found.meaning in found.text, name
+        assert list(found.settings.columns) == ["name", "meaning", "unit", "range", "default"]
+        assert found.settings.map(lambda text: isinstance(text, str) and bool(text.strip())).all(axis=None), name
+        if name in SCENES:
+            rubs = {"mu"} if has_contact(SCENES[name]) else set()
+            slides = {"drag_mm", "drag_deg", "turn_deg"} if name in ("tyre", "panel") else set()
+            keys = {*(s.key for s in SCENES[name].settings), "tolerance"} | rubs | slides
+            assert set(found.settings["name"]) == keys, name
+            assert all(reference.source in found.text for reference in SCENES[name].references), name
+        else:
+            assert "source" in found.text.lower(), name
+    assert main(["show", "tyre"]) == 0
+    assert capsys.readouterr().out == describe("tyre").text + "\n"
+
+
+def evaluated(formula: str, values: dict[str, float]) -> float:
+    """Sum of signed products of a fraction, quantities and their squares."""
+    total = 0.0
+    for sign, term in re.findall(r"([+-]?) ?([^+-]+)", formula):
+        factors = (
+            values[word] if word in values else values[word[:-1]] ** 2 if word[-1] == "²" else float(Fraction(word))
+            for word in term.split()
+        )
+        total += math.prod(factors) * (-1 if sign == "-" else 1)
+    return total
+
+
+def test_formulas_are_those_of_the_table() -> None:
+    q = np.random.default_rng(0).uniform(-0.5, 0.5, len(QUANTITIES))
+    values = {quantity.rstrip("+"): value for quantity, value in zip(QUANTITIES, q, strict=True)}
+    quadratic = [measure for measure in MEASURES.values() if isinstance(measure, QuadraticMeasure)]
+    assert len(quadratic) > 3
+    for measure in quadratic:
+        for strain, formula in measure.formulas.items():
+            row = next(i for i, name in enumerate(STRAINS) if name in (strain, f"{strain}+"))
+            assert evaluated(formula, values) == pytest.approx(measure.strain(q)[row], rel=1e-12), formula
+
+
+def test_a_coefficient_that_is_no_fraction_is_a_decimal() -> None:
+    measure = quadratic_measure(
+        "x", {"E11": {"l1": -math.pi, "w1 w1": 1 / 3}}, reference="none", rigid_body_law=EXACT_LAW
+    )
+    assert measure.formulas["E11"] == "- 3.14159 l1 + 1/3 w1²"
+    assert measure.formulas["E33"] == "0"
+
+
+def test_the_law_of_a_measure_is_shown() -> None:
+    assert "theta^4/8" in describe("sanders").text
+    assert SANDERS.rigid_body_law.drilling(0.1, 1.0) == pytest.approx(-(0.1**4) / 8, rel=1e-2)
+
+
+def test_an_unknown_name_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(UsageError, match="must be one of tyre"):
+        describe("bicycle")
+    assert main(["show", "bicycle"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_the_list_is_aligned_with_a_meaning_each(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    start = {line.index(meaning_of(name)) for name, line in zip(SCENES, lines, strict=True)}
+    assert start == {max(map(len, SCENES)) + 2}
+
+
+def test_values_and_text_are_the_same_and_checked_alike() -> None:
+    several, whole = Setting("x", None, "", "floats", 0, 20), Setting("x", None, "", "int", 0, 20)
+    for value in ("5,10", [5, 10], (5.0, 10.0), np.array([5, 10])):
+        assert several.parse(value) == (5, 10)
+    assert several.parse(5) == (5,)
+    for wrong in ([], None, [1, None], [[1, 2]], True, [10, 5], object(), {"a": 1}, "5,,10", [5, "a"]):
+        with pytest.raises(UsageError, match=r"x = .* must be increasing numbers in \[0, 20\]"):
+            several.parse(wrong)
+    assert whole.parse(3) == whole.parse(3.0) == whole.parse("3") == whole.parse(np.int64(3)) == 3
+    for wrong in (1.5, "1.5", [1, 2], True, "one", math.nan):
+        with pytest.raises(UsageError, match="a whole number"):
+            whole.parse(wrong)
+
+
+def test_the_unit_is_what_the_key_ends_in() -> None:
+    units = {"h_mm": "mm", "p_MPa": "MPa", "a_deg": "deg", "F_N": "N", "nu": "1"}
+    assert {key: Setting(key, 1.0, "").unit for key in units} == units
+    assert Setting("epsilon", 1.0, "", unit="MPa/mm").unit == "MPa/mm"
+
+
+def test_a_default_as_it_is_printed_asks_for_the_same() -> None:
+    for scene in SCENES.values():
+        for setting in (*scene.settings, *settings_beside(scene)):
+            if setting.default is not None:
+                assert setting.parse(setting.default_text) == setting.parse(setting.default), setting.key
