@@ -90,7 +90,13 @@ def kind_of(seed: int) -> str:
 
 
 def asked_of(seed: int, kind: str = SCENE) -> Asked:
-    """The request of a number, of the kind SCENE or FRICTION."""
+    """The request of a number, of the kind SCENE or FRICTION, mostly one that is taken."""
+    asked, kept = first_asked(seed, kind)
+    return _repaired(asked, seed, kept)
+
+
+def first_asked(seed: int, kind: str) -> tuple[Asked, int]:
+    """The request of a number, whether it is taken or not, and how many of its first settings are of friction."""
     rng = generator(seed, "scene")
     weights = np.array([_weight(name, kind) for name in SCENES])
     name = str(rng.choice(list(SCENES), p=weights / weights.sum()))
@@ -111,7 +117,7 @@ def asked_of(seed: int, kind: str = SCENE) -> Asked:
     known = (*scene.settings, TOLERANCE, *own)
     settings = {**rubbed, **_settings(known, seed)}  # given back from the last one on
     refined = rng.random() < HUNG and math.prod(map(int, options["mesh"].split("x"))) <= REFINED
-    return _repaired(Asked(name, options, settings, refined), seed, kept=len(rubbed))
+    return Asked(name, options, settings, refined), len(rubbed)
 
 
 def _friction(name: str, scene: Scene, seed: int) -> dict[str, str]:

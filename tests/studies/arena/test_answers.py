@@ -1,117 +1,237 @@
-"""Answers from outside: what is right is certified, and each false claim is found by what it is off."""
+"""What an answer is worth: right ones of any size pass, wrong ones do not, and each false claim is found."""
 
 from __future__ import annotations
 
 import json
 import subprocess
 import sys
+from dataclasses import asdict, astuple, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy import sparse
 
-from studies.arena.answers import Given, judge_answer, read_answer
+from contact.interchange.linearised_step import FrozenStep
+from contact.solvers.qp_backends import Answer, Programme
+from studies.arena.answers import Accuracy, Given, Scales, accuracy, judge_answer, read_answer
+from studies.arena.collected.candidates import frozen
+from studies.arena.solver_table import samples
+from studies.arena.solvers.catalogue import SOLVERS
 from studies.ask.request import UsageError
-from support.problems.arena_steps import known_step
+from studies.experiments.false_success import keeps
+from studies.experiments.obstacles import classic, obstacle, torsion
+from support.problems.arena_steps import in_units, indefinite, known_step, lopsided
+from support.problems.by_hand import residuals_by_hand
 
+ROUNDING = 1e-13  # of an answer that was built in, whose own data are sums of it
 STRANGER = Path(__file__).with_name("stranger.py")
 
 
-def given(**claims: Any) -> tuple[Any, Given]:
-    """A step and its answer, with claims about it."""
+def one_spring(k: float = 2.0, r: float = -6.0, gap: float = 1.0, scale: float = 0.0) -> FrozenStep:
+    """One unknown on a spring k [N/mm], pulled down by -r, over a floor: k du + r = -f, gap - du >= 0."""
+    K, G = sparse.csc_matrix([[k]]), sparse.csr_matrix([[-1.0]])
+    return FrozenStep(K, np.array([r]), G, np.array([gap]), np.array([0.5]), scale)
+
+
+def variants(seed: int) -> dict[str, FrozenStep]:
+    """Convex, not convex, not symmetric and coupled; with and without penetration at the start."""
+    step, *_ = known_step(seed)
+    return {
+        "definite": known_step(seed + 1)[0],
+        "penetrating": replace(step, gap=step.gap - 0.5),
+        "not convex": indefinite(step),
+        "lopsided": lopsided(step),
+        "coupled": replace(step, coupling=sparse.csr_matrix(np.diag(step.weights) + 0.02)),
+    }
+
+
+# --- accuracy ---------------------------------------------------------------------------------------------------------
+
+
+def test_built_in_answers_are_exact_and_an_error_is_seen_in_proportion() -> None:
+    for kind in ("definite", "obstacle", "inclined"):
+        for seed in range(5):
+            step, du, pressure = known_step(seed, kind)
+            assert accuracy(step, du, pressure).worst <= ROUNDING
+            for t in (0.0, 0.5, 2.0, 1e3, 1e9):
+                assert accuracy(step, t * du, t * pressure).worst > 1e-2
+    step, du, pressure = known_step(2)
+    for error in (1e-3, 1e-5, 1e-7, 1e-9):
+        assert 0.05 * error < accuracy(step, du, pressure * (1 + error)).worst < 20 * error
+    # consistent coupling has forces of its own
+    W = sparse.diags_array(step.weights).tocsr() + sparse.csr_matrix(np.full((len(pressure),) * 2, 0.05))
+    r = step.r + step.G.T @ (W @ pressure - step.weights * pressure)
+    coupled = replace(step, coupling=sparse.csr_matrix(W), r=r)
+    assert accuracy(coupled, du, pressure).worst <= ROUNDING
+    assert accuracy(replace(coupled, coupling=None), du, pressure).worst > 1e-3
+
+
+def test_residuals_are_those_of_the_definition(rng: np.random.Generator) -> None:
+    """Of answers that are off, in dense numpy without a line of the module that computes them."""
+    for name, step in variants(5).items():
+        du, pressure = rng.normal(size=step.r.shape), rng.normal(size=step.gap.shape)
+        found = asdict(accuracy(step, du, pressure))
+        assert found == pytest.approx(residuals_by_hand(step, du, pressure), rel=1e-9), name
+
+
+def test_residuals_by_hand() -> None:
+    """At du = 1 the floor carries 4 N over 0.5 mm^2; F = |r| = 6 N, and L = F/k = 3 mm, more than the largest gap."""
+    step = one_spring()
+    assert accuracy(step, np.array([1.0]), np.array([8.0])) == Accuracy(0.0, 0.0, 0.0, 0.0)
+    deep = accuracy(step, np.array([1.3]), np.array([6.8]))
+    assert astuple(deep) == pytest.approx((0.0, 0.3 / 3, 0.0, 3.4 * 0.3 / (6 * 3)), abs=ROUNDING)
+    pulled = accuracy(step, np.array([1.0]), np.array([-2.0]))
+    assert (pulled.tension, pulled.equilibrium) == pytest.approx((1 / 6, 5 / 6))
+
+
+def test_scales_by_hand() -> None:
+    assert Scales.of(one_spring()) == Scales(6.0, 3.0, 1.0)
+    assert Scales.of(one_spring(scale=50.0)) == Scales(50.0, 25.0, 1.0)
+    assert astuple(Scales.of(one_spring(r=0.0, gap=-0.7))) == pytest.approx((1.4, 0.7, 0.7))  # a spring pushed 0.7 mm
+    assert Scales.of(one_spring(r=0.0)) == Scales(2.0, 1.0, 1.0)  # nothing happens
+    # K = 0 has no compliance; with no force in the file, nothing pushes it back
+    free = replace(one_spring(r=-6.0, gap=-1.0), K=sparse.csc_matrix((1, 1)))
+    assert Scales.of(free).force == 6.0
+    assert accuracy(free, np.array([-1.0]), np.array([12.0])).worst <= ROUNDING
+
+
+def test_an_inflated_answer_is_not_accepted() -> None:
+    """Forces f >= 0 whose response opens all gaps: t f balances for any t, and relative to itself r vanishes."""
+    step, *_ = known_step()
+    C = step.G @ np.linalg.solve(step.K.toarray(), step.G.toarray().T)
+    f = np.linalg.solve(C, np.ones(len(step.gap)))  # opens every gap by t
+    push = np.maximum(f, 0.0)
+    assert np.all(C @ push > 0)
+    programme = Programme(step.K, step.r, sparse.csc_matrix(step.G), -step.gap)
+    worth = []
+    for t in (1e2, 1e6, 1e10, 1e14):
+        large = np.linalg.solve(step.K.toarray(), step.G.T @ (t * push))  # without r: it is lost anyway
+        worth.append(accuracy(step, large, t * push / step.weights).worst)
+    assert keeps(programme, Answer(large, t * push, True, ""), 1e-8)
+    assert min(worth) > 1.0
+    assert worth == sorted(worth)
+
+
+def test_scales_ignore_the_answer_and_units() -> None:
+    """A foundation that presses twice as hard is as wrong as the difference, however large the answer has become."""
     step, du, pressure = known_step()
-    return step, Given(du, pressure, claims)
+    worth = [accuracy(step, du, pressure * t).equilibrium / (t - 1) for t in (2.0, 2e3, 2e6)]
+    np.testing.assert_allclose(worth, worth[0], rtol=1e-9)
+    step, du, pressure = known_step(3)
+    rng = np.random.default_rng(1)
+    off, press = du + 1e-3 * rng.normal(size=du.shape), pressure * (1 + 1e-3 * rng.normal(size=pressure.shape))
+    here = accuracy(step, off, press).worst
+    assert 1e-5 < here < 1e-1
+    for force, length in ((1e6, 1.0), (1e-6, 1.0), (1.0, 1e-3), (1e3, 1e3)):
+        there = accuracy(in_units(step, force, length), off * length, press * force)
+        assert there.worst == pytest.approx(here, rel=1e-9)
 
 
-def test_a_right_answer_is_certified_and_its_claims_are_true() -> None:
-    step, answer = given()
-    truth = {"accuracy": 1e-12, "equilibrium": 1e-12, "force": float(np.sum(step.weights * answer.pressure))}
-    truth["pressed"] = np.flatnonzero(answer.pressure > 0).tolist()
-    found = judge_answer(step, Given(answer.du, answer.pressure, truth))
-    assert found.sound
-    assert len(found.claims) == 4
+def test_rounding_is_no_error_but_ten_times_it_is() -> None:
+    """A thin beam in two unknowns: what a last digit of du costs is far above 1e-9 of the load."""
+    stiff = 1e12
+    K = sparse.csc_matrix([[stiff + 1.0, -stiff], [-stiff, stiff + 1.0]])
+    step = FrozenStep(K, np.array([-1.0, -1.0]), sparse.csr_matrix((0, 2)), np.zeros(0), np.zeros(0), 1.0)
+    du = np.array([1.0, np.nextafter(1.0, 2.0)])
+    assert np.linalg.norm(K @ du + step.r) > 1e-5
+    assert accuracy(step, du, np.zeros(0)).worst == 0.0
+    assert accuracy(step, np.array([1.0, 1.0 + 1e-14]), np.zeros(0)).worst > 1e-3
 
 
-@pytest.mark.parametrize("what", ["accuracy", "equilibrium", "penetration", "force", "pressed"])
-def test_a_false_claim_is_named(what: str) -> None:
+def test_what_is_no_number_is_worth_nothing_and_another_size_is_refused() -> None:
+    step, du, pressure = known_step()
+    with pytest.raises(ValueError, match="candidates"):
+        accuracy(step, du[:-1], pressure)
+    for bad in (np.nan, np.inf, 1e300):
+        du[0] = bad
+        assert accuracy(step, du, pressure).worst > 1e100
+    assert not judge_answer(step, Given(du * np.nan, pressure, {"accuracy": 1e-3})).sound
+
+
+@pytest.mark.slow
+def test_ten_problems_by_hand() -> None:
+    """By an exact algorithm, by a first-order method that stops early, and by one that ends far from the answer."""
+    bodies = {
+        "membrane": obstacle("OBSTCLAL", 5),
+        "between obstacles": obstacle("OBSTCLBL", 10),
+        "torsion": torsion(5.0, 10),
+        "Murty": classic("Murty", 10),
+        "Fathi": classic("Fathi", 10),
+    }
+    problems = {name: frozen(body) for name, body in bodies.items()} | variants(5)
+    field = [SOLVERS[name] for name in ("semismooth", "OSQP", "SCS, scaled")]
+    rows = [row for row in samples(list(problems.items()), field, (1e-2, 1e-4), rounds=1) if row["asked"]]
+    seen = set()
+    for row in rows:
+        step = problems[str(row["problem"])]
+        answer = SOLVERS[str(row["solver"])].solve(step, float(str(row["tolerance"])))
+        if not np.isfinite(answer.du).all():
+            continue
+        by_hand = residuals_by_hand(step, answer.du, answer.pressure)
+        assert {name: row[name] for name in by_hand} == pytest.approx(by_hand, rel=1e-6, abs=1e-14), row
+        assert row["accuracy"] == max(float(str(row[name])) for name in by_hand)
+        assert row["false"] == (row["claimed"] and max(by_hand.values()) > float(str(row["tolerance"])))
+        seen |= {(row["problem"], name) for name, value in by_hand.items() if value > 1e-8}
+    assert {problem for problem, _ in seen} >= {"membrane", "between obstacles", "torsion", "Fathi", "definite"}
+    assert {name for _, name in seen} >= {"equilibrium", "penetration", "complementarity"}
+    assert {row["problem"] for row in rows} == set(problems)
+
+
+# --- answers from outside ---------------------------------------------------------------------------------------------
+
+
+def test_a_right_answer_of_either_format_is_certified_and_its_claims_are_true(tmp_path: Path) -> None:
+    step, du, pressure = known_step()
+    claims = {"accuracy": 1e-12, "equilibrium": 1e-12, "force": float(np.sum(step.weights * pressure))}
+    claims["pressed"] = np.flatnonzero(pressure > 0).tolist()
+    told = {"du": du.tolist(), "pressure": pressure.tolist(), "claims": claims}
+    (tmp_path / "answer.json").write_text(json.dumps(told), encoding="utf-8")
+    np.savez(tmp_path / "answer.npz", du=du, pressure=pressure, claims=np.array(json.dumps(claims)))
+    for suffix in ("json", "npz"):
+        found = read_answer(tmp_path / f"answer.{suffix}")
+        assert np.array_equal(found.du, du)
+        assert np.array_equal(found.pressure, pressure)
+        judgement = judge_answer(step, found)
+        assert judgement.sound
+        assert len(judgement.claims) == 4
+
+
+def test_a_false_claim_is_named() -> None:
     """du off by 1e-3 of its size: certified at 1, but nothing that is claimed of a better one is true."""
-    step, answer = given()
-    off = answer.du * (1 + 1e-3)
-    forces = float(np.sum(step.weights * answer.pressure))
-    said: dict[str, Any] = {"accuracy": 1e-9, "equilibrium": 1e-9, "penetration": 1e-12, "force": forces * 1.001}
-    said["pressed"] = np.flatnonzero(answer.pressure > 0).tolist()[1:]
-    found = judge_answer(step, Given(off, answer.pressure, {what: said[what]}), asked=1.0)
-    assert found.certified
-    assert not found.sound
-    assert f"claim {what}" in "\n".join(found.lines())
-    (false,) = (line for line in found.lines() if line.startswith(f"claim {what} ") and "FALSE" in line)
-    assert {"force": " of the larger of it and F, ", "pressed": " candidates, "}.get(what, " times, ") in false
+    step, du, pressure = known_step()
+    said: dict[str, Any] = {"accuracy": 1e-9, "equilibrium": 1e-9, "penetration": 1e-12}
+    said["force"] = float(np.sum(step.weights * pressure)) * 1.001
+    said["pressed"] = np.flatnonzero(pressure > 0).tolist()[1:]
+    for what, value in said.items():
+        found = judge_answer(step, Given(du * (1 + 1e-3), pressure, {what: value}), asked=1.0)
+        assert found.certified
+        assert not found.sound
+        (false,) = (line for line in found.lines() if line.startswith(f"claim {what} ") and "FALSE" in line)
+        assert {"force": " of the larger of it and F, ", "pressed": " candidates, "}.get(what, " times, ") in false
 
 
-def test_residuals_are_those_of_the_equations() -> None:
-    """Of a du that is off, by the definitions, without the module that computes them."""
-    step, answer = given()
-    du = answer.du + 1e-4
-    found = judge_answer(step, Given(du, answer.pressure, {}))
-    forces, gap = step.weights * answer.pressure, step.gap + step.G @ du
-    F, L = found.force_N, found.length_mm
-    assert found.residuals["equilibrium"] == pytest.approx(np.linalg.norm(step.K @ du + step.r - step.G.T @ forces) / F)
-    assert found.residuals["penetration"] == pytest.approx(max(float(-gap.min()), 0) / L)
-    assert found.residuals["complementarity"] == pytest.approx(float(np.abs(forces) @ np.abs(gap)) / (F * L))
-    assert not found.certified
-
-
-@pytest.mark.parametrize("suffix", [".json", ".npz"])
-def test_answers_are_read_from_both_formats(suffix: str, tmp_path: Path) -> None:
-    step, answer = given()
-    path, claims = tmp_path / f"answer{suffix}", {"accuracy": 1e-9}
-    if suffix == ".json":
-        told = {"du": answer.du.tolist(), "pressure": answer.pressure.tolist(), "claims": claims}
-        path.write_text(json.dumps(told), encoding="utf-8")
-    else:
-        np.savez(path, du=answer.du, pressure=answer.pressure, claims=np.array(json.dumps(claims)))
-    found = read_answer(path)
-    assert np.array_equal(found.du, answer.du)
-    assert np.array_equal(found.pressure, answer.pressure)
-    assert found.claims == claims
-    assert judge_answer(step, found).sound
-
-
-@pytest.mark.parametrize(
-    ("told", "fault"),
-    [
+def test_what_is_no_answer_is_refused_in_a_line(tmp_path: Path) -> None:
+    path = tmp_path / "answer.json"
+    for told, fault in (
         ('{"du": [1.0]}', "'pressure' is missing"),
         ('{"du": [[1.0]], "pressure": []}', "each be a list of numbers"),
         ('{"du": [1.0], "pressure": [1.0], "claims": {"speed": 3}}', "claim 'speed' must be one of accuracy"),
         ('{"du": [1.0], "pressure": [1.0], "claims": []}', "claims must be a JSON object"),
         ("[]", "must be a JSON object"),
         ("{", "is no answer"),
-    ],
-)
-def test_what_is_no_answer_is_refused_in_a_line(told: str, fault: str, tmp_path: Path) -> None:
-    path = tmp_path / "answer.json"
-    path.write_text(told, encoding="utf-8")
-    with pytest.raises(UsageError, match=fault) as error:
-        read_answer(path)
-    assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(("what", "said"), [("accuracy", -1.0), ("force", "big"), ("pressed", [1000]), ("pressed", 3)])
-def test_a_claim_out_of_its_range_is_refused(what: str, said: object) -> None:
-    with pytest.raises(UsageError, match=what):
-        judge_answer(*given(**{what: said}))
-
-
-def test_numbers_that_are_none_are_not_certified() -> None:
-    step, answer = given()
-    assert not judge_answer(step, Given(answer.du * np.nan, answer.pressure, {"accuracy": 1e-3})).sound
-
-
-def test_an_answer_of_another_problem_is_refused() -> None:
-    step, answer = given()
+    ):
+        path.write_text(told, encoding="utf-8")
+        with pytest.raises(UsageError, match=fault) as error:
+            read_answer(path)
+        assert "\n" not in str(error.value)
+    step, du, pressure = known_step()
     with pytest.raises(UsageError, match="unknowns"):
-        judge_answer(step, Given(answer.du[:-1], answer.pressure, {}))
+        judge_answer(step, Given(du[:-1], pressure, {}))
+    for what, said in (("accuracy", -1.0), ("force", "big"), ("pressed", [1000]), ("pressed", 3)):
+        with pytest.raises(UsageError, match=what):
+            judge_answer(step, Given(du, pressure, {what: said}))
 
 
 def test_a_stranger_reads_solves_and_is_judged(tmp_path: Path) -> None:

@@ -96,21 +96,21 @@ def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
     assert np.abs(found.solution.u).max() > 0.9 * pressed
 
 
-WRONG = {
-    "no file": (["resolve", "nothing.npz"], "nothing.npz"),
-    "no step": (["resolve", __file__], "no frozen contact step"),
-    "no algorithm": (["resolve", __file__, "--contact", "magic"], "semismooth"),
-    "negative epsilon": (["resolve", __file__, "--epsilon", "-1"], "(0, inf]"),
-    "NaN": (["resolve", __file__, "--epsilon", "nan"], "(0, inf]"),
-}
+WRONG = (
+    (["resolve", "nothing.npz"], "nothing.npz"),
+    (["resolve", __file__], "no frozen contact step"),
+    (["resolve", __file__, "--contact", "magic"], "semismooth"),
+    (["resolve", __file__, "--epsilon", "-1"], "(0, inf]"),
+    (["resolve", __file__, "--epsilon", "nan"], "(0, inf]"),
+)
 
 
-@pytest.mark.parametrize(("arguments", "said"), WRONG.values(), ids=WRONG)
-def test_wrong_use_is_one_line(arguments, said, capsys) -> None:
-    assert main(arguments) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
+def test_wrong_use_is_one_line(capsys) -> None:
+    for arguments, said in WRONG:
+        assert main(arguments) == 2
+        error = capsys.readouterr().err
+        assert said in error
+        assert error.count("\n") == 1
 
 
 def test_a_scene_without_contact_has_nothing_to_freeze(tmp_path, capsys) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from studies.arena.solver_summaries import (
     data_profiles,
+    effects,
     performance_profiles,
     rank_correlation,
     ranking,
@@ -157,3 +158,23 @@ def test_who_is_not_installed_has_no_rank_but_a_row() -> None:
     assert found[["refused", "claimed", "why_not"]].to_numpy().tolist() == [[4, 0, "not installed"]]
     assert "D" not in ranking(whole, LIMIT_S).index.get_level_values("solver")
     assert rank_correlation(table, whole, LIMIT_S)["spearman"].item() == pytest.approx(1.0)
+
+
+def test_effects_by_hand() -> None:
+    rows = [
+        ("OSQP: defaults", 2.0, 8, 1),
+        ("OSQP: polished", 3.0, 9, 0),
+        ("OSQP, scaled: defaults", 1.0, 10, 0),
+        ("OSQP, scaled: polished", 0.5, 10, 2),
+    ]
+    summed = pd.DataFrame(rows, columns=["solver", "mean_s", "solved", "false"])
+    summed = summed.assign(tolerance=1e-6, kind="convex", size="all", problems=10)
+    found = effects(summed).set_index(["scale", "setting"])
+    assert found["time_ratio"].to_dict() == {
+        ("OSQP", "defaults"): 1.0,
+        ("OSQP", "polished"): 1.5,
+        ("OSQP, scaled", "defaults"): 1.0,
+        ("OSQP, scaled", "polished"): 0.5,
+    }
+    assert tuple(found.loc[("OSQP", "polished"), ["more_solved", "more_false"]]) == (1, -1)
+    assert tuple(found.loc[("OSQP, scaled", "polished"), ["more_solved", "more_false"]]) == (0, 2)

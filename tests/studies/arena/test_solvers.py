@@ -1,4 +1,4 @@
-"""Every solver that is installed on steps with a known answer; what does not apply is refused with the reason."""
+"""Every solver that is installed, and every setting of OSQP, on steps with a known answer; what is refused, and why."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.answers import accuracy
+from studies.arena.solvers import catalogue
 from studies.arena.solvers.base import Answer
-from studies.arena.solvers.catalogue import SOLVERS
+from studies.arena.solvers.catalogue import ABLATION, SETTINGS, SOLVERS
 from studies.arena.solvers.outside import DENSE, Outside
 from support.problems.arena_steps import Broken, Told, in_units, indefinite, known_step, lopsided
 
 INSTALLED = [name for name, solver in SOLVERS.items() if solver.missing() is None]
-QP = [name for name, solver in SOLVERS.items() if isinstance(solver, Outside)]
 REACHED = 1e-4  # by every one of them, asked for 1e-8 on six candidates; most are far below
 
 
@@ -27,47 +27,45 @@ def test_the_field_is_large_and_names_are_its_keys() -> None:
 
 
 @pytest.mark.parametrize("name", INSTALLED)
-@pytest.mark.parametrize("kind", ["definite", "inclined"])
-def test_built_in_answers_are_found(name: str, kind: str) -> None:
-    step, du, pressure = known_step(1, kind)
+def test_built_in_answers_are_found(name: str) -> None:
     solver = SOLVERS[name]
-    assert solver.applies(step) is None
-    found = solver.solve(step, 1e-8)
-    assert found.claimed, found.reason
-    assert accuracy(step, found.du, found.pressure).worst <= REACHED
-    np.testing.assert_allclose(found.du, du, atol=1e-2)  # the largest is above 1
-    np.testing.assert_allclose(found.pressure, pressure, atol=1e-2)
-    assert np.isfinite(found.seconds)
-    assert found.seconds >= 0
-    assert solver.keeps(step, found, 1.0) in (True, None)
+    for kind in ("definite", "inclined"):
+        step, du, pressure = known_step(1, kind)
+        assert solver.applies(step) is None
+        found = solver.solve(step, 1e-8)
+        assert found.claimed, found.reason
+        assert accuracy(step, found.du, found.pressure).worst <= REACHED
+        np.testing.assert_allclose(found.du, du, atol=1e-2)  # the largest is above 1
+        np.testing.assert_allclose(found.pressure, pressure, atol=1e-2)
+        assert 0 <= found.seconds < np.inf
+        assert solver.keeps(step, found, 1.0) in (True, None)
 
 
-@pytest.mark.parametrize("name", QP)
-def test_no_quadratic_programme_of_what_is_not_convex(name: str) -> None:
+def test_no_quadratic_programme_of_what_is_not_convex() -> None:
     """Installed or not: a saddle point satisfies some of them (see contact.solvers.qp_backends)."""
     step, *_ = known_step()
-    solver = SOLVERS[name]
-    assert "not convex" in str(solver.applies(indefinite(step)))
-    assert "not symmetric" in str(solver.applies(lopsided(step)))
-    coupled = replace(step, coupling=sparse.csr_matrix(np.diag(step.weights)))
-    assert "consistent coupling" in str(solver.applies(coupled))
-    assert "without area" in str(solver.applies(replace(step, weights=np.where(step.gap > 0, step.weights, 0.0))))
+    refused = {
+        "not convex": indefinite(step),
+        "not symmetric": lopsided(step),
+        "consistent coupling": replace(step, coupling=sparse.csr_matrix(np.diag(step.weights))),
+        "without area": replace(step, weights=np.where(step.gap > 0, step.weights, 0.0)),
+    }
+    for solver in SOLVERS.values():
+        if isinstance(solver, Outside):
+            for why, other in refused.items():
+                assert why in str(solver.applies(other)), solver.name
+    for name in ("nnls", "condensed QP, finished", "full QP, finished"):
+        assert SOLVERS[name].applies(step) is None
+        assert "not symmetric" in str(SOLVERS[name].applies(lopsided(step)))
 
 
-@pytest.mark.parametrize("name", ["nnls", "condensed QP, finished", "full QP, finished"])
-def test_what_minimises_needs_a_function(name: str) -> None:
+def test_what_needs_no_function_solves_without_one() -> None:
     step, *_ = known_step()
-    assert SOLVERS[name].applies(step) is None
-    assert "not symmetric" in str(SOLVERS[name].applies(lopsided(step)))
-
-
-@pytest.mark.parametrize("name", ["semismooth", "Lemke", "active set"])
-def test_what_needs_no_function_solves_without_one(name: str) -> None:
-    step, *_ = known_step()
-    found = SOLVERS[name].solve(lopsided(step), 1e-8)
-    assert found.claimed
-    assert accuracy(lopsided(step), found.du, found.pressure).worst < 1e-12
-    assert accuracy(step, found.du, found.pressure).worst > 1e-6
+    for name in ("semismooth", "Lemke", "active set"):
+        found = SOLVERS[name].solve(lopsided(step), 1e-8)
+        assert found.claimed
+        assert accuracy(lopsided(step), found.du, found.pressure).worst < 1e-12
+        assert accuracy(step, found.du, found.pressure).worst > 1e-6
 
 
 def test_dense_solvers_refuse_what_is_large() -> None:
@@ -87,16 +85,12 @@ def test_a_loose_tolerance_gives_a_loose_answer() -> None:
         assert worth[0] > 1e3 * worth[1]
 
 
-def test_what_is_missing_says_how_to_get_it() -> None:
+def test_what_is_missing_or_raises_says_so() -> None:
     assert Told("nobody", "no_such_module", "'another[extra]'").missing() == (
         "not installed: pip install 'another[extra]'"
     )
     assert Told("nobody", "no_such_module").missing() == "not installed: pip install no_such_module"
-
-
-def test_exceptions_are_no_claims() -> None:
-    step, *_ = known_step()
-    found = Broken("broken").solve(step, 1e-8)
+    found = Broken("broken").solve(known_step()[0], 1e-8)
     assert not found.claimed
     assert found.reason == "ValueError: no such thing"
 
@@ -109,3 +103,31 @@ def test_the_own_criterion_is_that_of_the_programme_asked() -> None:
     assert SOLVERS["OSQP"].keeps(small, nothing, 1e-4) is True
     assert SOLVERS["OSQP, scaled"].keeps(small, nothing, 1e-4) is False
     assert accuracy(small, nothing.du, nothing.pressure).worst > 0.1
+
+
+# --- the settings of OSQP ---------------------------------------------------------------------------------------------
+
+VARIANTS = {solver.name: solver for solver in ABLATION}
+
+
+@pytest.mark.parametrize("scale", ["OSQP", "OSQP, scaled"])
+def test_each_setting_is_there_and_finds_the_answer(scale: str) -> None:
+    own = {name.split(": ")[1]: solver for name, solver in VARIANTS.items() if name.split(": ")[0] == scale}
+    further = {"condensed"} if scale == "OSQP, scaled" else set()
+    assert own.keys() == {*SETTINGS, "warm start", "reduced KKT"} | further
+    assert (own["reduced KKT"].missing() is None) == bool(catalogue._algebra())
+    step, *_ = known_step(1)
+    for name, solver in own.items():
+        if solver.missing() is None:
+            found = solver.solve(step, 1e-6)
+            assert found.claimed, f"{name}: {found.reason}"
+            assert accuracy(step, found.du, found.pressure).worst < 1e-4
+    cold, warm = (own[name].solve(step, 1e-5).iterations for name in ("defaults", "warm start"))
+    assert warm < cold
+
+
+def test_settings_arrive() -> None:
+    """Another first rho that is never adapted takes another number of iterations; a name OSQP does not know is told."""
+    step, *_ = known_step(1)
+    names = ("defaults", "rho 1e-3", "rho 1e3")
+    assert len({VARIANTS[f"OSQP: {name}"].solve(step, 1e-8).iterations for name in names}) == 3

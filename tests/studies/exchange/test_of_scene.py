@@ -17,8 +17,8 @@ REFUSED = {
     "manufactured": "cannot be exported",
     "manufactured-contact": "must be a plane",
 }
-EXPORTED = ("cantilever", "hemisphere", "semicylinder-0-90-0", "roof-a", "pagano", "free-hyperboloid", "shallow-cap")
-BEFORE_PLANES = ("strip-contact", "plate-contact", "ring", "panel", "crushed-ring", "crushed-ring-solid", "tyre")
+EXPORTED = ("hemisphere", "semicylinder-0-90-0", "pagano", "free-hyperboloid", "shallow-cap")
+BEFORE_PLANES = ("strip-contact", "ring", "panel", "crushed-ring", "crushed-ring-solid", "tyre")
 
 
 def asked(name: str, mesh: str | None = None, **given: object) -> Problem:
@@ -26,8 +26,7 @@ def asked(name: str, mesh: str | None = None, **given: object) -> Problem:
 
 
 @pytest.mark.parametrize("name", [*EXPORTED, *BEFORE_PLANES])
-def test_what_is_held_keeps_the_body_in_its_place(name: str) -> None:
-    """Supports, and a plane along its normal, leave no rigid motion."""
+def test_supports_and_plane_leave_no_rigid_motion_and_plies_are_whole(name: str) -> None:
     problem = asked(name)
     supports, x = problem.supports, problem.bricks.x
     assert len(np.unique(supports.nodes)) == len(supports.nodes)
@@ -35,43 +34,27 @@ def test_what_is_held_keeps_the_body_in_its_place(name: str) -> None:
     for node, axes, held in zip(supports.nodes, supports.axes, supports.held, strict=True):
         at = x[node] - x.mean(axis=0)
         rows += [np.concatenate([axis, np.cross(at, axis)]) for axis in axes[held]]
+    assert (problem.plane is not None) is (name in BEFORE_PLANES)
     if problem.plane is not None:
         rows.append(np.concatenate([problem.plane.normal, np.zeros(3)]))
+        assert problem.plane.start >= float(np.max(x @ problem.plane.normal)) - 1e-9
+        offsets = [step.offset for step in problem.steps if step.offset is not None]
+        assert offsets == sorted(offsets, reverse=True)  # it touches or comes nearer
+        assert len(offsets) == len(problem.steps)
     size = np.concatenate([np.ones(3), np.full(3, 1 / np.ptp(x, axis=0).max())])
     assert np.linalg.matrix_rank(np.array(rows) * size, tol=1e-6) == 6
-
-
-@pytest.mark.parametrize("name", [*EXPORTED, *BEFORE_PLANES])
-def test_every_ply_has_its_bricks(name: str) -> None:
-    problem = asked(name)
     counts = np.bincount(problem.bricks.ply, minlength=len(problem.materials))
     assert len(set(counts)) == 1
     assert counts.sum() == len(problem.bricks.elements)
 
 
-@pytest.mark.parametrize("name", BEFORE_PLANES)
-def test_the_plane_touches_or_comes_nearer(name: str) -> None:
-    problem = asked(name)
-    assert problem.plane is not None
-    outermost = float(np.max(problem.bricks.x @ problem.plane.normal))
-    assert problem.plane.start >= outermost - 1e-9
-    offsets = [step.offset for step in problem.steps if step.offset is not None]
-    assert offsets == sorted(offsets, reverse=True)
-    assert len(offsets) == len(problem.steps)
-
-
-@pytest.mark.parametrize("name", REFUSED)
-def test_what_cannot_be_exported_says_why(name: str) -> None:
-    with pytest.raises(UsageError, match=REFUSED[name]):
-        asked(name)
-
-
-@pytest.mark.parametrize(("through", "allowed"), [(0, "[1, 16]"), (17, "[1, 16]")])
-def test_the_range_of_through(through: int, allowed: str) -> None:
-    with pytest.raises(UsageError) as error:
-        problem_of("cantilever", {}, "4x1", through)
-    assert f"through = {through}" in str(error.value)
-    assert allowed in str(error.value)
+def test_what_cannot_be_exported_says_why() -> None:
+    for name, why in REFUSED.items():
+        with pytest.raises(UsageError, match=why):
+            asked(name)
+    for through in (0, 17):
+        with pytest.raises(UsageError, match=rf"through = {through} must be a whole number in \[1, 16\]"):
+            problem_of("cantilever", {}, "4x1", through)
 
 
 def test_a_solid_keeps_its_own_bricks() -> None:
@@ -96,10 +79,10 @@ def test_the_point_forces_of_the_hemisphere_grow_with_the_load() -> None:
         np.testing.assert_allclose(step.forces.sum(axis=0), [force, -force, 0], atol=1e-9 * force)
 
 
-@pytest.mark.parametrize(("mesh", "within"), [("4x4", 2e-3), ("8x8", 5e-4)])
-def test_the_weight_of_the_roof_does_its_work(mesh: str, within: float) -> None:
+def test_the_weight_of_the_roof_does_its_work() -> None:
     """On the fall a1, zero where the diaphragm holds: int w a1 dA = w R angle (L/2)^2/2, and its lever about z."""
-    problem = asked("scordelis-lo", mesh)
+    within = 2e-3
+    problem = asked("scordelis-lo", "4x4")
     x, (step,) = problem.bricks.x, problem.steps
     half = scordelis_lo.LENGTH / 2
     weight = scordelis_lo.WEIGHT * scordelis_lo.RADIUS * half**2 / 2

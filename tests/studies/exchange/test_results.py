@@ -47,9 +47,8 @@ def test_a_curve_leaves_out_what_is_not_told(cantilever: Problem, tmp_path: Path
     assert whole.u is None
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
+def test_what_is_no_result_is_told_in_one_line(cantilever: Problem, tmp_path: Path) -> None:
+    for text, said in (
         ("", "no table of numbers"),
         ("load_fraction,force_N\n1,two\n", "no table of numbers"),
         ("delta_mm,force_N\n1,2\n", "no column 'load_fraction'; it has delta_mm, force_N"),
@@ -60,15 +59,12 @@ def test_a_curve_leaves_out_what_is_not_told(cantilever: Problem, tmp_path: Path
         ("load_fraction,force_N\n1,2\n1,3\n", "has 2 rows with load_fraction = 1"),
         ("load_fraction,force_N\n,2\n", "must be finite"),
         ("load_fraction,force_N\n", "has no results"),
-    ],
-)
-def test_what_is_no_result_is_told_in_one_line(text: str, said: str, cantilever: Problem, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=said) as error:
-        read_results(written(tmp_path / "wrong.csv", text), cantilever)
-    assert "\n" not in str(error.value)
-
-
-def test_a_file_that_is_not_there_is_an_error_of_the_system(cantilever: Problem, tmp_path: Path) -> None:
+    ):
+        with pytest.raises(UsageError, match=said) as error:
+            read_results(written(tmp_path / "wrong.csv", text), cantilever)
+        assert "\n" not in str(error.value)
+    with pytest.raises(UsageError, match="has no results"):  # of a run that was stopped before its first step
+        read_results(written(tmp_path / "out.dat", ""), cantilever)
     with pytest.raises(FileNotFoundError):
         read_results(tmp_path / "nothing.csv", cantilever)
 
@@ -88,17 +84,12 @@ PRINTED = """
 """
 
 
-def test_output_of_a_run_that_was_stopped_before_its_first_step(cantilever: Problem, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="has no results"):
-        read_results(written(tmp_path / "out.dat", ""), cantilever)
-
-
 ROW, TOTAL = "         3  1.000000E+00 -2.000000E+00  3.000000E-01", "        1.000000E-08  0.000000E+00 -4.000000E+00"
 
 
-@pytest.mark.parametrize(
-    ("there", "instead", "said"),
-    [
+def test_a_block_that_breaks_off_is_told(cantilever: Problem, tmp_path: Path) -> None:
+    text = PRINTED.format(time=1.0)
+    for there, instead, said in (
         (ROW, f"{ROW}\n         4  1.0", "breaks within displacements for set BODY"),
         (ROW, "         3  1.0", "breaks within displacements for set BODY"),
         (ROW, "", "breaks within displacements for set BODY"),
@@ -106,15 +97,10 @@ ROW, TOTAL = "         3  1.000000E+00 -2.000000E+00  3.000000E-01", "        1.
         ("        2.500000E+01", "", "breaks within total internal energy for set BODY"),
         ("         3 ", "   1000000 ", "has node 1000000, the body 32; is the mesh the same"),
         ("         3 ", "         0 ", "is the mesh the same"),
-    ],
-)
-def test_a_block_that_breaks_off_is_told(
-    there: str, instead: str, said: str, cantilever: Problem, tmp_path: Path
-) -> None:
-    text = PRINTED.format(time=1.0)
-    assert there in text
-    with pytest.raises(UsageError, match=said):
-        read_results(written(tmp_path / "out.dat", text.replace(there, instead)), cantilever)
+    ):
+        assert there in text
+        with pytest.raises(UsageError, match=said):
+            read_results(written(tmp_path / "out.dat", text.replace(there, instead)), cantilever)
 
 
 def test_other_blocks_of_printed_output_are_left_alone(cantilever: Problem, tmp_path: Path) -> None:

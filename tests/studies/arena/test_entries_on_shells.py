@@ -35,8 +35,8 @@ SETTINGS = (
     "tyre 28x26 foundation=cleat delta_mm=10",
 )
 CELLS = (*(f"{name} {MESHES.get(name, '')}" for name, scene in SCENES.items() if has_contact(scene)), *SETTINGS)
-
 each = pytest.mark.parametrize("name", NAMES)
+pytestmark = pytest.mark.usefixtures("modules")
 
 
 def visited(name: str, cell: str, **parameters: float) -> list[Visited]:

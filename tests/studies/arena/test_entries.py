@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from types import ModuleType
 
@@ -36,6 +37,7 @@ SAME = 1e-9
 PRINTED_RADIUS = 0.348982574111686  # of contact, MFEM's example 36
 
 each = pytest.mark.parametrize("name", NAMES)
+pytestmark = pytest.mark.usefixtures("modules")
 
 
 @pytest.mark.slow
@@ -59,9 +61,8 @@ def test_nothing_of_the_suite_imports_them() -> None:
 
 
 @each
-@pytest.mark.parametrize("kind", ["obstacle", "definite", "inclined"])
-def test_solution_is_that_of_nnls(name: str, kind: str) -> None:
-    for seed in range(4):
+def test_solution_is_that_of_nnls(name: str) -> None:
+    for kind, seed in product(("obstacle", "definite", "inclined"), range(4)):
         data = random_quadratic(np.random.default_rng(seed), kind)
         solution = solve_from_rest(name, data.problem(), len(data.f))
         assert solution.outcome is Outcome.CONVERGED
@@ -174,26 +175,12 @@ def test_failure_is_a_value(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", EXACT_ONLY)
-def test_exact_steps_alone_are_told(name: str) -> None:
+def test_exact_steps_alone_are_told_and_a_finite_epsilon_is_refused(name: str) -> None:
     """A body that nothing holds has no stiffness to begin with."""
     loose = Quadratic(np.zeros((2, 2)), np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
     told = events(solve_from_rest(name, loose.problem(), 2).history, EventKind.SUBSTITUTE)
     assert [str(event).startswith("exact steps alone: ") for event in told] == [True]
-
-
-@each
-def test_no_candidate_is_plain_newton(name: str) -> None:
-    data = Quadratic(np.eye(2), np.array([1.0, 0.5]), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
-    solution = solve_from_rest(name, data.problem(), 2)
-    assert solution.outcome is Outcome.CONVERGED
-    np.testing.assert_allclose(solution.u, data.f, rtol=0, atol=1e-12)
-    assert solution.counters[SPENT[name]] == 0
-
-
-@pytest.mark.parametrize("name", EXACT_ONLY)
-def test_a_finite_epsilon_is_refused(name: str) -> None:
-    problem = random_quadratic(np.random.default_rng(0), "definite").problem()
-    assert "epsilon must be infinite" in ALGORITHMS[name](epsilon=1e4).supports(problem)
+    assert "epsilon must be infinite" in ALGORITHMS[name](epsilon=1e4).supports(loose.problem())
 
 
 def test_consistent_coupling_is_refused_by_the_interior_point_alone() -> None:
@@ -205,21 +192,18 @@ def test_consistent_coupling_is_refused_by_the_interior_point_alone() -> None:
         assert judge(coupled, solution.u, solution.pressure).failures() == []
 
 
-@pytest.mark.parametrize(
-    ("name", "key", "value", "says"),
-    [
+def test_a_parameter_out_of_its_range() -> None:
+    for name, key, value, says in (
         ("barrier", "reach", 0.0, "reach = 0.0 must be a number in [1e-06, 10]"),
         ("barrier", "reduction", 1.0, "reduction = 1.0 must be a number in [0.001, 0.9]"),
         ("interior-point", "boundary", 1.0, "boundary = 1.0 must be a number in [0.5, 0.99999]"),
         ("proximal", "alpha", math.nan, "alpha = nan must be a number in [0.001, 1000]"),
         ("proximal", "growth", 0.5, "growth = 0.5 must be a number in [1, 100]"),
         ("proximal", "epsilon", -1.0, "epsilon = -1.0 must be a number in (0, inf]"),
-    ],
-)
-def test_a_parameter_out_of_its_range(name: str, key: str, value: float, says: str) -> None:
-    with pytest.raises(ValueError, match="must be") as raised:
-        ALGORITHMS[name](**{key: value})
-    assert str(raised.value) == says
+    ):
+        with pytest.raises(ValueError, match="must be") as raised:
+            ALGORITHMS[name](**{key: value})
+        assert str(raised.value) == says
 
 
 # --- the membrane over a sphere -----------------------------------------------------------------------------------
@@ -250,10 +234,9 @@ def test_the_free_boundary_of_mfem_s_example_36_is_met_with_the_order_of_the_ele
         assert finest["radius_by_force"] == pytest.approx(PRINTED_RADIUS, rel=3e-4)
 
 
-@pytest.mark.parametrize("level", [2, 3])
-def test_proximal_steps_of_one_length_find_the_set_of_the_membrane_by_themselves(level: int) -> None:
+def test_proximal_steps_of_one_length_find_the_set_of_the_membrane_by_themselves() -> None:
     """Exact steps have nothing to correct then, and one leaves the answer."""
-    membrane = Membrane.build("P1", level, SphereObstacle())
+    membrane = Membrane.build("P1", 3, SphereObstacle())
     even = ALGORITHMS["proximal"](epsilon=math.inf, alpha=3, growth=1, crossover=1e-6, max_iterations=100)
     solution = even.solve(membrane.body.problem(), membrane.body.begin())
     steps = int(solution.counters[SPENT["proximal"]])

@@ -1,4 +1,4 @@
-"""The files of the entries, taken in for the tests of this folder alone."""
+"""The files of the entries, taken in for the tests that ask for them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from studies.scenes import plugins
 from support.entries import FILES
 
 
-@pytest.fixture(scope="module", autouse=True)
+@pytest.fixture(scope="module")
 def modules() -> Iterator[Mapping[str, ModuleType]]:
     """The files by the open door; catalogues, modules and the search path are put back for all other tests."""
     before, path = dict(ALGORITHMS), [*sys.path]

@@ -138,17 +138,13 @@ def made_up(*ends: str, agreement: str = "agrees", laws: tuple[Law, ...] = (Law(
     return Card(Subject(ALGORITHM, "new", "new.py", ("semismooth",)), laws, pd.DataFrame(rows))
 
 
-@pytest.mark.parametrize(
-    ("ended", "passes"), [(SOLVED, 1), (FAILED, 1), (LATE, 1), (REFUSED, 1), (FALSE, 0), (RAISED, 0)]
-)
-def test_what_fails_a_card(ended: str, passes: int) -> None:
-    found = made_up(SOLVED, ended)
-    assert found.passes == bool(passes)
-    assert found.verdict.startswith(f"`new` {'passes' if passes else 'FAILS'}: it solves ")
-    assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in found.verdict
-
-
-def test_a_difference_and_a_broken_law_fail_it_and_a_refused_law_does_not() -> None:
+def test_what_fails_a_card() -> None:
+    """False claims, exceptions, differences and broken laws; not what is unsolved, late or refused."""
+    for ended, passes in ((SOLVED, 1), (FAILED, 1), (LATE, 1), (REFUSED, 1), (FALSE, 0), (RAISED, 0)):
+        found = made_up(SOLVED, ended)
+        assert found.passes == bool(passes)
+        assert found.verdict.startswith(f"`new` {'passes' if passes else 'FAILS'}: it solves ")
+        assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in found.verdict
     assert not made_up(SOLVED, agreement=DIFFERS).passes
     assert made_up(SOLVED, agreement="within what the tolerance leaves").passes
     assert not made_up(SOLVED, laws=(Law("a law", 1.0),)).passes
@@ -165,11 +161,15 @@ def test_failures_lower_the_place_and_refusals_do_not() -> None:
     assert refusing.loc["solved share", "problems"] == 1
 
 
-def test_ratios_are_of_problems_that_both_solve() -> None:
-    ratios = made_up(SOLVED, FALSE, REFUSED).ratios()
+def test_ratios_are_of_problems_that_both_solve_and_of_another_part_of_ours() -> None:
+    found = made_up(SOLVED, FALSE, REFUSED)
+    ratios = found.ratios()
     own = ratios[ratios["who"] == "new"]
     assert own["operations_ratio"].tolist()[:1] == [3.0]
     assert own["operations_ratio"].isna().tolist() == [False, True, True]
+    assert found.reference == "semismooth"
+    ours = Card(Subject(ALGORITHM, "semismooth", "", ("semismooth", "new")), found.laws, found.tries)
+    assert ours.reference == "new"
 
 
 def test_the_page_shows_every_failure_with_its_reason() -> None:
@@ -223,7 +223,8 @@ def test_an_exception_and_a_loop_without_end_are_ends() -> None:
     assert alone("endless", case, 0.2).ended == LATE
 
 
-def test_the_clock_is_put_back() -> None:
+def test_the_clock_is_put_back_and_no_except_keeps_it() -> None:
+    assert not issubclass(Overtime, Exception)
     with pytest.raises(Overtime), within(0.01):
         time.sleep(5)
     with within(60.0):
@@ -243,47 +244,37 @@ def test_the_sample_is_small_varied_and_certified() -> None:
 # --- who it is of -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("file", "kind", "name"),
-    [
-        ("hasty", ALGORITHM, "hasty"),
-        ("slanted", MEASURE, "slanted"),
-        ("boastful", SOLVER, "boastful"),
-        ("halfway", ELEMENT, "halfway"),
-    ],
-)
-def test_what_a_file_adds_is_found(file: str, kind: str, name: str) -> None:
-    found = part(file)
-    assert (found.kind, found.name) == (kind, name)
-    assert name not in found.ours
+def test_what_a_file_adds_is_found_and_a_name_is_a_part_of_ours() -> None:
+    kinds = {"hasty": ALGORITHM, "slanted": MEASURE, "boastful": SOLVER, "halfway": ELEMENT}
+    for name, kind in kinds.items():
+        found = part(name)
+        assert (found.kind, found.name) == (kind, name)
+        assert name not in found.ours
+    ours = {"semismooth": ALGORITHM, "exact": MEASURE, "OSQP, scaled": SOLVER, "nodal": ELEMENT}
+    assert {name: [each.kind for each in subjects(name)] for name in ours} == {k: [kind] for k, kind in ours.items()}
 
 
-def test_a_name_is_a_part_of_ours() -> None:
-    assert [each.kind for each in subjects("semismooth")] == [ALGORITHM]
-    assert [each.kind for each in subjects("exact")] == [MEASURE]
-    assert [each.kind for each in subjects("OSQP, scaled")] == [SOLVER]
-    assert [each.kind for each in subjects("nodal")] == [ELEMENT]
+CATALOGUE = "from studies.arena.solvers.catalogue import SOLVERS\n"
+WRONG = {
+    "1/0": "ZeroDivisionError",
+    "x = 1": "it adds nothing to any catalogue",
+    "from contact.catalogue import ALGORITHMS\nALGORITHMS['half'] = object": "the part has no parameters",
+    "from contact.catalogue import ALGORITHMS\nALGORITHMS['lcp'] = ALGORITHMS['qp']": (
+        "'lcp' is a part of ours; give it another name"
+    ),
+    CATALOGUE + "SOLVERS['new'] = 3": "must be a studies.arena.solvers",
+    CATALOGUE + "from studies.arena.solvers.outside import Outside\n"
+    "SOLVERS['new'] = Outside('new', call=lambda programme, eps: None)": (
+        "'new' cannot be sent to the process that solves"
+    ),
+    "from formulations.element.mixed import THICKNESS_STRAINS\nTHICKNESS_STRAINS['new'] = 3": "in [0, 1]",
+}
 
 
-@pytest.mark.parametrize(
-    ("source", "says"),
-    [
-        (None, "no such file"),
-        ("x = 1", "it adds nothing to any catalogue"),
-        ("1/0", "ZeroDivisionError"),
-        ("from contact.catalogue import ALGORITHMS\nALGORITHMS['half'] = object", "the part has no parameters"),
-        (
-            "from contact.catalogue import ALGORITHMS\nALGORITHMS['lcp'] = ALGORITHMS['qp']",
-            "'lcp' is a part of ours; give it another name",
-        ),
-        ("from studies.arena.solvers.catalogue import SOLVERS\nSOLVERS['new'] = 3", "must be a studies.arena.solvers"),
-        ("from formulations.element.mixed import THICKNESS_STRAINS\nTHICKNESS_STRAINS['new'] = 3", "in [0, 1]"),
-    ],
-)
-def test_a_wrong_file_is_one_line(source: str | None, says: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+@pytest.mark.parametrize(("source", "says"), WRONG.items(), ids=range(len(WRONG)))
+def test_a_wrong_file_is_one_line(source: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "nothing.py"
-    if source is not None:
-        file.write_text(source, encoding="utf-8")
+    file.write_text(source, encoding="utf-8")
     assert main(["card", str(file), "--out", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -291,32 +282,20 @@ def test_a_wrong_file_is_one_line(source: str | None, says: str, tmp_path: Path,
     assert list(tmp_path.glob("card-*")) == []
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
+def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine.txt").write_text("kept", encoding="utf-8")
+    for words, says in (
         ([], "card takes one of FILE.py, --of NAME and --template DIR"),
         (["semismooth", "--of", "lcp"], "card takes one of"),
         (["--of", "nobody"], "'nobody' must be a file that ends in .py, or one of trial-and-error"),
-    ],
-)
-def test_wrong_use_is_one_line(words: list[str], says: str, capsys: pytest.CaptureFixture) -> None:
-    assert main(["card", *words]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert says in said
-
-
-def test_a_solver_that_cannot_be_sent_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    file = tmp_path / "nothing.py"
-    file.write_text(
-        "from studies.arena.solvers.catalogue import SOLVERS\nfrom studies.arena.solvers.outside import Outside\n"
-        "SOLVERS['new'] = Outside('new', call=lambda programme, eps: None)\n",
-        encoding="utf-8",
-    )
-    assert main(["card", str(file), "--out", str(tmp_path)]) == 2
-    said = capsys.readouterr().err
-    assert "'new' cannot be sent to the process that solves" in said
-    assert said.count("\n") == 1
+        ([str(tmp_path / "nothing.py")], "no such file"),
+        (["--template", str(tmp_path)], "must be an empty directory"),
+    ):
+        assert main(["card", *words]) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert says in said
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.txt"}
 
 
 # --- the command ------------------------------------------------------------------------------------------------------
@@ -356,21 +335,3 @@ def test_the_layout_of_a_submission_has_an_algorithm_that_passes(few: None, tmp_
     (subject,) = subjects(str(place / "my_algorithm.py"))
     found = card_of(beside(subject, "semismooth"))
     assert found.passes, found.verdict
-
-
-def test_a_layout_is_not_written_over_anything(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
-    (tmp_path / "mine.txt").write_text("kept", encoding="utf-8")
-    assert main(["card", "--template", str(tmp_path)]) == 2
-    assert "must be an empty directory" in capsys.readouterr().err
-    assert {path.name for path in tmp_path.iterdir()} == {"mine.txt"}
-
-
-def test_a_part_that_is_ours_is_compared_with_another_of_ours() -> None:
-    mine = made_up(SOLVED)
-    assert mine.reference == "semismooth"
-    own = Card(Subject(ALGORITHM, "semismooth", "", ("semismooth", "new")), mine.laws, mine.tries)
-    assert own.reference == "new"
-
-
-def test_late_is_raised_over_any_except() -> None:
-    assert not issubclass(Overtime, Exception)
