@@ -19,6 +19,7 @@ from studies.ask.settings import DRAG, MU
 from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
 from studies.fuzz.planting import Fault, fault, swapped
+from studies.solving import recording
 from studies.solving import solve as solving
 from studies.solving.certificate import certificate
 from studies.solving.friction_stages import Stages
@@ -71,7 +72,7 @@ def _unjudged() -> Iterator[None]:
     def unasked(*arguments: Any) -> dict[str, Any]:
         return {**certificate(*arguments), "failures": [], "diagnosis": []}
 
-    with swapped(solving, "certificate", unasked), along.planted():
+    with swapped(recording, "certificate", unasked), along.planted():
         yield
 
 
