@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from reports.figures.relief import Body
+from reports.figures.relief import Body, View
 from reports.formats import share
 from reports.markdown import Part, Template
 from reports.store import Store
@@ -47,12 +47,21 @@ class Catalogue:
         """Reads them all."""
         tables = {name: store.table(f"sheet_{name}") for name in TABLES}
         quads = dict(iter(tables["quads"].groupby("label", sort=False)))
+        scenes = tables["parts"][
+            (tables["parts"]["kind"] == "scene") & ("up" in tables["parts"])
+        ]  # not in older stores
+        views = {
+            each["part"]: View.of(each["up"], each["azimuth_deg"], each["elevation_deg"])
+            for each in scenes.to_dict("records")
+        }
         bodies = {}
         for label, own in tables["points"].groupby("label", sort=False):
             rest, u, pressure = (
                 own[each].to_numpy(float) for each in (["x", "y", "z"], ["ux", "uy", "uz"], "pressure")
             )
-            bodies[str(label)] = Body(rest, u, pressure, quads[label][["a", "b", "c", "d"]].to_numpy(int))
+            corners = quads[label][["a", "b", "c", "d"]].to_numpy(int)
+            view = views.get(own["scene"].iloc[0], View.of())
+            bodies[str(label)] = Body(rest, u, pressure, corners, view)
         return cls(store, tables, bodies)
 
     def own(self, table: str, **where: str) -> pd.DataFrame:
@@ -63,9 +72,10 @@ class Catalogue:
 
     def sheets(self, *kinds: str) -> Iterator[Sheet]:
         """The parts of some kinds, in the order of their catalogues."""
-        parts = self.tables["parts"].fillna("")
+        columns = ["kind", "part", "meaning", "about", "source", "module"]
+        parts = self.tables["parts"][columns].fillna("")
         for row in parts[parts["kind"].isin(kinds)].to_dict("records"):
-            own = {name: str(row[name]) for name in ("kind", "part", "meaning", "about", "source", "module")}
+            own = {name: str(row[name]) for name in columns}
             title = f"{KINDS[own['kind']]}: {own['part']}"
             yield Sheet(**own, name=f"sheets/{own['kind']}-{own['part']}", title=title)
 

@@ -114,7 +114,7 @@ def _pictures(catalogue: Catalogue, name: str) -> Part | str:
     if body is None:
         return "There is no picture: the cell of this sheet has no fields."
     words = f"{name}: at rest with supports and loads, and deformed with its displacement"
-    return picture(f"scene-{name}.svg", words, sheet_picture(body, catalogue.own("marks", scene=name), name))
+    return picture(f"scene-{name}.svg", words, sheet_picture(body, catalogue.own("marks", scene=name)))
 
 
 def _facts(catalogue: Catalogue, name: str) -> Part:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 import io
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import matplotlib as mpl
@@ -28,27 +27,6 @@ LINE, LINE_SHADE, DENSE = (
 SPACING = 0.8  # points of the raster between samples of a face
 SAMPLES = np.array([2, 3, 4, 6, 8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 512, 1024, 2048])  # along its sides
 TURN = np.cos(np.deg2rad(40.0))  # two faces that turn by more meet in an edge
-X, DOWN_X, Z = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-VIEWS: Mapping[str, tuple[tuple[float, float, float], float, float]] = {  # by how a scene's name begins
-    "tyre-solid": (DOWN_X, -40.0, 14.0),
-    "tyre": (DOWN_X, 42.0, 14.0),
-    "hemisphere": (Z, 28.0, 24.0),
-    "sze-pullout": (X, 35.0, 24.0),
-    "sze-pinched": (X, 35.0, 24.0),
-    "semicylinder": (X, 40.0, 24.0),
-    "roof": (X, 50.0, 24.0),
-    "scordelis-lo": (X, 40.0, 28.0),
-    "pinched-cylinder": (X, 35.0, 24.0),
-    "pressurised-cylinder": (X, 40.0, 28.0),
-    "pressurised-sphere": (X, 40.0, 28.0),
-    "pressurised-torus": (Z, -62.0, 22.0),
-    "free-hyperboloid": (Z, 25.0, 22.0),
-    "ring": (DOWN_X, -62.0, 14.0),
-    "crushed-ring": (DOWN_X, -62.0, 14.0),
-    "panel": (X, 40.0, 28.0),
-    "manufactured": (X, 40.0, 28.0),
-}
-BY_DEFAULT = (Z, -55.0, 26.0)
 SMALL, SHOWN = 0.028, 0.12  # motions below the one share of the size of a body are shown as about the other
 
 
@@ -59,9 +37,9 @@ class View:
     axes: np.ndarray
 
     @classmethod
-    def of(cls, up: tuple[float, float, float], azimuth: float, elevation: float) -> View:
-        """``up`` [a coordinate axis] is vertical; angles [deg] around it and above the horizon."""
-        vertical = np.array(up, float)
+    def of(cls, up: str = "z", azimuth: float = -55.0, elevation: float = 26.0) -> View:
+        """``up`` [a coordinate axis, as "-x"] is vertical; angles [deg] around it and above the horizon."""
+        vertical = np.eye(3)["xyz".index(up[-1])] * (-1.0 if up.startswith("-") else 1.0) + 0.0
         first = np.roll(np.abs(vertical), 1)
         second = np.cross(vertical, first)
         turn, rise = np.deg2rad(azimuth), np.deg2rad(elevation)
@@ -197,23 +175,18 @@ def outline(seen: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return keys[alone | bent | turned]
 
 
-FROM_BELOW = View.of(DOWN_X, 42.0, -24.0)  # of the tyre, so that its patch is seen
-
-
-def view_of(scene: str) -> View:
-    """The fixed view of a scene."""
-    found = next((name for name in VIEWS if scene == name or scene.startswith(f"{name}-")), "")
-    return View.of(*VIEWS.get(found, BY_DEFAULT))
+FROM_BELOW = View.of("-x", 42.0, -24.0)  # of the tyre, so that its patch is seen
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Points at rest (n, 3) with displacement and pressure, and the quadrilaterals (q, 4) of its skin."""
+    """Points at rest (n, 3) with displacement and pressure, the quadrilaterals (q, 4) of its skin, and its view."""
 
     rest: np.ndarray
     u: np.ndarray
     pressure: np.ndarray
     quads: np.ndarray
+    view: View
 
     @property
     def size(self) -> float:

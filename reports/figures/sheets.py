@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from reports.figures.drawing import BLACK, BLUE, GREEN, PURPLE, VERMILION, Picture
-from reports.figures.relief import BANDS, FROM_BELOW, Body, View, Window, outline, palette, raster, view_of, webp
+from reports.figures.relief import BANDS, FROM_BELOW, Body, View, Window, outline, palette, raster, webp
 from reports.formats import formatted
 
 P = ParamSpec("P")
@@ -39,10 +39,9 @@ def later(draw: Callable[P, str]) -> Callable[P, Picture]:
 
 
 @later
-def sheet_picture(body: Body, marks: pd.DataFrame, scene: str) -> str:
+def sheet_picture(body: Body, marks: pd.DataFrame) -> str:
     """Both panels beside one another."""
-    view = view_of(scene)
-    both = [*_at_rest(body, marks, view, (0, TOP)), *_deformed(body, marks, view, (WIDE + 20, TOP))]
+    both = [*_at_rest(body, marks, (0, TOP)), *_deformed(body, marks, (WIDE + 20, TOP))]
     return svg(2 * WIDE + 20, HIGH + TOP + FOOT, both)
 
 
@@ -66,8 +65,9 @@ def image(data: str, width: int, height: int, at: tuple[float, float] = (0, 0)) 
     return f'<image {place} href="data:image/webp;base64,{data}"/>'
 
 
-def _at_rest(body: Body, marks: pd.DataFrame, view: View, at: tuple[int, int]) -> Iterator[str]:
+def _at_rest(body: Body, marks: pd.DataFrame, at: tuple[int, int]) -> Iterator[str]:
     """The sketch."""
+    view = body.view
     seen = view.of_points(body.rest)
     planes = [corners_of(n, float((body.rest @ n).max()) + 0.04 * body.size, body.rest) for n in _normals(marks)]
     window = Window.around(np.concatenate([seen, *map(view.of_points, planes)]), WIDE, HIGH, margin=0.13)
@@ -82,8 +82,9 @@ def _at_rest(body: Body, marks: pd.DataFrame, view: View, at: tuple[int, int]) -
     yield from legend(list(dict.fromkeys(map(str, marks["kind"]))), at[0] + 16, at[1] + HIGH + 14)
 
 
-def _deformed(body: Body, marks: pd.DataFrame, view: View, at: tuple[int, int]) -> Iterator[str]:
+def _deformed(body: Body, marks: pd.DataFrame, at: tuple[int, int]) -> Iterator[str]:
     """The body where it has gone, before the outline of where it was."""
+    view = body.view
     factor = body.magnified
     moved = body.rest + factor * body.u
     seen, before = view.of_points(moved), view.of_points(body.rest)
@@ -163,7 +164,7 @@ def thumbnails(bodies: Sequence[tuple[str, Body]], columns: int = 4) -> str:
     parts = []
     for number, (scene, body) in enumerate(bodies):
         x, y = width * (number % columns), (height + 26) * (number // columns)
-        seen = view_of(scene).of_points(body.rest + body.magnified * body.u)
+        seen = body.view.of_points(body.rest + body.magnified * body.u)
         found = raster(seen, body.quads, body.moved, Window.around(seen, width, height, margin=0.08))
         colours = palette(found.value, 0.0, float(body.moved.max()))
         parts += [

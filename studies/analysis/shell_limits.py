@@ -4,8 +4,8 @@ Between two thicknesses the error is a power of h: log error over log thickness 
 sign between them, two powers work against each other, and it is interpolated as it is. Nothing is extrapolated: what
 is not passed on the way is infinite, what is passed from the start is 0.
 
-Each scene of the catalogue has a kind: the case of studies.experiments.shell_limits that it is, or that comes nearest
-to it, and its thickness in the terms of that case. Outside the thicknesses of its table nothing is said, but that a
+A scene declares the case of studies.experiments.shell_limits that it is, or that comes nearest to it, and its thickness
+in the terms of that case. Outside the thicknesses of its table nothing is said, but that a
 thicker wall is at least as far off as the thickest known. The table is shipped without its costs, as it was when the
 sources were last published: advice has it where no campaign has been run.
 """
@@ -13,7 +13,7 @@ sources were last published: advice has it where no campaign has been run.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,22 +21,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from studies.ask.declarations import ShellLimit
 from studies.ask.request import Settings
 from studies.experiments.shell_limits.bodies import DEFAULT, MIDDLE, REISSNER
-from studies.scenes.benchmarks import (
-    cantilever,
-    hemisphere,
-    pinched_cylinder,
-    pressurised,
-    roofs,
-    scordelis_lo,
-    semicylinder,
-    sze_annulus,
-    sze_moment,
-    sze_pinched,
-    sze_pullout,
-)
-from studies.scenes.contact import plate, ring, strip
+from studies.scenes import SCENES
 from studies.solving.refinement.richardson import power_of
 
 LEVELS = (0.01, 0.05)
@@ -156,78 +144,6 @@ TABLE = "shell_limits"
 
 
 @dataclass(frozen=True)
-class Kind:
-    """The case that a scene is of, its thickness from its settings, and the scene of its solid, if there is one.
-
-    own: whether it is that very case, else the nearest one.  only_with: a setting without which it is the nearest, too.
-    quantities: of the case, by how those of the scene begin;
-    any other is judged by the headline of the case.
-    """
-
-    case: str
-    ratio: Callable[[Settings], float]
-    own: bool = True
-    only_with: str = ""
-    solid: str = ""
-    quantities: Mapping[str, str] | None = None
-
-
-def _of(thickness: float | str, length: float) -> Callable[[Settings], float]:
-    """A wall of some thickness, or of one that is a setting, over a length."""
-    return lambda settings: (settings.number(thickness) if isinstance(thickness, str) else thickness) / length
-
-
-def _tyre(settings: Settings) -> float:
-    return settings.number("plies") * settings.number("ply_thickness_mm") / settings.number("R1_mm")
-
-
-def _thick_ring(settings: Settings) -> float:
-    outer, inner = settings.number("outer_mm"), settings.number("inner_mm")
-    return 2 * (outer - inner) / (outer + inner)
-
-
-BENT, PRESSED, BEAM, ROOF = (
-    "ring made oval",
-    "strip on an obstacle",
-    "cantilever under an end force",
-    "roof under its weight",
-)
-_HINGED = {
-    f"roof-{letter}": Kind(ROOF, _of(each.thickness, roofs.RADIUS), own=False)
-    for letter, each in zip("abcdef", roofs.SCENES, strict=True)
-}
-_SEMI = _of(semicylinder.H, semicylinder.RADIUS)
-KINDS: Mapping[str, Kind] = {
-    "pressurised-cylinder": Kind("inflated tube", _of("h_mm", pressurised.RADIUS)),
-    "pressurised-sphere": Kind("inflated sphere", _of("h_mm", pressurised.RADIUS)),
-    "pressurised-torus": Kind("inflated torus", _of("h_mm", pressurised.TUBE)),
-    "tyre": Kind(
-        "pressed tyre",
-        _tyre,
-        only_with="E_MPa",
-        solid="tyre-solid",
-        quantities={"force": "force", "inflated": "growth"},
-    ),
-    "ring": Kind("crushed ring", _of("h_mm", ring.RADIUS)),
-    "crushed-ring": Kind("crushed ring", _thick_ring, solid="crushed-ring-solid"),
-    "pagano": Kind("cross-ply plate", lambda settings: 1 / settings.number("S")),
-    "scordelis-lo": Kind(ROOF, _of(scordelis_lo.H, scordelis_lo.RADIUS)),
-    "cantilever": Kind(BEAM, _of(cantilever.H, cantilever.L)),
-    "sze-moment": Kind(BEAM, _of(sze_moment.H, sze_moment.L), own=False),
-    "sze-annulus": Kind(BEAM, _of(sze_annulus.H, sze_annulus.OUTER - sze_annulus.INNER), own=False),
-    "strip-contact": Kind(PRESSED, _of(strip.H, strip.A)),
-    "plate-contact": Kind(PRESSED, _of(plate.H, plate.A), own=False),
-    "panel": Kind("crushed ring", lambda settings: settings.number("h_over_R"), own=False),
-    "hemisphere": Kind(BENT, _of(hemisphere.H, hemisphere.RADIUS), own=False),
-    "pinched-cylinder": Kind(BENT, _of(pinched_cylinder.H, pinched_cylinder.RADIUS), own=False),
-    "sze-pinched": Kind(BENT, _of(sze_pinched.H, sze_pinched.RADIUS), own=False),
-    "sze-pullout": Kind(BENT, _of(sze_pullout.H, sze_pullout.RADIUS), own=False),
-    **{name: Kind(BENT, _SEMI, own=False) for name in ("semicylinder", "semicylinder-0-90-0", "semicylinder-90-0-90")},
-    **_HINGED,
-}
-
-
-@dataclass(frozen=True)
 class Beyond:
     """A scene at a thickness where the error of the shell's kinematics exceeds what is asked for.
 
@@ -237,7 +153,7 @@ class Beyond:
     """
 
     scene: str
-    kind: Kind
+    kind: ShellLimit
     quantity: str
     variant: str
     thickness: str
@@ -274,15 +190,15 @@ def beyond(
     the thickness, the shear correction, the pressure's area; of several the one that is farthest off. An error must
     exceed the tolerance by more than it is known to.
     """
-    kind = KINDS.get(scene)
+    kind = getattr(SCENES[scene], "shell_limit", None)
     if kind is None or not (table["case"] == kind.case).any():
         return None
     case = table[table["case"] == kind.case]
-    named = (own for start, own in (kind.quantities or {}).items() if (quantity or start).startswith(start))
+    named = (own for start, own in kind.quantities.items() if (quantity or start).startswith(start))
     judged = str(next(named, case["quantity"].iloc[0]))
     of_case = case[case["quantity"] == judged].sort_values("ratio")
     asked = [name for name in _options(settings) if (of_case["variant"] == name).any()]
-    own_case = kind.own and (not kind.only_with or kind.only_with in settings)
+    own_case = kind.same and (not kind.only_with or kind.only_with in settings)
     found = []
     for variant in asked or [DEFAULT]:
         own = of_case[of_case["variant"] == variant]

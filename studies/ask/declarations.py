@@ -1,9 +1,11 @@
-"""What a scene declares beside its settings: values to compare with, ladders of meshes, and what is judged there."""
+"""What a scene declares beside its settings: values to compare with, ladders of meshes, its picture, its limit."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+
+from studies.ask.request import Settings
 
 ROTATIONS, SNAP, LINEAR = "large rotations", "snap through", "linear shells"  # the families, whose pictures they are in
 CLOSED, CONTACT, TYRE = "closed forms", "contact", "tyre"
@@ -13,6 +15,8 @@ FULL = {"load_fraction": "1"}
 # many, and the order changes there.
 EDGES = {**FULL, "lines": "edges"}
 CANCEL = "two errors of different order and opposite sign cancel on these meshes"
+BEAM, ROOF = "cantilever under an end force", "roof under its weight"  # cases of the table of shell limits
+BENT, CRUSHED, PRESSED = "ring made oval", "crushed ring", "strip on an obstacle"
 LONG = ("64x1", "128x1", "256x1", "512x1")  # where nothing varies along a2
 
 
@@ -63,3 +67,42 @@ class Ladder:
 def meshes(n1: int, n2: int, count: int = 4) -> tuple[str, ...]:
     """A mesh and those of half the elements' size, a quarter, ..."""
     return tuple(f"{n1 * 2**k}x{n2 * 2**k}" for k in range(count))
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The picture of a scene: from where it is seen, and what is solved for it.
+
+    up: what points upwards, "x", "-x" or "z"; azimuth, elevation [deg] of the viewer around it and above the horizon.
+    mesh: where the default one is more, or less, than a picture shows.  settings: instead of what the first ladder asks
+    for.  model: another than "auto".
+    """
+
+    up: str = "z"
+    azimuth: float = -55.0
+    elevation: float = 26.0
+    mesh: str = ""
+    settings: Mapping[str, str] = field(default_factory=dict)
+    model: str = ""
+
+
+@dataclass(frozen=True)
+class ShellLimit:
+    """The case of the table of shell limits that a scene is, or that comes nearest to it.
+
+    ratio: the thickness of its wall in the terms of that case, from its settings.  same: whether it is that very case.
+    only_with: a setting without which it is not.  solid: the scene of its solid, if there is one.  quantities: of the
+    case, by how those of the scene begin; any other is judged by the headline of the case.
+    """
+
+    case: str
+    ratio: Callable[[Settings], float]
+    same: bool = True
+    only_with: str = ""
+    solid: str = ""
+    quantities: Mapping[str, str] = field(default_factory=dict)
+
+
+def thickness_over(length: float, thickness: float | str) -> Callable[[Settings], float]:
+    """A wall of some thickness, or of one that is a setting, over a length."""
+    return lambda settings: (settings.number(thickness) if isinstance(thickness, str) else thickness) / length

@@ -19,7 +19,7 @@ from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.ask.declarations import BENCHMARKS, Ladder
+from studies.ask.declarations import BENCHMARKS, Ladder, Sheet
 from studies.ask.declarations import Reference as Reference  # what the file of a scene needs beside this
 from studies.ask.request import Request, Value
 from studies.ask.request import UsageError as UsageError
@@ -251,3 +251,9 @@ def judged_of(scene: Scene) -> tuple[str, ...]:
     ladders = [each for each in ladders_of(scene) if each.family != BENCHMARKS]
     names = [name for ladder in ladders for name in ladder.quantities]
     return tuple(dict.fromkeys(names or [reference.quantity for reference in scene.references]))
+
+
+def sheet_of(scene: Scene) -> Sheet:
+    """The picture that a scene declares, or that of one that declares none."""
+    sheet: Sheet = getattr(scene, "sheet", Sheet())
+    return sheet

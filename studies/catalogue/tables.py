@@ -17,7 +17,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainMeasure
 from formulations.strains.quantities import QUANTITIES, STRAINS
-from studies.ask.scene import SettlingScene, has_contact
+from studies.ask.scene import SettlingScene, has_contact, sheet_of
 from studies.catalogue.bodies import Built, built_models, drawn_bodies, marks
 from studies.catalogue.descriptions import describe, kinematics_of, law_text, meaning_of, paragraphs, plain_text
 from studies.catalogue.values import answered, values
@@ -27,7 +27,7 @@ from studies.run.cells.answers import Answers
 from studies.scenes import SCENES
 from studies.scenes.element import ShearCorrected
 
-PARTS = ("kind", "part", "meaning", "about", "source", "module")
+PARTS = ("kind", "part", "meaning", "about", "source", "module", "up", "azimuth_deg", "elevation_deg")
 SETTINGS = ("kind", "part", "key", "meaning", "unit", "range", "default")
 FACTS = ("scene", "section", "item", "said")
 PLIES = ("scene", "ply", "thickness_mm", "angle_deg", "E_L", "E_T", "G_LT", "G_TT", "nu_LT", "nu_TT")
@@ -36,8 +36,15 @@ LAWS = ("measure", "motion", "law", "at_tenth")
 
 
 def parts() -> pd.DataFrame:
-    """PARTS: a row a part of the three catalogues, in their order; about: paragraphs, a blank line between them."""
-    scenes = [("scene", name, meaning_of(name), _said_of_scene(name), "", _module(SCENES[name])) for name in SCENES]
+    """PARTS: a row a part of the three catalogues, in their order; about: paragraphs, a blank line between them.
+
+    up, azimuth_deg, elevation_deg: from where a scene is seen.
+    """
+    scenes = []
+    for name, scene in SCENES.items():
+        sheet = sheet_of(scene)
+        seen = (sheet.up, sheet.azimuth, sheet.elevation)
+        scenes.append(("scene", name, meaning_of(name), _said_of_scene(name), "", _module(scene), *seen))
     measures = [
         ("measure", name, meaning_of(name), _about_measure(each), each.reference, _module(each))
         for name, each in MEASURES.items()
@@ -51,7 +58,8 @@ def parts() -> pd.DataFrame:
         algorithms.append(
             ("algorithm", name, meaning_of(name), f"{text.strip()}\n\n{when}", source, _module(algorithm()))
         )
-    return pd.DataFrame([*scenes, *measures, *algorithms], columns=list(PARTS))
+    rows = [*scenes, *((*row, None, None, None) for row in (*measures, *algorithms))]
+    return pd.DataFrame(rows, columns=list(PARTS))
 
 
 def _module(part: object) -> str:

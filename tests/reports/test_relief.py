@@ -50,15 +50,15 @@ def test_nothing_is_drawn_outside_and_no_point_inside_is_left_out() -> None:
 
 
 def test_the_outline_of_a_cube_is_its_edges_and_that_of_a_plate_its_rim() -> None:
-    assert len(outline(View.of((0, 0, 1), 30, 20).of_points(CUBE), FACES)) == 12
+    assert len(outline(View.of("z", 30, 20).of_points(CUBE), FACES)) == 12
     plate = np.array([[x, y, 0.0] for y in range(4) for x in range(4)], float)
     quads = np.array([[4 * j + i, 4 * j + i + 1, 4 * j + i + 5, 4 * j + i + 4] for j in range(3) for i in range(3)])
     assert len(outline(FRONT.of_points(plate), quads)) == 12
 
 
-@pytest.mark.parametrize("up", [(0, 0, 1), (1, 0, 0), (-1, 0, 0)])
-def test_a_view_turns_and_its_vertical_is_up(up: tuple[float, float, float]) -> None:
-    axes = View.of(up, 40, 25).axes
+@pytest.mark.parametrize(("name", "up"), [("z", (0, 0, 1)), ("x", (1, 0, 0)), ("-x", (-1, 0, 0))])
+def test_a_view_turns_and_its_vertical_is_up(name: str, up: tuple[float, float, float]) -> None:
+    axes = View.of(name, 40, 25).axes
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-14)
     assert np.linalg.det(axes) == pytest.approx(1.0)
     seen = axes @ np.array(up, float)

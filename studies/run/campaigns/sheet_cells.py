@@ -5,35 +5,25 @@ Each is its scene at the whole load with the measure it is meant for, on a mesh 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from studies.ask.scene import ladders_of
+from studies.ask.scene import ladders_of, sheet_of
 from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
 
 LABEL, FRAME, GROUP = "sheet {scene}", "sheet tyre at {delta} mm", "sheets"
 FRAMES = ("1", "4", "8", "12", "16", "20")  # mm of travel
-MESHES: Mapping[str, str] = {  # where the default mesh is more, or less, than a picture shows
-    **{"tyre": "42x60", "tyre-solid": "14x18", "panel": "12x12", "sze-pinched": "24x24"},
-    **{"pressurised-cylinder": "8x16", "pressurised-sphere": "8x8", "pressurised-torus": "64x4"},
-    **dict.fromkeys(("semicylinder", "semicylinder-0-90-0"), "16x16"),  # the path of the third one ends on such a mesh
-}
-PRESSED: Mapping[str, Mapping[str, str]] = {  # instead of what their ladders ask for
-    "tyre": {"delta_mm": "20"},
-    "tyre-solid": {"delta_mm": "20"},
-    "panel": {"delta_mm": "5"},
-}
-WHOLE_TYRE: Mapping[str, str] = {"model": "full"}
 
 
-def sheet_cell(scene: str) -> Cell:
+def sheet_cell(name: str) -> Cell:
     """The cell of a scene's sheet, for any scene of the catalogue."""
-    ladder = next(iter(ladders_of(SCENES[scene])), None)
-    n1, n2 = SCENES[scene].default_mesh
+    scene = SCENES[name]
+    ladder, sheet = next(iter(ladders_of(scene)), None), sheet_of(scene)
+    n1, n2 = scene.default_mesh
     options = {"measure": ladder.measure} if ladder else {}
-    options |= {"mesh": MESHES.get(scene, f"{n1}x{n2}"), **(WHOLE_TYRE if scene == "tyre" else {})}
+    options |= {"mesh": sheet.mesh or f"{n1}x{n2}", **({"model": sheet.model} if sheet.model else {})}
     settings = {**ladder.settings, **ladder.whole} if ladder else {}
-    return Cell(LABEL.format(scene=scene), scene, options, {**settings, **PRESSED.get(scene, {})}, group=GROUP)
+    return Cell(LABEL.format(scene=name), name, options, {**settings, **sheet.settings}, group=GROUP)
 
 
 def frames() -> Iterator[Cell]:

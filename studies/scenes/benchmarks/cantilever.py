@@ -11,7 +11,7 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import BENCHMARKS, FULL, LONG, ROTATIONS, Ladder
+from studies.ask.declarations import BEAM, BENCHMARKS, FULL, LONG, ROTATIONS, Ladder, ShellLimit, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, references
@@ -72,6 +72,7 @@ class Cantilever:
         Ladder(ROTATIONS, LONG, tuple(TIP), settings=FULL),
         Ladder(BENCHMARKS, ("16x1", "32x2", "64x4"), ("tip_shortening_mm", "tip_deflection_mm")),
     )
+    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(L, H))
 
     def build(self, request: Request) -> SceneModel:
         """Half of the shear on each face, shared by the nodes as a uniform edge load."""

@@ -10,7 +10,17 @@ import numpy as np
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import BENCHMARKS, EDGES, ROTATIONS, Ladder, meshes
+from studies.ask.declarations import (
+    BENCHMARKS,
+    BENT,
+    EDGES,
+    ROTATIONS,
+    Ladder,
+    Sheet,
+    ShellLimit,
+    meshes,
+    thickness_over,
+)
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
@@ -46,6 +56,8 @@ class Hemisphere:
         ),
         Ladder(BENCHMARKS, meshes(16, 16, 3), ("outward_mm", "inward_mm")),
     )
+    sheet: Sheet = Sheet(azimuth=28.0, elevation=24.0)
+    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Outward pull at a2 = 0, inward push at a2 = 90 degrees, half on each face."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
-from studies.ask.declarations import LINEAR, Ladder, meshes
+from studies.ask.declarations import LINEAR, Ladder, Sheet, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.harmonic import HarmonicShell
@@ -99,6 +99,7 @@ class FreeHyperboloid:
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {"w_waist_mm": "outwards at the waist, a1 = a2 = 0"}
     ladders: tuple[Ladder, ...] = LADDERS
+    sheet: Sheet = Sheet(azimuth=25.0, elevation=22.0)
 
     def build(self, request: Request) -> SceneModel:
         """p on the area of the middle surface, half on each face, outwards at a2 = 0.

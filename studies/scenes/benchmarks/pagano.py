@@ -15,7 +15,7 @@ import numpy as np
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import LINEAR, Ladder, meshes
+from studies.ask.declarations import LINEAR, Ladder, ShellLimit, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, reference_rows, references
@@ -67,6 +67,7 @@ class Pagano:
         Ladder(LINEAR, meshes(8, 8), ("w_bar", "sigma_x_bar"), "linear", {"S": S}, name=f"pagano-S{S}")
         for S in ("10", "100")
     )
+    shell_limit: ShellLimit = ShellLimit("cross-ply plate", lambda settings: 1 / settings.number("S"))
 
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face; the supports on x = 0 and y = 0 hold the edge's own plane."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
-from studies.ask.declarations import LINEAR, Ladder, meshes
+from studies.ask.declarations import BENT, LINEAR, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.element import centred_laminate, patch
@@ -38,6 +38,8 @@ class PinchedCylinder:
     ladders: tuple[Ladder, ...] = (
         Ladder(LINEAR, meshes(8, 8), ("deflection_mm",), "linear", {"shear_correction": "1000"}),
     )
+    sheet: Sheet = Sheet("x", 35.0, 24.0)
+    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""

@@ -25,7 +25,7 @@ from formulations.geometry.surfaces import Surface, cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import CLOSED, FULL, LONG, Ladder, meshes
+from studies.ask.declarations import CLOSED, FULL, LONG, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
@@ -129,6 +129,8 @@ class PressurisedCylinder:
         Ladder(CLOSED, meshes(2, 4), tuple(WALL), settings={**FULL, "ends": ends}, name=f"pressurised-cylinder-{ends}")
         for ends in ("fixed", "open")
     )
+    sheet: Sheet = Sheet("x", 40.0, 28.0, mesh="8x16")
+    shell_limit: ShellLimit = ShellLimit("inflated tube", thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """Length of half a radius."""
@@ -150,6 +152,8 @@ class PressurisedSphere:
     references: tuple[Reference, ...] = _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
     quantities: Mapping[str, str] = WALL
     ladders: tuple[Ladder, ...] = (Ladder(CLOSED, meshes(2, 2), tuple(WALL), settings=FULL),)
+    sheet: Sheet = Sheet("x", 40.0, 28.0, mesh="8x8")
+    shell_limit: ShellLimit = ShellLimit("inflated sphere", thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """No rigid motion is left."""
@@ -206,6 +210,8 @@ class PressurisedTorus:
     ladders: tuple[Ladder, ...] = (  # one element around the axis: nothing varies there
         Ladder(CLOSED, LONG, tuple(name for place in ("crown", "inner") for name in _named(place, (0, 0)))),
     )
+    sheet: Sheet = Sheet(azimuth=-62.0, elevation=22.0, mesh="64x4")
+    shell_limit: ShellLimit = ShellLimit("inflated torus", thickness_over(TUBE, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""

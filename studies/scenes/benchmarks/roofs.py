@@ -14,7 +14,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import CANCEL, SNAP, Ladder, meshes
+from studies.ask.declarations import CANCEL, ROOF, SNAP, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, UNTIL, CurveModel, element_size, point_rise
@@ -73,6 +73,13 @@ class Roof:
         "w_C_mm": "downwards under the force, a1 = a2 = 0; grows by the logarithm of the size of the elements",
         "w_C_even_mm": "w_C without what elements of another size than the thickness add to it",
     }
+
+    sheet: ClassVar[Sheet] = Sheet("x", 50.0, 24.0)
+
+    @property
+    def shell_limit(self) -> ShellLimit:
+        """That of a roof of its thickness."""
+        return ShellLimit(ROOF, thickness_over(RADIUS, self.thickness), same=False)
 
     @property
     def ladders(self) -> tuple[Ladder, ...]:

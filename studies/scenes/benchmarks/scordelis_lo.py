@@ -14,7 +14,7 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import LINEAR, Ladder, meshes
+from studies.ask.declarations import LINEAR, ROOF, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.element import centred_laminate, patch
@@ -44,6 +44,8 @@ class ScordelisLo:
         "edge_deflection_mm": "downwards in the middle of the free edge, a1 = 25 mm, a2 = 40 degrees"
     }
     ladders: tuple[Ladder, ...] = (Ladder(LINEAR, meshes(8, 8), ("edge_deflection_mm",), "linear"),)
+    sheet: Sheet = Sheet("x", 40.0, 28.0)
+    shell_limit: ShellLimit = ShellLimit(ROOF, thickness_over(RADIUS, H))
 
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""

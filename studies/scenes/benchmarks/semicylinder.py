@@ -11,7 +11,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import ROTATIONS, Ladder, meshes
+from studies.ask.declarations import BENT, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
@@ -49,6 +49,13 @@ class SemiCylinder:
     ladders: ClassVar[tuple[Ladder, ...]] = (
         Ladder(ROTATIONS, meshes(12, 12, 3), ("w_A_mm",), coarser=("6x6",), causes={"w_A_mm": COARSE}),
     )
+
+    shell_limit: ClassVar[ShellLimit] = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+
+    @property
+    def sheet(self) -> Sheet:
+        """The path of 90/0/90 ends on a mesh coarser than its own."""
+        return Sheet("x", 40.0, 24.0, mesh="" if self.layers == "90/0/90" else "16x16")
 
     @property
     def title(self) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import annulus
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import EDGES, ROTATIONS, Ladder, meshes
+from studies.ask.declarations import BEAM, EDGES, ROTATIONS, Ladder, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
@@ -38,6 +38,7 @@ class SlitAnnulus:
     ladders: tuple[Ladder, ...] = (
         Ladder(ROTATIONS, meshes(10, 80, 3), ("w_B_mm", "w_A_mm"), settings=EDGES, coarser=("5x40",)),
     )
+    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(OUTER - INNER, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the line force on each face, along e3."""

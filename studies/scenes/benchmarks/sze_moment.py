@@ -8,7 +8,7 @@ import numpy as np
 
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Ply
-from studies.ask.declarations import ROTATIONS, Ladder, meshes
+from studies.ask.declarations import BEAM, ROTATIONS, Ladder, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.cantilever import TIP, clamped_strip, tip_motion, tip_row
@@ -54,6 +54,7 @@ class RolledCantilever:
             ROTATIONS, meshes(32, 1), tuple(TIP), settings={"load_fraction": "0.5"}, whole={"load_fraction": "0.5,1"}
         ),
     )
+    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(L, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """The couple about -e2 lifts the tip."""

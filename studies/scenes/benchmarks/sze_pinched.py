@@ -14,7 +14,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import ROTATIONS, Ladder, meshes
+from studies.ask.declarations import BENT, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
@@ -50,6 +50,8 @@ class PinchedBetweenDiaphragms:
             ROTATIONS, meshes(16, 16, 3), ("w_A_mm", "u_B_mm"), settings={"load_fraction": "0.1"}, coarser=("8x8",)
         ),
     )
+    sheet: Sheet = Sheet("x", 35.0, 24.0, mesh="24x24")
+    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""

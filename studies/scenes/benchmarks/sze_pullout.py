@@ -13,7 +13,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import CANCEL, FULL, ROTATIONS, Ladder, meshes
+from studies.ask.declarations import BENT, CANCEL, FULL, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.curves import ARC_STEP, PATH, CurveModel, element_size, point_rise
@@ -70,6 +70,8 @@ class PullOut:
             causes={"u_C_mm": CANCEL},
         ),
     )
+    sheet: Sheet = Sheet("x", 35.0, 24.0)
+    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""

@@ -14,7 +14,8 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import SurfaceOfRevolution, cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.request import Request
+from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
+from studies.ask.request import Request, Settings
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, reference_rows, references
@@ -42,10 +43,17 @@ QUANTITIES: Mapping[str, str] = {
     "least_stretch": "smallest principal stretch in the ring",
     "largest_stretch": "largest principal stretch in the ring",
 }
+SHEET = Sheet("-x", -62.0, 14.0)
 YOUNG = Setting.positive("E_MPa", 4.07, "Young's modulus")
 POISSON = Setting("nu", 0.48, "Poisson's ratio", low=0.0, high=0.499)
 RING = (TRAVELS, OUTER, INNER, YOUNG, POISSON)
 DATA = {setting.key: float(setting.default) for setting in RING[1:] if isinstance(setting.default, float)}
+
+
+def _thickness(settings: Settings) -> float:
+    """Over the middle radius."""
+    outer, inner = settings.number("outer_mm"), settings.number("inner_mm")
+    return 2 * (outer - inner) / (outer + inner)
 
 
 def experiment() -> tuple[Reference, ...]:
@@ -81,6 +89,8 @@ class CrushedRing:
     settings: tuple[Setting, ...] = (*RING, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = experiment()
     quantities: Mapping[str, str] = QUANTITIES
+    sheet: Sheet = SHEET
+    shell_limit: ShellLimit = ShellLimit(CRUSHED, _thickness, solid="crushed-ring-solid")
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides, so that nothing moves along the axis."""

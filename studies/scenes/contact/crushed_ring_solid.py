@@ -18,6 +18,7 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
+from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import (
     EPSILON,
@@ -33,7 +34,7 @@ from studies.ask.scene import (
     nodal_pressure,
 )
 from studies.output.vtu import write_solid_fields
-from studies.scenes.contact.crushed_ring import DATA, FILE, QUANTITIES, RING, TOP, WIDTH, experiment, plate, ring
+from studies.scenes.contact.crushed_ring import DATA, FILE, QUANTITIES, RING, SHEET, TOP, WIDTH, experiment, plate, ring
 from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import spaced_lines
 
@@ -69,6 +70,7 @@ class SolidRing:
     references: tuple[Reference, ...] = (*experiment(), *_computed())
     quantities: Mapping[str, str] = QUANTITIES
     models: tuple[str, ...] = ("auto", "full")
+    sheet: Sheet = SHEET
 
     def settle(self, request: Request) -> Request:
         """Plain Newton, for a solid has no resultants to predict."""

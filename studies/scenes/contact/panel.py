@@ -18,6 +18,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
@@ -67,6 +68,8 @@ class Panel:
     references: tuple[Reference, ...] = ()
     quantities: Mapping[str, str] = {"peak_MPa": "largest contact pressure at a node"}
     slides: bool = True
+    sheet: Sheet = Sheet("x", 40.0, 28.0, mesh="12x12", settings={"delta_mm": "5"})
+    shell_limit: ShellLimit = ShellLimit(CRUSHED, lambda settings: settings.number("h_over_R"), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Pressure and travel grow together; results in mm, N, MPa whatever the units of the problem."""

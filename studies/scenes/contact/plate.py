@@ -15,7 +15,7 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
-from studies.ask.declarations import CONTACT, Ladder
+from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import plate_contact
@@ -68,6 +68,7 @@ class PlateContact:
             causes={"contact_radius": SQUEEZE},
         ),
     )
+    shell_limit: ShellLimit = ShellLimit(PRESSED, thickness_over(A, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results over a and D g/a^2.

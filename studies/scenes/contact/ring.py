@@ -15,7 +15,7 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import CONTACT, Ladder, meshes
+from studies.ask.declarations import CONTACT, CRUSHED, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
@@ -63,6 +63,8 @@ class Ring:
             coarser=("1x10",),
         ),
     )
+    sheet: Sheet = Sheet("-x", -62.0, 14.0)
+    shell_limit: ShellLimit = ShellLimit(CRUSHED, thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides; P is the whole force of a plate."""

@@ -15,7 +15,7 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
-from studies.ask.declarations import CONTACT, Ladder
+from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import strip_contact
@@ -113,6 +113,7 @@ class ClampedStrip:
             name="strip-contact-no-shear",
         ),
     )
+    shell_limit: ShellLimit = ShellLimit(PRESSED, thickness_over(A, H))
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""

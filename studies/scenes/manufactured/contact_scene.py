@@ -16,6 +16,7 @@ from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
+from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel, Touch
@@ -176,6 +177,7 @@ class ManufacturedContact:
         "error_edge": "root mean square distance of the edge of contact from the exact one, over its radius",
         "error_area": "error of the area that touches, over the exact one",
     }
+    sheet: Sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded."""

@@ -23,6 +23,7 @@ from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_E
+from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
 from studies.scenes.element import ELEMENT, discretise, even_grid
@@ -173,6 +174,7 @@ class Manufactured:
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = ()
     quantities: Mapping[str, str] = QUANTITIES
+    sheet: Sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded."""

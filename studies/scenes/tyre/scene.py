@@ -14,7 +14,7 @@ import numpy as np
 
 from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
-from studies.ask.declarations import TYRE, Ladder, meshes
+from studies.ask.declarations import TYRE, Ladder, Sheet, ShellLimit, meshes
 from studies.ask.request import Request, Value
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
 from studies.scenes.data import At, Row, reference_rows, references
@@ -141,6 +141,14 @@ class Tyre:
     ladders: ClassVar[tuple[Ladder, ...]] = (
         LADDER,
         replace(LADDER, name="tyre-isotropic", at="delta_mm=10", settings=ISOTROPIC, whole={}),
+    )
+    sheet: ClassVar[Sheet] = Sheet("-x", 42.0, 14.0, "42x60", {"delta_mm": "20"}, model="full")
+    shell_limit: ClassVar[ShellLimit] = ShellLimit(
+        "pressed tyre",
+        lambda settings: settings.number("plies") * settings.number("ply_thickness_mm") / settings.number("R1_mm"),
+        only_with="E_MPa",
+        solid="tyre-solid",
+        quantities={"force": "force", "inflated": "growth"},
     )
     models: tuple[str, ...] = MODELS
     slides: bool = True

@@ -19,6 +19,7 @@ from formulations.geometry.surfaces import torus
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
+from studies.ask.declarations import Sheet
 from studies.ask.request import Request, Value
 from studies.ask.scene import Reference, Scene, Setting, UsageError, candidates_at, nodal_pressure
 from studies.output.vtu import write_solid_fields
@@ -64,6 +65,7 @@ class SolidTyre:
     references: tuple[Reference, ...] = _references()
     quantities: ClassVar[Mapping[str, str]] = Tyre.quantities
     models: tuple[str, ...] = ("auto", "full", "quarter")
+    sheet: ClassVar[Sheet] = Sheet("-x", -40.0, 14.0, mesh="14x18", settings={"delta_mm": "20"})
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Isotropic unless plies are given; raises UsageError on a mixture."""

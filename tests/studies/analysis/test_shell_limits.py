@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 
 from studies.analysis.shell_limits import (
-    KINDS,
     SHIPPED,
     beyond,
     boundaries,
@@ -30,6 +29,7 @@ from studies.scenes.complete import complete
 RATIOS = np.array([0.01, 0.03, 0.1, 0.3])
 WITHOUT = {"heavy-strip", "shallow-cap", "free-hyperboloid", "tyre-solid", "crushed-ring-solid"}
 WITHOUT |= {"manufactured", "manufactured-contact"}  # forces that no solid has
+KINDS = {name: scene.shell_limit for name, scene in SCENES.items() if hasattr(scene, "shell_limit")}
 CHEAP = ("inflated tube", "ring made oval")
 
 
