@@ -164,6 +164,17 @@ def test_rooms_of_studies_import_one_way() -> None:
     assert backwards(graph) == set()
 
 
+def test_rooms_of_studies_stand_on_few_others() -> None:
+    """The longest chain of rooms, each of which imports the next."""
+    graph = graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
+    arrows = {(*name.split(".")[:2], *other.split(".")[:2]) for name, wanted in graph.items() for other in wanted}
+    height = dict.fromkeys(ROOMS, 1)
+    for room in ROOMS:
+        below = [each for each in ROOMS if each != room and ("studies", room, "studies", each) in arrows]
+        height[room] += max((height[each] for each in below), default=0)
+    assert max(height.values()) <= 9
+
+
 def test_an_import_backwards_is_seen() -> None:
     sources = {
         "studies/solving/solve.py": "def f():\n    import studies.analysis.verify",

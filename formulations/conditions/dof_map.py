@@ -118,6 +118,11 @@ class DofMap:
         opposite = (number[..., 0] == number[..., 1]) & (sign[..., 0] * sign[..., 1] < 0)
         return np.repeat(opposite, 2, axis=1)
 
+    @property
+    def held_middle(self) -> np.ndarray:
+        """(N, 3) bool: components held midway between the faces; what both faces hold, the middle does, too."""
+        return np.asarray((self.hinged | self.held).reshape(-1, 3, 2).all(axis=2))
+
     def of_elements(self, dofs: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         """The elements (f,) with a constrained displacement, the numbers (f, m) of the unknowns that move them, and C.
 

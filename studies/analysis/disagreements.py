@@ -1,16 +1,15 @@
 """Cells that were asked the same problem and end in different certified states: which, how far apart, and why.
 
 The same problem is all that was asked but how it is solved: the algorithm with its own parameters, Newton's iteration,
-the linear solver, load steps, and the part of the body that is modelled. Why is said by facts of both states alone,
-:func:`why`. Cells that were allowed a looser tolerance than the default are left out: what they are off by is an error
-of the solver (:mod:`studies.analysis.verify`), and curves by arc length end where their steps do.
+the linear solver, load steps, and the part of the body that is modelled. Why is said by
+:mod:`studies.solving.disagreement`. Cells that were allowed a looser tolerance than the default are left out: what they
+are off by is an error of the solver (:mod:`studies.analysis.verify`), and curves by arc length end with their steps.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -21,50 +20,13 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON
 from studies.ask.settings import MU, own_keys
 from studies.run.cells.rows import keys
+from studies.solving.disagreement import ASYMMETRIES, Facts, why
 from studies.solving.result import CONVERGED, SOLVED, unit_of
 
-LOAD_STEPS, BEYOND = "load steps", "beyond uniqueness"
-UNSTABLE, SYMMETRY, BRANCHES = "not both are stable", "broken symmetry", "two stable branches"
-MEANINGS = {
-    LOAD_STEPS: "with friction the path decides, and it was followed in other steps",
-    BEYOND: "with friction and in as many steps: its law alone does not leave one answer",
-    UNSTABLE: "one is an equilibrium that nothing can stand in, or was reached through one",
-    SYMMETRY: "a part by symmetry cannot leave the symmetry that the whole has left",
-    BRANCHES: "without friction, both stable, both by the same model",
-}
 APART = 1e-6  # of the largest in a unit: more than certificates at the default tolerance leave
-ASYMMETRIES = ("central", "mirror")
-SYMMETRIC = 1e-6  # of the largest pressure: less is no broken symmetry
 HOW = sorted({"contact", "newton", "solver", "tolerance", "model", "steps", *own_keys()})  # ways to one answer
 PAIR = ("label", "contact", "model", "steps", "substeps", "outcome", "value", "cells", "command")
 COLUMNS = ("scene", "mesh", "quantity", "difference", "why", *PAIR, *(f"other_{name}" for name in PAIR))
-
-
-@dataclass(frozen=True)
-class Facts:
-    """What is known of a state.
-
-    steps: equal where two paths are cut alike.  asymmetry: of its pressure, by the ASYMMETRIES.
-    """
-
-    friction: bool
-    steps: object
-    stable: bool
-    model: str = "full"
-    asymmetry: tuple[float, ...] = ()
-
-
-def why(one: Facts, other: Facts) -> str:
-    """A key of MEANINGS: why two certified states of one problem differ."""
-    if one.friction and one.steps != other.steps:
-        return LOAD_STEPS
-    if not (one.stable and other.stable):
-        return UNSTABLE
-    both = zip(one.asymmetry, other.asymmetry, strict=False)
-    broken = any((mine <= SYMMETRIC) != (theirs <= SYMMETRIC) for mine, theirs in both)
-    if one.model != other.model and broken:
-        return SYMMETRY
-    return BEYOND if one.friction else BRANCHES
 
 
 def disagreements(table: pd.DataFrame) -> pd.DataFrame:

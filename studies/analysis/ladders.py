@@ -17,7 +17,8 @@ from studies.ask.declarations import Ladder
 from studies.ask.scene import Reference
 from studies.run.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS
 from studies.run.cells.answers import Answer, Answers
-from studies.run.cells.rows import STEP_KEYS, holding, ladders
+from studies.run.cells.rows import ladders
+from studies.scenes.references import STEP_KEYS, holding
 from studies.solving.refinement.richardson import MeshSequence, order_against
 
 COLUMNS = (

@@ -2,7 +2,7 @@
 
 A problem is all that was asked but the competitor: scene, mesh, settings, tolerance. It may stand in several cells,
 which differ in a parameter of the algorithm alone; then the best of them counts. Competitors are compared by medians of
-ratios, and by performance profiles (Dolan and More): how often is who within a factor of the best.
+ratios.
 """
 
 from __future__ import annotations
@@ -25,13 +25,6 @@ def problem_of(request: Request, axis: str) -> str:
     """All that was asked but the axis; an algorithm whose own parameters are not its defaults is another one."""
     usual = [own.key for own in settings_of(request.contact) if request.settings.get(own.key) == own.default]
     return request.key((axis, "epsilon", *usual))
-
-
-def within(matrix: pd.DataFrame, factors: tuple[float, ...]) -> pd.DataFrame:
-    """Share of the problems in which each competitor needs at most so many times what the best one needs."""
-    best = matrix.min(axis=1)
-    ratios = matrix.div(best.where(best > 0, 1.0), axis=0)  # a cost of nothing is its own best
-    return pd.DataFrame([(ratios <= factor).mean() for factor in factors])
 
 
 def median_ratio(ratios: np.ndarray, scenes: np.ndarray) -> tuple[float, float, float]:

@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from studies.analysis.outcomes import within
 from studies.arena.solver_table import KILLED
 
 SHIFT_S = 0.01  # what a small problem takes: times far below it, mostly calls of Python, count as equal
@@ -31,6 +30,13 @@ ALIKE: tuple[Literal["spearman", "kendall"], ...] = ("spearman", "kendall")
 RANK_COLUMNS = ("tolerance", "kind", "problems", "solvers", *ALIKE)
 ALL, TENFOLD = "all", 10.0
 Shares = Callable[[pd.DataFrame, pd.Series], pd.DataFrame]  # times and unit of the problems -> point x solver
+
+
+def within(matrix: pd.DataFrame, factors: tuple[float, ...]) -> pd.DataFrame:
+    """Share of the problems in which each competitor needs at most so many times what the best one needs."""
+    best = matrix.min(axis=1)
+    ratios = matrix.div(best.where(best > 0, 1.0), axis=0)  # a cost of nothing is its own best
+    return pd.DataFrame([(ratios <= factor).mean() for factor in factors])
 
 
 def summary(table: pd.DataFrame, limit_s: float) -> pd.DataFrame:

@@ -19,12 +19,12 @@ from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
 from studies.ask.request import Request
 from studies.ask.scene import Scene, SceneModel
-from studies.catalogue.words import arrows, held_of, middle_of
+from studies.catalogue.words import arrows, middle_of
 from studies.output.vtu import CORNERS_8, PLACES_27, read_vtu
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.sheet_cells import GROUP, sheet_cell
 from studies.run.cells.answers import Answers
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
@@ -164,7 +164,7 @@ def _marks(built: Built) -> Iterator[Mark]:
 def _shell_marks(shell: ShellModel) -> Iterator[Mark]:
     body = shell.discretisation
     at, frame = middle_of(body), body.surface.frame(*body.grid.nodes.T)
-    held, middle = held_of(body)
+    held, middle = body.map.held.reshape(-1, 3, 2), body.map.held_middle
     for node in np.flatnonzero(held.any(axis=(1, 2)) | middle.any(axis=1)):
         if held[node].all():
             yield "clamped", _row(at[node], np.zeros(3))

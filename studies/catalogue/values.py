@@ -12,11 +12,11 @@ import pandas as pd
 
 from studies.ask.request import text_of
 from studies.ask.scene import Reference, judged_of, ladders_of
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.sheet_cells import sheet_cell
 from studies.run.cells.answers import Answer, Answers, number
-from studies.run.cells.rows import STEP_KEYS, holding
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
+from studies.scenes.references import STEP_KEYS, holding
 
 UNITS = ("N_per_mm", "mm", "MPa", "deg", "N")
 ALL: Mapping[str, str] = {  # of any scene

@@ -19,7 +19,6 @@ from formulations.solid import SolidDiscretisation
 Values = dict[str, float]
 TORUS = "x = (r cos a2, r sin a2, z), r = {axis_radius:.6g} + {radial:.6g} cos a1, z = {axial:.6g} sin a1; a1, a2 [rad]"
 HYPERBOLOID = "r² = {waist:.6g}² + {slope:.6g} z², z = a1 [mm], turned about z by a2 [rad]"
-Held = tuple[np.ndarray, np.ndarray]  # (N, 3, 2) bool: components on either face, and (N, 3) midway between the faces
 POINTS, FORCES = 6, 4  # that are listed one by one
 SMALL = 1e-9  # of the size of a body, of the largest force
 FACES = ("inner", "outer")
@@ -74,12 +73,6 @@ def _hyperboloid(sizes: Values) -> Shape:
     return Shape(f"hyperboloid of one sheet, waist {sizes['waist']:.6g} mm", HYPERBOLOID.format(**sizes), ("mm", "rad"))
 
 
-def held_of(shell: Discretisation) -> Held:
-    """What is held at every node; what both faces hold, the middle does, too."""
-    held = shell.map.held.reshape(-1, 3, 2)
-    return held, np.asarray(shell.map.hinged.reshape(-1, 3, 2).all(axis=2) | held.all(axis=2))
-
-
 def edges_of(shell: Discretisation) -> Iterator[tuple[str, int, np.ndarray]]:
     """Name, axis and nodes of each edge; a closed coordinate has none."""
     grid = shell.grid
@@ -91,7 +84,7 @@ def edges_of(shell: Discretisation) -> Iterator[tuple[str, int, np.ndarray]]:
 
 def supports(shell: Discretisation) -> Iterator[tuple[str, str]]:
     """Where, and what is held there."""
-    held, middle = held_of(shell)
+    held, middle = shell.map.held.reshape(-1, 3, 2), shell.map.held_middle
     told, told_middle = np.zeros_like(held), np.zeros_like(middle)
     for name, axis, nodes in edges_of(shell):
         own, own_middle = _of_edge(shell, axis, nodes)
@@ -115,7 +108,7 @@ def _of_edge(shell: Discretisation, axis: int, nodes: np.ndarray) -> tuple[np.nd
     An edge of one element is nothing but corners: of what those hold, all is its own where they are clamped, else what
     the crossing edges do not hold all along.
     """
-    held, middle = held_of(shell)
+    held, middle = shell.map.held.reshape(-1, 3, 2), shell.map.held_middle
     across = shell.grid.nodes[nodes, 1 - axis]
     inside = nodes[(across > across.min()) & (across < across.max())]
     if len(inside) or (axis == 0 and shell.grid.periodic):

@@ -16,9 +16,9 @@ import numpy as np
 from formulations.shell import ShellModel
 from studies.exchange.problem import LoadStep, Problem
 from studies.exchange.results import GROWTH, PLANE_FORCE, REACTION, STRAIN_ENERGY, Found
-from studies.run.cells.rows import holding
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
+from studies.scenes.references import holding
 from studies.scenes.statics import StaticModel
 from studies.scenes.tyre.press import PressedTyre
 from studies.solving.result import Result

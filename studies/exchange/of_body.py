@@ -22,7 +22,6 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import StVenantKirchhoff
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import UsageError
-from studies.catalogue.words import held_of
 from studies.exchange.problem import INNER, ON_FACE, OUTER, Bricks, Supports, serendipity
 
 Model = TypeVar("Model", ShellModel, SolidModel)
@@ -78,7 +77,7 @@ def _supports_of_shell(fine: Discretisation, body: Discretisation, bricks: Brick
     What both faces hold, all nodes between them hold; what is held midway, the node there. Raises UsageError where no
     node is midway.
     """
-    held, middle = held_of(fine)
+    held, middle = fine.map.held.reshape(-1, 3, 2), fine.map.held_middle
     columns = np.ravel_multi_index(tuple(_places(tensor_grid(body), bricks.parameter).T), tensor_grid(fine).node_shape)
     a3, laminate = bricks.parameter[:, 2], body.laminate
     levels = (laminate.d_minus, laminate.d_plus, 0.5 * (laminate.d_minus + laminate.d_plus))

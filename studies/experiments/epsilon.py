@@ -20,8 +20,7 @@ from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise, superlu
 from studies.experiments import Row, tabulated
-from studies.run.campaigns.cell import Cell
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.scenes.contact import plate, strip
 from studies.scenes.walk import walk
 

@@ -21,11 +21,11 @@ from contact.continuation.load_stepping import SMALLEST
 from formulations.strains.catalogue import MEASURES
 from studies.experiments import Row, tabulated
 from studies.experiments.extremes import CONVERGED, UNTOUCHED, Found, attempt
-from studies.run.campaigns.cell import Cell
 from studies.scenes.benchmarks import pagano
 from studies.scenes.benchmarks.sze_moment import L, circular_arc
 from studies.scenes.closed_forms.contact import flattened_ring, pinched_ring
 from studies.scenes.closed_forms.elasticity import middle_deflection
+from studies.scenes.complete import Cell
 from studies.scenes.contact.ring import RADIUS, THIN
 
 SCAN = 6  # steps of the logarithm between the ordinary value and the bound

@@ -23,8 +23,7 @@ from studies.ask.scene import SceneModel, UsageError
 from studies.ask.settings import configured
 from studies.experiments import Row, tabulated
 from studies.experiments.bisection import BUDGET, Located, distance, locate
-from studies.run.campaigns.cell import Cell
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.scenes.walk import walk
 from studies.solving.certificate import certificate
 from studies.solving.result import UNSTABLE as NOT_STABLE

@@ -26,8 +26,7 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.experiments import Row, tabulated
-from studies.run.campaigns.cell import Cell
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.scenes.contact.crushed_ring import DATA
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
 from studies.scenes.tyre.solid import SolidTyreModel

@@ -19,8 +19,7 @@ from contact.continuation.critical_points import negative_eigenvalues
 from formulations.strains.catalogue import MEASURES
 from studies.ask.settings import configured
 from studies.experiments import Row
-from studies.run.campaigns.cell import Cell
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
 from studies.scenes.walk import walk

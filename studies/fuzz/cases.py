@@ -19,9 +19,8 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, Setting, SettlingScene, SlidingScene, UsageError, has_contact
 from studies.ask.settings import DRAG, MU, SLIDING, TOLERANCE, TURN, WAY, settings_of
 from studies.fuzz.values import drawn, generator
-from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.solving.refinement.grids import Family
 
 SCENE, FRICTION = "scene", "friction"  # kinds of a number that stands for a request

@@ -16,7 +16,7 @@ from scipy.linalg import null_space
 
 from contact.friction.slip import slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
-from studies.analysis.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
+from studies.solving.disagreement import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
 MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order

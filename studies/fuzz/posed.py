@@ -13,7 +13,6 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.strains.catalogue import MEASURES
-from studies.analysis.disagreements import UNSTABLE
 from studies.experiments.conformance import claims_objectivity
 from studies.experiments.rigid_body import rotation
 from studies.experiments.specimens import ELEMENTS, FIRST, Motion, Panel, Posed, Way, X, Z, renumbered
@@ -22,6 +21,7 @@ from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, no_t
 from studies.fuzz.comparing import ALIKE, Answer, compared, unstable
 from studies.fuzz.state_laws import check_derivatives
 from studies.fuzz.values import generator
+from studies.solving.disagreement import UNSTABLE
 
 UNITS = 9.0  # powers of ten
 SHAPES = ("plate", "cylinder", "sphere", "torus")

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.parameters import STIFFNESS
-from studies.analysis.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
 from studies.ask.request import Request, text_of
 from studies.ask.scene import has_contact
 from studies.ask.settings import MU, SLIDING, configured, rubbing, settings_of
@@ -23,6 +22,7 @@ from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, TOLERANCE, Answer, com
 from studies.fuzz.values import generator
 from studies.scenes import SCENES
 from studies.scenes.friction_readings import FORCES
+from studies.solving.disagreement import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
 from studies.solving.result import Result
 
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")

@@ -1,10 +1,10 @@
-"""From what a user says to a request: every default filled in, every value checked against its range."""
+"""From what a user says, or a cell of a campaign, to a request: every default filled in, every value checked."""
 
 from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
@@ -26,6 +26,34 @@ from studies.scenes import SCENES
 
 MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A labelled request: ``label`` is for people, ``options`` are those of ``footprint solve``.
+
+    artefacts: its fields and tables are kept beside its record.  group: the list that it is of.
+    expected: why it is expected not to go as asked, if so.
+    """
+
+    label: str
+    scene: str
+    options: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, str] = field(default_factory=dict)
+    artefacts: bool = True
+    expected: str = ""
+    group: str = ""
+
+    def resolved(self) -> tuple[Scene, Request]:
+        """The scene and the request; raises UsageError when there is none."""
+        return complete(self.scene, self.settings, **self.options)
+
+    @property
+    def command(self) -> str:
+        """The command that reproduces the cell."""
+        words = [f"--{key} {value}" for key, value in self.options.items()]
+        words += [f"--set {key}={value}" for key, value in self.settings.items()]
+        return " ".join(["footprint solve", self.scene, *words, "--out DIR"])
 
 
 def complete(

@@ -15,11 +15,11 @@ import pandas as pd
 from formulations.geometry.grid import Grid
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from studies.analysis.outcomes import within
 from studies.arena.card.laws import Law, laws_of, solver_laws
 from studies.arena.card.problems import HARD
 from studies.arena.card.runs import ALGORITHM, MEASURE, REFERENCE, SOLVER, Subject, element, trials
 from studies.arena.card.trials import DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
+from studies.arena.solver_summaries import within
 from studies.experiments.conformance import LINES1, LINES2, TORUS, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup
 

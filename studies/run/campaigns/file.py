@@ -36,10 +36,10 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, text_of
 from studies.ask.scene import UsageError, has_contact
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.report_cells import LISTS
 from studies.run.store.schema import Each, Kind, Named, fault, scalar, setting, whole, word
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 from studies.scenes.plugins import load_file
 
 SHIPPED = Path(__file__).parent / "shipped"

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from studies.ask.declarations import BENCHMARKS as PUBLISHED
 from studies.ask.declarations import CLOSED, CONTACT, LINEAR, ROTATIONS, SNAP, TYRE, Ladder
 from studies.ask.scene import ladders_of
-from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 
 LABEL = "convergence {ladder} {mesh} {element}"
 CLIMBED = {  # the scenes that declare ladders of each family, as they come in tables and pictures

@@ -13,9 +13,9 @@ from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from studies.ask.request import text_of
 from studies.run.campaigns import ladder_cells as convergence_cells
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.share_cells import share_cells
 from studies.run.campaigns.sheet_cells import sheet_cells
+from studies.scenes.complete import Cell
 from studies.scenes.tyre.scene import ISOTROPIC
 
 _PAPER = {"element": "paper"}

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.ask.declarations import Ladder
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 
 LABEL, GROUP = "share {ladder} {mesh} {share}", "shares"
 COARSE = {"tyre": "20x20"}  # even numbers only

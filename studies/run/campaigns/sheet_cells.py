@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from studies.ask.scene import ladders_of, sheet_of
-from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 
 LABEL, FRAME, GROUP = "sheet {scene}", "sheet tyre at {delta} mm", "sheets"
 FRAMES = ("1", "4", "8", "12", "16", "20")  # mm of travel

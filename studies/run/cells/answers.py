@@ -11,8 +11,8 @@ from typing import Any
 import pandas as pd
 
 from studies.ask.scene import UsageError
-from studies.run.campaigns.cell import Cell
 from studies.run.store.layout import Archive, DamagedError
+from studies.scenes.complete import Cell
 
 HERE = 1e-9  # loads this close are one
 

@@ -11,10 +11,9 @@ import pandas as pd
 
 from studies.ask.request import Value
 from studies.ask.scene import Reference
-from studies.scenes import SCENES
+from studies.scenes.references import STEP_KEYS, holding
 from studies.solving.result import SOLVED
 
-STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
 REFINED = 1.3  # between two meshes of a ladder at the least, as Roache and ASME V&V 20 ask for: else an order is noise
 PRICES = {"seconds": "t.seconds", "operations": "c.operations"}  # what an answer costs, each of them all of it
 ERROR, ORDER = "error.", "order."  # prefixes of derived columns, as q. and c. are of collected ones
@@ -109,22 +108,6 @@ def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
             known = best.get(reference.quantity, reference)
             best[reference.quantity] = min(known, reference, key=lambda each: each.uncertainty)
     return best
-
-
-def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
-    """The references of a scene that hold where these are the settings, the measure and the load.
-
-    None that is zero: errors are relative. A campaign may bring scenes of its own, which are not loaded here.
-    """
-    for reference in SCENES[scene].references if scene in SCENES else ():
-        if reference.value != 0.0 and all(_same(there.get(key), at) for key, at in reference.at.items()):
-            yield reference
-
-
-def _same(there: Value | None, at: float | str) -> bool:
-    if isinstance(there, int | float) and isinstance(at, int | float):
-        return math.isclose(there, at, rel_tol=1e-9, abs_tol=1e-12)
-    return there == at
 
 
 def errors(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import Cell
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from studies.ask.scene import UsageError
 from studies.output.atomic import SCHEMA, as_text
-from studies.run.campaigns.cell import Cell
 from studies.run.store.schema import as_line
+from studies.scenes.complete import Cell
 from studies.solving.result import Result
 from studies.solving.solve import solve
 

@@ -9,21 +9,12 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studies.analysis.disagreements import (
-    BEYOND,
-    BRANCHES,
-    LOAD_STEPS,
-    MEANINGS,
-    SYMMETRY,
-    UNSTABLE,
-    Facts,
-    disagreements,
-    why,
-)
+from studies.analysis.disagreements import disagreements
 from studies.ask.request import Request, Settings
 from studies.ask.settings import configured
 from studies.fuzz.comparing import AGREES, Answer, compared
 from studies.scenes.complete import complete
+from studies.solving.disagreement import BEYOND, BRANCHES, LOAD_STEPS, MEANINGS, SYMMETRY, UNSTABLE, Facts, why
 from studies.solving.result import Result
 from studies.solving.solve import solve
 

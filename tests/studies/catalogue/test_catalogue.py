@@ -30,10 +30,10 @@ from studies.run.campaigns.file import find
 from studies.run.campaigns.run import run
 from studies.run.campaigns.sheet_cells import FRAMES, sheet_cell, sheet_cells
 from studies.run.cells.answers import Answers
-from studies.run.cells.rows import STEP_KEYS
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
 from studies.scenes.complete import complete
+from studies.scenes.references import STEP_KEYS
 
 NAMES = (*SCENES, *MEASURES, *ALGORITHMS)
 

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from contact.problem import ContactSolution, Outcome
 from studies.experiments import epsilon as study
-from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import Cell
 from support.problems.contact_problems import Quadratic, dual_by_nnls, random_quadratic
 
 

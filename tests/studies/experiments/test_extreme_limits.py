@@ -11,8 +11,8 @@ from scipy.integrate import quad
 from studies.experiments import extreme_limits as limits
 from studies.experiments.extreme_limits import ALGORITHM, LIMITS, MEASURE, RESOLUTION, limits_table, search
 from studies.experiments.extremes import CONVERGED, FAILED, REFUSED, Found
-from studies.run.campaigns.cell import Cell
 from studies.scenes.closed_forms.contact import flattened_ring, pinched_ring
+from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve
 
 

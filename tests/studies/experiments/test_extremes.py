@@ -31,7 +31,7 @@ from studies.experiments.extremes import (
     check_table,
     extremes_table,
 )
-from studies.run.campaigns.cell import Cell
+from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve
 from studies.scenes.contact.panel import lines
 from studies.solving.solve import solve

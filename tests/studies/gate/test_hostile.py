@@ -19,9 +19,9 @@ import pytest
 
 from studies.cli import main
 from studies.output.atomic import PART
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.plan import identity
 from studies.run.store.layout import Archive
+from studies.scenes.complete import Cell
 from support.stores.elsewhere import Elsewhere, solved
 from support.stores.hostile import (
     ANSWERS,

@@ -10,8 +10,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.problem import Outcome
 from studies.ask.scene import SceneModel
 from studies.experiments.extremes import CONVERGED, attempt
-from studies.run.campaigns.cell import Cell
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.scenes.walk import walk
 
 TYRE = {"delta_mm": "2,4", "element": "paper"}

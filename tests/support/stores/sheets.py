@@ -10,8 +10,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from studies.output.vtu import write_vtu
-from studies.run.campaigns.cell import Cell
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 
 BUILT, DRAWN = ("cantilever", "strip-contact"), ("tyre", "strip-contact")  # scenes with a model, and with fields
 LOADS = ("load_fraction", "delta_mm")

@@ -13,8 +13,8 @@ from reports.reading import StoreError
 from reports.site import place_of, rendered
 from reports.store import load_store
 from studies.output.atomic import SCHEMA, write_json, write_text
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.plan import Row
+from studies.scenes.complete import Cell
 from support.stores.made_up import analysed_again
 
 REQUEST = {"scene": "cantilever", "measure": "exact", "contact": "semismooth", "newton": "mixed", "model": "full"}

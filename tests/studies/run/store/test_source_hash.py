@@ -13,9 +13,9 @@ import pytest
 
 from studies.commands.tables import TABLES
 from studies.run.campaigns import plan
-from studies.run.campaigns.cell import Cell
 from studies.run.campaigns.plan import SOLVERS, identity
 from studies.run.store.source_hash import BESIDE_A_CELL, FRICTION, PACKAGES, ROOT, closure, hashed, sources_hash
+from studies.scenes.complete import Cell
 
 TYRE = (*SOLVERS, "studies.scenes.tyre.scene", "contact.algorithms.lcp")
 

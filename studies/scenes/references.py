@@ -1,0 +1,29 @@
+"""The references of a scene that hold for a request, at a load."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from studies.ask.request import Value
+from studies.ask.scene import Reference
+from studies.scenes import SCENES
+
+STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
+
+
+def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
+    """The references of a scene that hold where these are the settings, the measure and the load.
+
+    None that is zero: errors are relative. A campaign may bring scenes of its own, which are not loaded here.
+    """
+    for reference in SCENES[scene].references if scene in SCENES else ():
+        if reference.value != 0.0 and all(_same(there.get(key), at) for key, at in reference.at.items()):
+            yield reference
+
+
+def _same(there: Value | None, at: float | str) -> bool:
+    if isinstance(there, int | float) and isinstance(at, int | float):
+        return math.isclose(there, at, rel_tol=1e-9, abs_tol=1e-12)
+    return there == at
