@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.events import Event
-from contact.newton.state import COUNTERS
+from contact.newton.solves import COUNTERS
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 
 

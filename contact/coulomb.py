@@ -19,15 +19,12 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import Protocol, Self
 
 import numpy as np
 from scipy import sparse
 
 from contact.swept import Standing
-
-if TYPE_CHECKING:
-    from contact.friction.slip import Slip
 
 
 class State(enum.IntEnum):
@@ -81,6 +78,29 @@ class Surface(Standing):
     size: float = field(kw_only=True)
 
 
+class Sliding(Protocol):
+    """The slip on a rigid foundation since anchors (m, 3) on it; :class:`contact.slip.Slip`."""
+
+    def __call__(self, u: np.ndarray) -> np.ndarray:
+        """s (m, 2) [mm]."""
+
+    def jacobian(self, u: np.ndarray) -> sparse.csr_matrix:
+        """ds/du (2m, n)."""
+
+    @property
+    def anchors(self) -> np.ndarray:
+        """(m, 3) [mm]."""
+
+    def since(self, anchors: np.ndarray) -> Self:
+        """The slip from other anchors (m, 3)."""
+
+    def places(self, u: np.ndarray) -> np.ndarray:
+        """Where the candidates (m, 3) are on the foundation [mm]."""
+
+    def left(self, u: np.ndarray, stretched: np.ndarray) -> np.ndarray:
+        """The anchors (m, 3) of the next step, where springs are ``stretched`` (m, 2) [mm]."""
+
+
 @dataclass(frozen=True, eq=False)
 class Coulomb:
     """The law of one step: coefficients mu (m,) in [0, inf] [-], and the slip; all callables are pure.
@@ -94,7 +114,7 @@ class Coulomb:
     slip: Callable[[np.ndarray], np.ndarray]
     slip_jacobian: Callable[[np.ndarray], sparse.csr_matrix]
     slip_size: float = 0.0
-    sliding: Slip | None = None
+    sliding: Sliding | None = None
 
     def __post_init__(self) -> None:
         if not np.all(self.mu >= 0):
@@ -107,7 +127,7 @@ class Coulomb:
     def since(self, anchors: np.ndarray) -> Coulomb:
         """The law with slips from other anchors (m, 3) on its foundation."""
         assert self.sliding is not None
-        slip = replace(self.sliding, anchors=anchors)
+        slip = self.sliding.since(anchors)
         return replace(self, slip=slip, slip_jacobian=slip.jacobian, sliding=slip)
 
 

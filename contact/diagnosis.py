@@ -25,8 +25,7 @@ from scipy import sparse
 from scipy.sparse.linalg import lsqr
 
 from contact.problem import ContactProblem
-from contact.rounding import ROUNDING_ALONE
-from contact.verify import judge
+from contact.verify import ROUNDING_ALONE, judge
 
 SWAPPED_FACE = "swapped face"
 UNCONVERGED = "unconverged equilibrium"

@@ -1,7 +1,6 @@
-"""What rounding excuses: how far from balance forces may be that no digit of u can bring nearer, and what that moves.
+"""What algorithms take for rounding: how far from balance forces may be that no digit of u can bring nearer.
 
-Algorithms and the judge ask here what is excused, so that what one claims the other does not deny; what an imbalance
-still asks for each works out by itself, the judge in :mod:`contact.verify`. No algorithm may enter here.
+The judge has bounds of its own (:mod:`contact.verify`) and imports none of these. No algorithm may enter here.
 """
 
 from __future__ import annotations

@@ -16,11 +16,11 @@ import numpy as np
 from contact.algorithms.base import NewtonAlgorithm
 from contact.coulomb import State
 from contact.events import Event, EventKind
-from contact.friction.laws import Local
-from contact.friction.loop import approach
-from contact.friction.run import FrictionalRun, Point
+from contact.newton.friction_loop import approach
+from contact.newton.friction_run import FrictionalRun, Point
+from contact.newton.friction_states import Local
 from contact.newton.loop import iterate, settle_most
-from contact.newton.state import Tally
+from contact.newton.solves import Tally
 from contact.newton.step import NewtonRun, gap_rounding
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome

@@ -7,9 +7,10 @@ from typing import ClassVar, cast
 
 import numpy as np
 
-from contact.friction.run import FrictionalRun
+from contact.newton.friction_run import FrictionalRun
 from contact.newton.loop import MOST_UPDATES
-from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.newton.solves import RESIDUAL_TOLERANCE
+from contact.newton.step import NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from contact.solvers.sparse import AUTO

@@ -1,10 +1,10 @@
 """The linearised problem condensed on the candidates: a dense linear complementarity problem, solved exactly.
 
-With friction the problem is that on a polygon in the disc (:mod:`contact.friction.polygon`), by Lemke's pivots; where
-they find no end states are settled by exact steps alone, as the history says. Candidates that slip along a line have no
-polygon. ``sides``: of the polygon; friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact steps on the
-states of the answer put friction on the disc itself; without, a step ends with the forces of the polygon, which the
-judge refuses.
+With friction the problem is that on a polygon in the disc, see :mod:`contact.newton.friction_compliance`, by Lemke's
+pivots; where they find no end states are settled by exact steps alone, as the history says. Candidates that slip along
+a line have no polygon. ``sides``: of the polygon; friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact
+steps on the states of the answer put friction on the disc itself; without, a step ends with the forces of the polygon,
+which the judge refuses.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
-from contact.friction.loop import finished, unfinished
-from contact.friction.polygon import SIDES, by_pivots, no_polygon
 from contact.newton.condensed import Condensed, closed
+from contact.newton.friction_compliance import SIDES, by_pivots, no_polygon
+from contact.newton.friction_loop import finished, unfinished
 from contact.newton.loop import Step, StepError, decide_set, iterate
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome

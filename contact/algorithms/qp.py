@@ -1,6 +1,6 @@
 """A quadratic programme at each Newton step, solved by a public solver and finished by one exact step on its set.
 
-With friction it is that of Tresca's friction in the forces (:mod:`contact.friction.tresca`), with bounds from pass to
+With friction it is that of Tresca's friction in the forces (:mod:`contact.algorithms.tresca`), with bounds from pass to
 pass. Clarabel has the disc |t| <= b as a second-order cone, the others a polygon in it of so many ``sides``, on which
 friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact steps on the states of the answer follow, so that
 no digit comes from a backend; without, a step ends with the forces of the programme, which the judge refuses.
@@ -18,15 +18,13 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
+from contact.algorithms.tresca import by_passes
 from contact.events import Event, EventKind
-from contact.friction.compliance import Block, Chosen
-from contact.friction.loop import finished, unfinished
-from contact.friction.polygon import SIDES, no_polygon
-from contact.friction.tresca import by_passes
 from contact.newton.condensed import Condensed
+from contact.newton.friction_compliance import SIDES, Block, Chosen, no_polygon
+from contact.newton.friction_loop import finished, unfinished
 from contact.newton.loop import Step, StepError, decide_set, iterate, settle_set
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome

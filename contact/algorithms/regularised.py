@@ -12,10 +12,9 @@ from typing import ClassVar
 import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
-from contact.friction.loop import approach
+from contact.newton.friction_loop import approach
 from contact.newton.loop import Step, came_back, iterate, settle_set
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 
 

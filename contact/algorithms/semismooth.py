@@ -3,9 +3,9 @@
 With friction the states are those that Alart and Curnier's function asks for; who slips on keeps the direction of the
 linearisation. States that come back are a cycle: that linearisation is left as it is, and where Newton has been before
 the states are changed one at a time there. Where that comes back, too, they are those of the complementarity problem on
-a polygon (:mod:`contact.friction.polygon`), as far as it applies, and the history says so. No rule ends for every
-problem: else, or where there is no answer, the outcome is CYCLING, or what Newton's iteration ends with. mu = 0 gives
-the iterates of contact alone but for its answer to cycles.
+a polygon, see :mod:`contact.newton.friction_compliance`, as far as it applies, and the history says so. No rule ends
+for every problem: else, or where there is no answer, the outcome is CYCLING, or what Newton's iteration ends with.
+mu = 0 gives the iterates of contact alone but for its answer to cycles.
 Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
 """
 
@@ -16,8 +16,8 @@ from functools import partial
 from typing import ClassVar
 
 from contact.algorithms.base import NewtonAlgorithm
-from contact.friction.loop import approach, finished
-from contact.friction.polygon import SIDES, by_pivots, no_polygon
+from contact.newton.friction_compliance import SIDES, by_pivots, no_polygon
+from contact.newton.friction_loop import approach, finished
 from contact.newton.loop import iterate, settle_most
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome

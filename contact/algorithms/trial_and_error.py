@@ -17,11 +17,10 @@ import numpy as np
 from contact.algorithms.base import NewtonAlgorithm
 from contact.coulomb import State
 from contact.events import Event, EventKind
-from contact.friction.laws import Laws
-from contact.friction.run import FAILURES, FrictionalRun, Point
+from contact.newton.friction_run import FAILURES, FrictionalRun, Point
+from contact.newton.friction_states import Laws
 from contact.newton.loop import CYCLE, StepError, first_of, only_released, settle_exactly
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 

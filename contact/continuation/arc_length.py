@@ -18,7 +18,7 @@ import numpy as np
 from contact.continuation.equilibrium_curve import ArcPoint, Curve
 from contact.continuation.power_series import SeriesCurve
 from contact.continuation.pressed_curve import PressedCurve
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import Linearise, Outcome
 from contact.solvers.sparse import AUTO, SingularMatrixError
 

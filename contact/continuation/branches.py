@@ -25,7 +25,7 @@ from scipy import sparse
 from contact.answered import answered
 from contact.continuation.critical_points import spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, Stability, stability
-from contact.newton.state import Tally
+from contact.newton.solves import Tally
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation
 
 PUSH = 1e-3  # of all displacement, along the mode

@@ -33,8 +33,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
-from contact.newton.held import Held
-from contact.newton.pivots import Pivots
+from contact.newton.held import Held, Pivots
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, solution, symmetric
 

@@ -13,8 +13,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
-from contact.newton.state import Iterate, Tally
-from contact.newton.step import NewtonRun
+from contact.newton.solves import Tally
+from contact.newton.step import Iterate, NewtonRun
 from contact.problem import ContactSolution, Linearisation, Linearise, Linearised, Outcome, without_contact
 from contact.solvers.sparse import SingularMatrixError, checked_solve, row_norm, solution
 

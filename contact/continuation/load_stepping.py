@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 from scipy.linalg import norm
 
-from contact.continuation.candidates import solve_within_reach
+from contact.continuation.candidates import Start, Starts, after_in_vain, none_known, solve_within_reach
 from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
 from contact.continuation.pressed_curve import hasty
-from contact.continuation.starts import Start, Starts, after_in_vain, none_known
 from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome

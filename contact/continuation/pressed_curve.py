@@ -21,7 +21,7 @@ from contact.answered import answered
 from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.events import Event, EventKind
-from contact.newton.state import Tally
+from contact.newton.solves import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.swept import crossings

@@ -16,7 +16,7 @@ from contact.continuation.arc_length import Trace
 from contact.continuation.equilibrium_curve import NO_CONTACT, NO_SET, ArcPoint, Curve
 from contact.continuation.power_series import Expand, Piece, SeriesCurve
 from contact.events import Event, EventKind
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import Linearisation, Linearise, Outcome
 from contact.rounding import rounding_floor
 from contact.solvers.sparse import AUTO, SingularMatrixError

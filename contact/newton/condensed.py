@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.exchange import Exchange
-from contact.newton.held import Held
-from contact.newton.pivots import holding
+from contact.newton.held import Held, Pivots, holding
+from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit
 from contact.solvers.sparse import SingularMatrixError, factor_flops, negative_pivots
 
-if TYPE_CHECKING:
-    from contact.newton.step import NewtonRun
+
+class LinearStep(Protocol):
+    """A linearised problem that knows its step on any set."""
+
+    def near(self, active: np.ndarray) -> LinearStep:
+        """The one to ask for the step on a set (m,): this one, or one that is factorised anew."""
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
+
+    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gaps and pressures (m,) after that step, less exact where that is cheaper."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +44,7 @@ class Linear:
     compliance: np.ndarray
 
     @classmethod
-    def at(cls, run: NewtonRun, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> Linear:
+    def at(cls, run: LinearSolves, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> Linear:
         """With the curvature of the gap under the pressures (m,)."""
         problem = run.problem
         ways = problem.gap(u), problem.gap_jacobian(u), problem.push(u), 1.0 / (run.epsilon * problem.weights)
@@ -52,7 +62,7 @@ class Condensed(Exchange):
     Appl. 307 (2000) 151-165.
     """
 
-    def __init__(self, run: NewtonRun, linear: Linear, base: np.ndarray) -> None:
+    def __init__(self, run: LinearSolves, linear: Linear, base: np.ndarray) -> None:
         """Factorise on the set ``base`` (m,); raises SingularMatrixError, ValueError."""
         self.base, self._linear = base.copy(), linear
         with run.tally.timed("contact_s"):
@@ -109,6 +119,46 @@ class Condensed(Exchange):
     def _closed(self, du: np.ndarray, forces: np.ndarray, active: np.ndarray) -> np.ndarray:
         """The du whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly."""
         return closed(du, self._now, self._rows, self._acting, self._compliance * forces, active)
+
+
+@dataclass(frozen=True, eq=False)
+class Substituted:
+    """The linearised problem, factorised anew on each set: the only way where pressures have to be unknowns."""
+
+    run: LinearSolves
+    lin: Linearised
+    u: np.ndarray
+    pressure: np.ndarray
+    found: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+    def near(self, active: np.ndarray) -> Substituted:
+        """The same for every set."""
+        return self
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""
+        if active.tobytes() not in self.found:
+            self.found[active.tobytes()] = self._solved(active)
+        return self.found[active.tobytes()]
+
+    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gaps and pressures (m,) after the step."""
+        du, pressure = self.step(active)
+        return self.run.problem.gap(self.u) + self.run.problem.gap_jacobian(self.u) @ du, pressure
+
+    def _solved(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        run, nodes, found = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
+        pivots: Pivots | None = None
+        with run.tally.timed("contact_s"):
+            A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
+            if len(nodes):
+                pivots = Pivots.choose(run.problem, self.u, nodes, A, run.epsilon)
+                A, b = pivots.substitute(A, b)
+        du = run.solution(run.factorise(A), A, b)
+        if pivots is not None:
+            with run.tally.timed("contact_s"):
+                du, found[nodes] = pivots.resolve(du)
+        return du, found
 
 
 def closed(

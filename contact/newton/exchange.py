@@ -14,16 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.held import Held
+from contact.newton.solves import LinearSolves
 from contact.solvers.sparse import response, response_flops
-
-if TYPE_CHECKING:
-    from contact.newton.step import NewtonRun
 
 REFINED = 1e-12  # relative change of the inputs that a step has found, above which it is solved again
 REFINEMENTS = 3
@@ -39,7 +36,7 @@ class Exchange:
 
     def __init__(
         self,
-        run: NewtonRun,
+        run: LinearSolves,
         held: Held,
         rows: sparse.csr_matrix,
         acting: sparse.csr_matrix,

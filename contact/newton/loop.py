@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.events import Event, EventKind
-from contact.newton.condensed import Condensed
-from contact.newton.state import Iterate
-from contact.newton.step import LinearStep, NewtonRun
+from contact.newton.condensed import Condensed, LinearStep
+from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit

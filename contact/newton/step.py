@@ -1,30 +1,61 @@
-"""The one Newton that all algorithms share: a linear step on a given contact set, and the tests of convergence.
+"""The one Newton that all algorithms share: its iterates, a linear step on a given contact set, tests of convergence.
 
 Which nodes belong to the set is the algorithm's business and must not enter here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from typing import Protocol
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import sparse
 from scipy.linalg import norm
 
-from contact.newton.condensed import Condensed, Linear
-from contact.newton.held import Held, holdable
-from contact.newton.pivots import Pivots
-from contact.newton.state import Iterate, Tally
+from contact.newton.condensed import Condensed, Linear, LinearStep, Substituted
+from contact.newton.held import holdable
+from contact.newton.solves import LinearSolves
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.rounding import ROUNDING_ALONE, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
-from contact.solvers.sparse import AUTO, Factor, SingularMatrixError, checked_solve, factorise, instead
+from contact.solvers.sparse import SingularMatrixError
 
-RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to a large gap
 ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
+
+
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """Where an iteration is, and the sizes that its tests of convergence compare with.
+
+    lin: linearisation at u (n,).  gap, pressure (m,), set (m,) bool; of the iterate that a step starts from, ``active``
+    is the set expected to press.
+    push [N]: |G^T W p|.  scale, first_scale [N]: of the forces in balance, now and at the start.  residual:
+    |r - G^T W p| over the scale, infinite once the iteration has blown up.  length, first_length [mm]: a large gap, now
+    and the first not zero.  stiffness: of the candidates at the start.
+    stepped (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one
+    before it on the same set.
+    again: whether an iterate before had this set.  updates: of the set on one linearisation, in all so far.
+    short: steps in succession, up to here, that have left some of the set to settle.
+    """
+
+    lin: Linearised
+    u: np.ndarray
+    gap: np.ndarray
+    pressure: np.ndarray
+    active: np.ndarray
+    push: float
+    scale: float
+    first_scale: float
+    residual: float
+    length: float
+    first_length: float
+    stiffness: Stiffness
+    stepped: np.ndarray | None = None
+    moved: float = np.inf
+    moved_before: float = np.inf
+    again: bool = False
+    updates: int = 0
+    short: int = 0
 
 
 def gap_rounding(problem: ContactProblem, large: float) -> float:
@@ -32,37 +63,12 @@ def gap_rounding(problem: ContactProblem, large: float) -> float:
     return GAP_TOLERANCE * large + ROUNDING_MARGIN * float(np.finfo(float).eps) * problem.gap_size
 
 
-class LinearStep(Protocol):
-    """A linearised problem that knows its step on any set."""
-
-    def near(self, active: np.ndarray) -> LinearStep:
-        """The one to ask for the step on a set (m,): this one, or one that is factorised anew."""
-
-    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
-
-    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gaps and pressures (m,) after that step, less exact where that is cheaper."""
-
-
 @dataclass(frozen=True, eq=False)
-class NewtonRun:
-    """One solve: a problem, a solver, an epsilon, a tolerance, and the tally of what is spent on them.
+class NewtonRun(LinearSolves):
+    """One solve: the iterate comes in and the next one goes out.
 
-    The iterate comes in and the next one goes out: linearise and at for the first, then the tests, step, advance.
+    linearise and at for the first, then the tests, step, advance.
     """
-
-    problem: ContactProblem
-    epsilon: float = np.inf
-    solver: str = AUTO
-    tolerance: float = RESIDUAL_TOLERANCE
-    tally: Tally = field(default_factory=Tally)
-
-    def linearise(self, u: np.ndarray, memory: object) -> Linearised:
-        """Linearise the mechanics, counted and timed."""
-        self.tally.counters["assemblies"] += 1
-        with self.tally.timed("assembly_s"):
-            return self.problem.linearise(u, memory)
 
     def at(
         self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, before: Iterate | None = None
@@ -129,26 +135,6 @@ class NewtonRun:
             return float("inf")
         return float(np.linalg.norm(du) / np.linalg.norm(at.u))
 
-    def response(
-        self, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, force: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) under forces (n,) while the gaps of these candidates stay, and the pressures (m,) that hold them.
-
-        K du - G^T W dp = force,   G_A du + dp_A/epsilon = 0,   dp = 0 outside A.
-        Raises SingularMatrixError, ValueError.
-        """
-        pressures = np.zeros(len(self.problem.weights))
-        if holdable(self.problem):
-            held, still = Held.on(self.problem, u, nodes, K, self.epsilon), np.zeros(len(nodes))
-            y = self.solution(self.factorise(held.matrix), held.matrix, held.load(force, still))
-            du = held.motion(y, still)
-            pressures[nodes] = held.forces(y, du, -force) / self.problem.weights[nodes]
-        else:
-            pivots = Pivots.choose(self.problem, u, nodes, K, self.epsilon).homogeneous()
-            A, load = pivots.substitute(K, force)
-            du, pressures[nodes] = pivots.resolve(self.solution(self.factorise(A), A, load))
-        return du, pressures
-
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
         return at.residual <= _rounding(at) and at.moved > 0.5 * at.moved_before
@@ -196,20 +182,6 @@ class NewtonRun:
             return Condensed(self, Linear.at(self, lin, u, pressure), active)
         return Substituted(self, lin, u, pressure)
 
-    def factorise(self, A: sparse.csc_matrix) -> Factor:
-        """Factorise, counted and timed; raises SingularMatrixError."""
-        with self.tally.timed("factorisation_s"):
-            factor = factorise(A, self.solver, ordered=self.problem.ordered)
-        self.tally.counters["factorisations"] += 1
-        if instead(factor, self.solver, ordered=self.problem.ordered):
-            self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
-        return factor
-
-    def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
-        """The checked solution, timed; raises SingularMatrixError."""
-        with self.tally.timed("solve_s"):
-            return checked_solve(factor, A, b)
-
     def advance(self, at: Iterate, du: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> Iterate:
         """The next iterate: one Newton iteration, however many linear systems its step and its set took.
 
@@ -225,56 +197,10 @@ class NewtonRun:
             before = replace(before, first_scale=max(at.first_scale, push))
         return self.at(self.linearise(at.u + du, memory), at.u + du, pressure, active, before)
 
-    def remember(self, lin: Linearised, du: np.ndarray) -> tuple[object, float]:
-        """The memory of the step, timed as assembly, and its size |du|."""
-        with self.tally.timed("assembly_s"):
-            memory = lin.remember(du)
-        return memory, float(norm(du, check_finite=False))
-
     def finish(self, at: Iterate, outcome: Outcome) -> ContactSolution:
         """The solution record of this run; pressures of a converged set that rounding made negative become zero."""
         pressure = np.maximum(at.pressure, 0.0) if outcome.converged else at.pressure
         return ContactSolution(at.u, pressure, at.active, outcome, dict(self.tally.counters), tuple(self.tally.history))
-
-
-@dataclass(frozen=True, eq=False)
-class Substituted:
-    """The linearised problem, factorised anew on each set: the only way where pressures have to be unknowns."""
-
-    run: NewtonRun
-    lin: Linearised
-    u: np.ndarray
-    pressure: np.ndarray
-    found: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-
-    def near(self, active: np.ndarray) -> Substituted:
-        """The same for every set."""
-        return self
-
-    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""
-        if active.tobytes() not in self.found:
-            self.found[active.tobytes()] = self._solved(active)
-        return self.found[active.tobytes()]
-
-    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gaps and pressures (m,) after the step."""
-        du, pressure = self.step(active)
-        return self.run.problem.gap(self.u) + self.run.problem.gap_jacobian(self.u) @ du, pressure
-
-    def _solved(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        run, nodes, found = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
-        pivots: Pivots | None = None
-        with run.tally.timed("contact_s"):
-            A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
-            if len(nodes):
-                pivots = Pivots.choose(run.problem, self.u, nodes, A, run.epsilon)
-                A, b = pivots.substitute(A, b)
-        du = run.solution(run.factorise(A), A, b)
-        if pivots is not None:
-            with run.tally.timed("contact_s"):
-                du, found[nodes] = pivots.resolve(du)
-        return du, found
 
 
 def _rounding(at: Iterate) -> float:

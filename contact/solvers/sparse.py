@@ -20,9 +20,9 @@ from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
 from contact.operations import FACTORISATIONS, SOLUTIONS, spend
-from contact.solvers.multifrontal.analysis import analysed
-from contact.solvers.multifrontal.bordered import Bordered
-from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError, Response
+from contact.solvers.analysis import analysed
+from contact.solvers.bordered import Bordered
+from contact.solvers.multifrontal import SYMMETRIC, Multifrontal, PivotError, Response
 
 BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
 REFUSED = 1e-8

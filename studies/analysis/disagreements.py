@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from studies.analysis.verify import headline
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON

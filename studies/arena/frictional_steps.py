@@ -8,12 +8,12 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
+from contact.continuation.friction_path import PathState, Stage
 from contact.coulomb import Coulomb, Motion, State
-from contact.friction.path import PathState, Stage
-from contact.friction.slip import Slip
 from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.obstacles.foundation import Candidates, Foundation
 from contact.problem import ContactProblem, ContactSolution
+from contact.slip import Slip
 from studies.scenes.complete import complete
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.model import TyreModel

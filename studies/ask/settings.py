@@ -16,7 +16,7 @@ import numpy as np
 from contact import parameters
 from contact.algorithms.base import frictionless_parameters, require_friction
 from contact.catalogue import ALGORITHMS
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.parameters import Parameter
 from contact.problem import ContactAlgorithm
 from studies.ask.request import UsageError, Value, text_of

@@ -23,7 +23,7 @@ import pandas as pd
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from contact.solvers.multifrontal.factor import Multifrontal
+from contact.solvers.multifrontal import Multifrontal
 from contact.solvers.sparse import BACKWARD_ERROR, Factor, backward_error, factorise
 from formulations.shell import ShellModel
 from studies.bench.newton import asked, tyre

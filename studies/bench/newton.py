@@ -23,10 +23,10 @@ import pandas as pd
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
-from contact.newton.state import Tally
+from contact.newton.solves import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
-from contact.solvers.multifrontal.analysis import analysed, clear
+from contact.solvers.analysis import analysed, clear
 from contact.solvers.sparse import Factor, backward_error, factor_flops, factorise
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.transfer import Transfer

@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, onenormest
 
 from contact.algorithms.semismooth import Semismooth
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise, superlu
 from studies.experiments import Row, tabulated

@@ -17,7 +17,8 @@ import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.newton.step import RESIDUAL_TOLERANCE, ROUNDING_MARGIN
+from contact.newton.solves import RESIDUAL_TOLERANCE
+from contact.newton.step import ROUNDING_MARGIN
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.rounding import rounding_floor
 from contact.verify import judge

@@ -18,9 +18,9 @@ import numpy as np
 
 from contact.continuation.critical_points import PathEnd
 from contact.events import EventKind, events
-from contact.friction.verify import CHORD
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
 from contact.verify import EQUILIBRIUM
+from contact.verify_friction import CHORD
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Scene, SceneModel, Stage, UsageError
 from studies.fuzz.cases import Asked

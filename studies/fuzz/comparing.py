@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import null_space
 
-from contact.friction.slip import slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+from contact.slip import slip_of
 from studies.solving.disagreement import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance

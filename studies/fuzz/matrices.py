@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, linear_mechanics
 from contact.verify import claim, judge
 from studies.ask.settings import configured, parameters_of

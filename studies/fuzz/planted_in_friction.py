@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from contact.coulomb import State
-from contact.friction.run import FrictionalRun, Point
-from contact.friction.slip import Slip
+from contact.newton.friction_run import FrictionalRun, Point
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from contact.slip import Slip
 from studies.ask import settings
 from studies.ask.request import Value
 from studies.ask.settings import DRAG, MU

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction.slip import sliding_of
 from contact.problem import ContactProblem, ContactSolution
 from contact.rounding import rounding_floor
+from contact.slip import sliding_of
 from contact.solvers.sparse import symmetric
 from studies.ask.settings import configured, rubbing, settings_of
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, attempt, quiet

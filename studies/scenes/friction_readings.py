@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from contact.coulomb import State
-from contact.friction.slip import slip_of
 from contact.problem import ContactProblem, ContactSolution
+from contact.slip import slip_of
 from studies.ask.scene import Units
 from studies.output.atomic import Table
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 from contact.continuation.arc_length import Trace
+from contact.continuation.candidates import Starts, none_known
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
-from contact.continuation.starts import Starts, none_known
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import Crossing, crossings_along

@@ -14,9 +14,9 @@ import numpy as np
 
 from contact.continuation.stability import Stability, stability
 from contact.diagnosis import diagnose
-from contact.friction.slip import anchors_left
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised
+from contact.slip import anchors_left
 from contact.swept import Crossing
 from contact.verify import claim, gap_residuals, judge
 

@@ -1,6 +1,6 @@
 """The stages of a scene with friction: its own with a coefficient, then those in which the foundation slides.
 
-How friction is solved does not enter here (:mod:`contact.friction`), nor does any particular scene.
+How friction is solved does not enter here (:mod:`contact.newton.friction_run`), nor does any particular scene.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from functools import partial
 import numpy as np
 
 from contact.coulomb import Motion, Surface
-from contact.friction.slip import with_friction
 from contact.problem import ContactProblem, ContactSolution
+from contact.slip import with_friction
 from studies.ask.request import Settings, UsageError
 from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage
 from studies.ask.settings import DRAG, MU, TURN, WAY

@@ -9,9 +9,9 @@ from itertools import pairwise
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.critical_points import PathEnd
-from contact.friction.slip import anchors_left
 from contact.interchange.linearised_step import freeze
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.slip import anchors_left
 from contact.swept import Crossing, crossings
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageError

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 from contact import operations as of_contact
-from contact.continuation.starts import Starts
+from contact.continuation.candidates import Starts
 from contact.problem import Outcome
 from formulations import operations as of_elements
 from studies.ask.request import Request

@@ -2,22 +2,36 @@
 
 from __future__ import annotations
 
-from fnmatch import fnmatchcase
+from itertools import product
 
+import numpy as np
 import pytest
 
+from contact import rounding
+from contact.verify import Verdict
 from studies.run.store.source_hash import closure
 from tests.test_imports import ROOT
 
-FOUND_BY = ("contact.newton*", "contact.algorithms*", "contact.continuation*", "contact.friction.[hlrc]*", "*.step")
+SEARCHES = ("contact.newton", "contact.algorithms", "contact.continuation", "contact.rounding")
+JUDGES = {"contact.verify", "contact.verify_friction", "contact.balances"}
 
 
-def test_the_judge_reaches_no_algorithm_and_nothing_of_newton() -> None:
-    """Nor does Newton ask the judge: what an imbalance still asks for each works out by itself."""
+def test_the_judge_and_what_is_judged_reach_nothing_of_each_other() -> None:
+    """Not even what is excused as rounding: an algorithm takes none of the judge's bounds for its own."""
     reached = closure(["contact.verify"])
-    assert {"contact.rounding", "contact.friction.verify"} <= reached
-    assert not [name for name in reached if any(fnmatchcase(name, each) for each in FOUND_BY)]
-    assert "contact.verify" not in closure(["contact.newton.loop", "contact.friction.loop"])
+    assert reached > JUDGES
+    assert [name for name in reached if name.startswith(SEARCHES)] == []
+    assert not closure(["contact.catalogue", "contact.continuation.load_stepping"]) & JUDGES
+
+
+def test_the_judge_admits_what_an_algorithm_takes_for_rounding() -> None:
+    sizes = [0.0, *10.0 ** np.arange(-12.0, -2.0)]
+    for residual, known, correction in product(sizes, sizes, (0.0, 1e-10, 1e-8, np.inf)):
+        verdict = Verdict(residual, 0.0, 0.0, 0.0, known, correction)
+        assert verdict.excused or not rounding.excused(residual, known, correction)
+    for tolerance, push, known in product((1e-9, 1e-8), (0.0, 1e-7, 1e-3), sizes):
+        verdict = Verdict(0.0, 0.0, 0.0, 0.0, known, push=push)
+        assert verdict.needed(tolerance) >= rounding.met(tolerance, push, known)
 
 
 @pytest.mark.parametrize("name", ["oracle", "friction_oracle", "friction_states"])
@@ -27,5 +41,5 @@ def test_an_oracle_solves_by_no_solver_of_ours(name: str) -> None:
 
 
 def test_newton_with_friction_names_no_algorithm() -> None:
-    reached = closure(["contact.friction.run", "contact.friction.loop"])
+    reached = closure(["contact.newton.friction_run", "contact.newton.friction_loop"])
     assert not [name for name in reached if name.startswith("contact.algorithms")]

@@ -16,7 +16,7 @@ from types import FrameType, MappingProxyType
 import numpy as np
 
 from contact.catalogue import ALGORITHMS
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.verify import claim, judge
 from studies.arena.card.problems import Asked, Posed

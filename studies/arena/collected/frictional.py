@@ -18,8 +18,8 @@ import numpy as np
 import pandas as pd
 
 from contact.algorithms.semismooth import Semismooth
+from contact.continuation.friction_path import PathState, Stage, follow
 from contact.coulomb import State
-from contact.friction.path import PathState, Stage, follow
 from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
 from contact.interchange.own_ways import with_own_ways
 from contact.problem import ContactProblem, ContactSolution

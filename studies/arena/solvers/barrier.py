@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.catalogue import ALGORITHMS
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.parameters import SHARED, Parameter
 from studies.arena.solvers.entry import Crossover, sprung
 

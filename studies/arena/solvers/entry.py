@@ -17,8 +17,7 @@ from scipy import sparse
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.newton.loop import iterate, settle_most
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError, added
 from studies.ask.scene import Setting

@@ -15,8 +15,7 @@ from contact.events import Event, EventKind
 from contact.newton.condensed import Condensed
 from contact.newton.held import holdable
 from contact.newton.loop import Decide, Step, iterate, settle_set
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution

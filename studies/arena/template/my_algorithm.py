@@ -12,8 +12,7 @@ import numpy as np
 from contact.algorithms.base import NewtonAlgorithm
 from contact.catalogue import ALGORITHMS
 from contact.newton.loop import Step, StepError, iterate
-from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.step import Iterate, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 

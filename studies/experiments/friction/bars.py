@@ -41,8 +41,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
+from contact.continuation.friction_path import PathState, Stage, follow
 from contact.coulomb import State
-from contact.friction.path import PathState, Stage, follow
 from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 from studies.experiments import Row, tabulated
 from studies.experiments.friction.klarbring import in_plane

@@ -2,7 +2,7 @@
 
 Each point of the patch has three unknowns and a stiffness k (3, 3) of its own, by area [N/mm^3]. It is pressed by how
 far its springs are approached, so that pressures are those of the solve; a stiffness that couples lets them depend on
-friction. The plane z = 0 is dragged along itself and turned about z, by any amount: :mod:`contact.friction.slip`.
+friction. The plane z = 0 is dragged along itself and turned about z, by any amount: :mod:`contact.slip`.
 
 Dragged until everything slides, the force is mu F_n; spun, the moment is mu sum f r with the r where points are then.
 A step that turns by a makes the slip a chord of its circle: it leans by a/2, and the moment of the model is that times
@@ -38,11 +38,11 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from contact.algorithms.semismooth import Semismooth
+from contact.continuation.friction_path import PathState, Stage, follow
 from contact.coulomb import Coulomb, Motion, State
-from contact.friction.path import PathState, Stage, follow
-from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, RigidPlane
 from contact.problem import ContactProblem, ContactSolution, linear_mechanics
+from contact.slip import Slip
 from studies.experiments import Row, tabulated
 
 GROUND = RigidPlane(np.array([0.0, 0.0, -1.0]), 0.0)

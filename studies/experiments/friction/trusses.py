@@ -25,11 +25,11 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
+from contact.continuation.friction_path import PathState, Stage, dissipation, follow
 from contact.coulomb import Coulomb, Motion, State
-from contact.friction.path import PathState, Stage, dissipation, follow
-from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, RigidPlane
 from contact.problem import ContactProblem, ContactSolution, Linearisation
+from contact.slip import Slip
 from studies.experiments import Row, tabulated
 from studies.experiments.friction.brush import GROUND
 

@@ -28,7 +28,8 @@ BESIDE_A_CELL = (
     *("contact.interchange", "contact.interchange.*"),  # of frozen problems, which a cell does not keep
 )
 FRICTION = (  # what only a cell with friction executes
-    *("contact.friction", "contact.friction.*"),
+    *("contact.slip", "contact.verify_friction", "contact.newton.friction_*", "contact.algorithms.tresca"),
+    "contact.continuation.friction_path",
     *("studies.scenes.friction_readings", "studies.solving.friction_stages"),
 )
 

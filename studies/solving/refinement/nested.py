@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from contact.continuation.candidates import Start, Starts, none_known
 from contact.continuation.critical_points import State
-from contact.continuation.starts import Start, Starts, none_known
 from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
 from formulations.element.mixed import MODE_ROWS

@@ -10,8 +10,7 @@ from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, Linearisation, Outcome
-from contact.rounding import NEGLIGIBLE, ROUNDING_ALONE
-from contact.verify import judge
+from contact.verify import NEGLIGIBLE, ROUNDING_ALONE, judge
 from support.problems.contact_problems import EXACT, random_quadratic, solve_from_rest
 
 STIFF = 1e12  # of a pair of faces, over the stiffness 1 of everything else: S |u| eps is 1e-4 of the load

@@ -9,8 +9,8 @@ import pytest
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
+from contact.continuation.candidates import Start, none_known
 from contact.continuation.load_stepping import follow
-from contact.continuation.starts import Start, none_known
 from contact.coulomb import Friction
 from contact.events import EventKind, events
 from contact.problem import ContactProblem, ContactSolution, Linearisation, without_contact

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from contact.coulomb import State
-from contact.friction.verify import CHORD, CONE
 from contact.verify import judge
+from contact.verify_friction import CHORD, CONE
 from support.problems.frictional import Answer, balanced, in_units, manufactured
 
 STATES = np.array([State.OPEN, State.OPEN, State.STICK, State.STICK, State.SLIP, State.SLIP])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from contact.friction.path import follow
+from contact.continuation.friction_path import follow
 from contact.problem import ContactProblem, ContactSolution
 from studies.arena.frictional_steps import random_step
 from studies.experiments.friction.bars import Bar

@@ -11,11 +11,11 @@ from scipy import sparse
 
 from contact.algorithms.lcp import Lcp
 from contact.algorithms.qp import Qp
+from contact.algorithms.tresca import Tresca
 from contact.coulomb import State
 from contact.events import EventKind, events
-from contact.friction import polygon
-from contact.friction.compliance import Block
-from contact.friction.tresca import Tresca
+from contact.newton import friction_compliance
+from contact.newton.friction_compliance import Block
 from contact.problem import ContactProblem, ContactSolution, Outcome, linear_mechanics
 from contact.solvers.lcp_pivoting import LcpError, lemke
 from contact.solvers.qp_backends import ask
@@ -127,7 +127,7 @@ def test_pivots_are_bounded() -> None:
 
 
 def test_where_pivots_may_not_go_on_exact_steps_take_over(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(polygon, "PIVOTS_EACH", 0)
+    monkeypatch.setattr(friction_compliance, "PIVOTS_EACH", 0)
     wanted = planted(5, 0.5)
     found = solved(Lcp(), wanted.problem)
     assert found.outcome is Outcome.CONVERGED

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS, by_the_exact_law
+from contact.continuation.friction_path import PathState, Stage, follow
 from contact.coulomb import State
-from contact.friction.laws import Laws, Local, friction_of
-from contact.friction.path import PathState, Stage, follow
+from contact.newton.friction_states import Laws, Local, friction_of
 from contact.problem import ContactSolution
 from contact.verify import judge
 from studies.arena.frictional_steps import random_step

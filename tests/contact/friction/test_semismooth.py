@@ -11,7 +11,7 @@ from scipy import sparse
 from contact.algorithms.semismooth import Semismooth
 from contact.algorithms.trial_and_error import TrialAndError
 from contact.coulomb import State
-from contact.friction.laws import Local, directed, friction_of
+from contact.newton.friction_states import Local, directed, friction_of
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from tests.contact.friction.test_step import linear_step
 from tests.support.problems.planted_friction import linear, planted, tied

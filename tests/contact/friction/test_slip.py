@@ -7,9 +7,9 @@ import pytest
 from scipy import sparse
 
 from contact.coulomb import Motion
-from contact.friction.slip import Slip, tangents
 from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, RigidPlane
+from contact.slip import Slip, tangents
 from support.problems.differences import central_difference
 
 M = 5

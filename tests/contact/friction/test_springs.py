@@ -7,10 +7,8 @@ import pytest
 
 from contact.algorithms.regularised import Regularised
 from contact.coulomb import State
-from contact.friction.held import Directions
-from contact.friction.laws import Local, directed
-from contact.friction.springs import SprungStep
-from contact.friction.step import Linear
+from contact.newton.friction_states import Directions, Local, directed
+from contact.newton.friction_step import Linear, SprungStep
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge

@@ -7,9 +7,8 @@ import pytest
 from scipy import sparse
 
 from contact.coulomb import State
-from contact.friction.held import Directions
-from contact.friction.laws import Laws
-from contact.friction.step import FrictionalStep, Linear, Stepped
+from contact.newton.friction_states import Directions, Laws
+from contact.newton.friction_step import FrictionalStep, Linear, Stepped
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem
 from tests.support.problems.planted_friction import planted
@@ -71,7 +70,7 @@ def test_a_step_is_that_of_the_saddle_point_system_on_any_states(
     seed: int, components: int, anew: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Factorised on every choice of states, and by the columns of one factorisation alone."""
-    monkeypatch.setattr("contact.friction.step.factor_flops", lambda factor: 0.0 if anew else np.inf)
+    monkeypatch.setattr("contact.newton.friction_step.factor_flops", lambda factor: 0.0 if anew else np.inf)
     problem = planted(seed, 0.5, components=components).problem
     m, rng = len(problem.coulomb.mu), np.random.default_rng(100 + seed)
     u = rng.standard_normal(problem.coulomb.slip_jacobian(np.zeros(0)).shape[1])

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from contact.solvers.multifrontal import tree
-from contact.solvers.multifrontal.analysis import PIECES, Analysis, analysed
-from contact.solvers.multifrontal.bordered import Bordered
-from contact.solvers.multifrontal.factor import Multifrontal, PivotError
+from contact.solvers import tree
+from contact.solvers.analysis import PIECES, Analysis, analysed
+from contact.solvers.bordered import Bordered
+from contact.solvers.multifrontal import Multifrontal, PivotError
 from contact.solvers.sparse import (
     BACKWARD_ERROR,
     checked_solve,

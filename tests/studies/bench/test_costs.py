@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contact.solvers.multifrontal.factor import SYMMETRIC
+from contact.solvers.multifrontal import SYMMETRIC
 from contact.solvers.sparse import asymmetry
 from studies import cli
 from studies.bench.costs import (

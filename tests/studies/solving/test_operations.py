@@ -9,9 +9,9 @@ import pytest
 from scipy import sparse
 
 from contact.operations import COLUMNS, DENSE_PIVOTS, FACTORISATIONS, PROGRAMMES, SOLUTIONS
+from contact.solvers.analysis import analysed
 from contact.solvers.lcp_pivoting import active_set, lemke, principal_pivot
-from contact.solvers.multifrontal.analysis import analysed
-from contact.solvers.multifrontal.factor import Multifrontal
+from contact.solvers.multifrontal import Multifrontal
 from contact.solvers.qp_backends import Programme, ask, operations
 from contact.solvers.sparse import Factor, checked_solve, factorise, response
 from formulations.operations import ASSEMBLY

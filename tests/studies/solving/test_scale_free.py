@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import nnls
 
 from contact.catalogue import ALGORITHMS
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.verify import judge
 from studies import solve
 from studies.ask.settings import configured

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.verify import claim, judge
 from studies.ask.scene import UsageError
 from studies.scenes.complete import complete

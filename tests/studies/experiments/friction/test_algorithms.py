@@ -9,8 +9,8 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS, by_the_exact_law
+from contact.continuation.friction_path import follow
 from contact.coulomb import Coulomb, State
-from contact.friction.path import follow
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
 from studies.experiments.friction.bars import EA, LENGTH, MU, N0, N1, PULL, RADIUS, TAU, Bar
 from studies.experiments.friction.greco import GrecoPlate, friction_table

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from contact.continuation.friction_path import PathState
 from contact.coulomb import Motion, State
-from contact.friction.path import PathState
 from studies.experiments.friction.brush import (
     BLOCKS,
     DISC,

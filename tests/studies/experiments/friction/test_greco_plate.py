@@ -138,7 +138,7 @@ def test_the_greco_plate_on_a_fine_mesh() -> None:
 
 
 TIED_ROUNDING = 1e-12
-# friction_of in contact.friction.laws multiplies an infinite bound by no slip, and drops what comes of it
+# friction_of in contact.newton.friction_states multiplies an infinite bound by no slip, and drops what comes of it
 UNBOUNDED = pytest.mark.filterwarnings("ignore:invalid value encountered in multiply:RuntimeWarning")
 
 

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 import pytest
 
-from contact.friction.path import PathState, Stage
+from contact.continuation.friction_path import PathState, Stage
 from contact.verify import judge
 from studies.experiments.friction.bars import LENGTH, N0, PULL, RADIUS, TAU, Bar
 from studies.experiments.friction.brush import BLOCKS, WAY, Parking, uneven

@@ -72,7 +72,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
         identity(Cell("a", "strip-contact", {"mesh": "4x1"}, {"mu": mu}))
     smooth, rubbed = asked
     rubs = {name for name in rubbed if any(fnmatchcase(name, each) for each in FRICTION)}
-    assert rubs > {"contact.friction.run", "studies.solving.friction_stages"}
+    assert rubs > {"contact.newton.friction_run", "studies.solving.friction_stages"}
     assert not smooth & rubs
     code = "import sys; from studies.solving.solve import solve; import studies.run.store.record\n"
     code += "from studies.scenes.complete import complete\n"

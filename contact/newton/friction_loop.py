@@ -13,10 +13,10 @@ from operator import add
 import numpy as np
 
 from contact.events import Event, EventKind
-from contact.friction.compliance import Choose, reach
-from contact.friction.laws import Laws
-from contact.friction.run import FAILURES, FrictionalRun, LinearStep, Point
-from contact.friction.step import Stepped
+from contact.newton.friction_compliance import Choose, reach
+from contact.newton.friction_run import FAILURES, FrictionalRun, LinearStep, Point
+from contact.newton.friction_states import Laws
+from contact.newton.friction_step import Stepped
 from contact.newton.loop import FEW_UPDATES, MOST_UPDATES, StepError
 from contact.problem import Outcome
 from contact.solvers.lcp_pivoting import LcpError

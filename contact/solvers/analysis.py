@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 from scipy import sparse
 
-from contact.solvers.multifrontal.tree import Nodes, subtrees
+from contact.solvers.tree import Nodes, subtrees
 
 Places = tuple[np.ndarray, np.ndarray]  # in the data of a matrix, and in a block, flat and by columns
 Part = slice | np.ndarray

@@ -17,7 +17,7 @@ from scipy import sparse
 from scipy.linalg import blas, lapack
 
 from contact.operations import COLUMNS, FACTORISATIONS, SOLUTIONS, spend
-from contact.solvers.multifrontal.analysis import Analysis, Front, Places
+from contact.solvers.analysis import Analysis, Front, Places
 
 BLOCK = 64  # columns at once of an indefinite front: LAPACK's own workspace allows one
 SYMMETRIC = 1e-10  # relative asymmetry of a matrix that is rounding

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.solvers.multifrontal.analysis import analysed
-from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError, Response
+from contact.solvers.analysis import analysed
+from contact.solvers.multifrontal import SYMMETRIC, Multifrontal, PivotError, Response
 
 ENOUGH = 1e-10  # backward error of a solution, not refined, beyond which the border is not eliminated
 SEED = 0

@@ -60,6 +60,10 @@ class Slip:
     motion: Motion
     anchors: np.ndarray
 
+    def since(self, anchors: np.ndarray) -> Slip:
+        """The slip from other anchors (m, 3)."""
+        return replace(self, anchors=anchors)
+
     def places(self, u: np.ndarray) -> np.ndarray:
         """X (m, 3) of the candidates: the anchors of the next step, once u (n,) is accepted."""
         return self.motion.into(self.candidates.positions(u))
@@ -135,14 +139,14 @@ def with_friction(problem: ContactProblem, mu: float, motion: Motion) -> Contact
 
 def sliding_of(problem: ContactProblem) -> Slip:
     """The slip on the foundation of a problem; raises ValueError where it has no friction."""
-    if problem.coulomb is None or problem.coulomb.sliding is None:
+    if problem.coulomb is None or not isinstance(problem.coulomb.sliding, Slip):
         raise ValueError("the contact problem has no friction")
     return problem.coulomb.sliding
 
 
 def slip_of(problem: ContactProblem, anchors: np.ndarray) -> Slip:
     """The slip of the candidates since their anchors (m, 3); raises ValueError where the problem has no friction."""
-    return replace(sliding_of(problem), anchors=anchors)
+    return sliding_of(problem).since(anchors)
 
 
 def anchors_left(

@@ -18,7 +18,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.coulomb import State
-from contact.friction.compliance import Block, Chosen
+from contact.newton.friction_compliance import Block, Chosen
 from contact.newton.loop import StepError
 from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.problem import Outcome

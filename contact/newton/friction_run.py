@@ -13,16 +13,13 @@ from scipy.linalg import norm
 
 from contact.coulomb import Coulomb, Friction, State
 from contact.events import Event, EventKind
-from contact.friction.held import Directions, NotHeldError
-from contact.friction.laws import Laws, Local, Margins, expected, friction_of
-from contact.friction.slip import stretched
-from contact.friction.springs import SprungStep
-from contact.friction.step import FrictionalStep, Linear, Stepped
+from contact.newton.friction_states import Directions, Laws, Local, Margins, NotHeldError, expected, friction_of
+from contact.newton.friction_step import FrictionalStep, Linear, SprungStep, Stepped
 from contact.newton.loop import StepError
-from contact.newton.state import Iterate
-from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, NewtonRun
+from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, Iterate, NewtonRun
 from contact.problem import ContactSolution, Linearisation, Linearised, Outcome
 from contact.rounding import rounding_floor
+from contact.slip import stretched
 from contact.solvers.sparse import SingularMatrixError
 
 EPS = float(np.finfo(float).eps)

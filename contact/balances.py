@@ -1,0 +1,76 @@
+"""The balances of a contact answer: work against the change of energy, and all forces on the body; the judge's.
+
+No algorithm may enter here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contact.problem import ContactProblem, Linearised
+
+BALANCE = 1e-8
+_INNER = float(np.sqrt(3 / 7)) / 2
+PANELS = (1, 2, 4, 8, 16)
+UNRESOLVED = 0.5  # change of a mismatch with the panels, over it: of the rule then, and not of the answer
+LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
+
+
+def last_digits(lin: Linearised, u: np.ndarray, forces: float = 0.0) -> float:
+    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| | and ``forces`` [N]."""
+    return float(np.finfo(float).eps * (np.linalg.norm(abs(lin.tangent) @ np.abs(u)) + forces))
+
+
+def energy_balance(
+    problem: ContactProblem, since: np.ndarray, u: np.ndarray, contact: np.ndarray, at_end: Linearised
+) -> tuple[float | None, float]:
+    """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
+
+    P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
+    pressures, not from r. Exact up to the eighth degree of P; strains quadratic in u make the fourth. Others may need
+    more panels: a mismatch of the rule changes with them, one of the answer does not. Where the rule resolves no way,
+    as through elements that turn inside out, there is no balance to tell.
+    Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
+    by rounding, a frozen step at its own answer, there is no work to balance.
+    """
+    if problem.energy is None:
+        return None, 0.0
+    du = u - since
+    forces = max(at_end.scale, float(np.linalg.norm(contact)))
+    last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
+    ends = [problem.energy(u), -problem.energy(since)]
+    # what the pressures say less what the model says, with the same weight whatever the panels
+    told = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
+    noise = last_digits(at_end, u) * float(np.linalg.norm(du))
+
+    def residual(t: float) -> np.ndarray:
+        if t == 1.0:
+            return at_end.residual
+        at = since + t * du
+        return problem.linearise(at, None).residual if problem.residual is None else problem.residual(at)
+
+    mismatches = []
+    for panels in PANELS:
+        works = [
+            weight / panels * float(residual((panel + t) / panels) @ du)
+            for panel in range(panels)
+            for t, weight in LOBATTO
+        ]
+        size = max(sum(map(abs, works + ends)), last_digit / BALANCE) or 1.0
+        mismatches.append(abs(sum(ends) - sum(works) - told) / size)
+        if mismatches[-1] <= BALANCE:
+            return mismatches[-1], noise / size
+    unresolved = np.ptp(mismatches[-3:]) >= UNRESOLVED * mismatches[-1]
+    return None if unresolved else mismatches[-1], noise / size
+
+
+def force_balance(
+    problem: ContactProblem, lin: Linearised, u: np.ndarray, pressure: np.ndarray
+) -> tuple[float | None, float]:
+    """Relative mismatch of all forces on the body, and its rounding: errors of a sum add up, so eps sum |K||u|."""
+    if problem.directions is None or problem.others is None:
+        return None, 0.0
+    nodal = problem.nodal_forces(pressure)
+    size = max(lin.scale, float(np.sum(np.abs(nodal)))) or 1.0
+    noise = float(np.finfo(float).eps * np.sum(abs(lin.tangent) @ np.abs(u)))
+    return float(np.linalg.norm(nodal @ problem.directions(u) + problem.others(u))) / size, noise / size

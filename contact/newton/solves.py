@@ -1,0 +1,118 @@
+"""The linear systems of one solve, counted and timed: what a solve spends and writes down.
+
+No set is chosen and no convergence is tested here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import norm
+
+from contact.events import Event
+from contact.newton.held import Held, Pivots, holdable
+from contact.problem import ContactProblem, ContactSolution, Linearised
+from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
+
+RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
+COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
+TIMES = ("assembly_s", "factorisation_s", "solve_s", "contact_s")
+
+
+@dataclass
+class Tally:
+    """Counters, clock and history: the only things that a solve adds to; nothing is decided by them.
+
+    clock: what the times of the counters are read from.
+    """
+
+    counters: dict[str, float] = field(default_factory=lambda: dict.fromkeys(COUNTERS, 0) | dict.fromkeys(TIMES, 0.0))
+    history: list[dict[str, object]] = field(default_factory=list)
+    clock: Callable[[], float] = time.perf_counter
+
+    @contextmanager
+    def timed(self, what: str) -> Iterator[None]:
+        """Add the time of what is done inside to a counter, unless it fails."""
+        start = self.clock()
+        yield
+        self.counters[what] += self.clock() - start
+
+    def add(self, solution: ContactSolution) -> None:
+        """What another solve has spent, and its history."""
+        for key, value in solution.counters.items():
+            self.counters[key] = self.counters.get(key, 0) + value
+        self.history += [dict(row) for row in solution.history]
+
+    def note(self, residual: float, active: np.ndarray, before: np.ndarray, event: Event | None = None) -> None:
+        """One row of history; the set changes are counted."""
+        added, removed = int(np.sum(active & ~before)), int(np.sum(before & ~active))
+        self.counters["set_changes"] += bool(added or removed)
+        row: dict[str, object] = {"residual": residual, "contact_nodes": int(active.sum())}
+        row |= {"added": added, "removed": removed}
+        self.history.append(row | ({} if event is None else {"event": event}))
+
+    def tell(self, event: Event, row: int = -1) -> None:
+        """Write an event into a row of history, by default the last."""
+        self.history[row]["event"] = event
+
+
+@dataclass(frozen=True, eq=False)
+class LinearSolves:
+    """A problem, an epsilon, a solver, a tolerance, and the tally of what is spent on them."""
+
+    problem: ContactProblem
+    epsilon: float = np.inf
+    solver: str = AUTO
+    tolerance: float = RESIDUAL_TOLERANCE
+    tally: Tally = field(default_factory=Tally)
+
+    def linearise(self, u: np.ndarray, memory: object) -> Linearised:
+        """Linearise the mechanics, counted and timed."""
+        self.tally.counters["assemblies"] += 1
+        with self.tally.timed("assembly_s"):
+            return self.problem.linearise(u, memory)
+
+    def factorise(self, A: sparse.csc_matrix) -> Factor:
+        """Factorise, counted and timed; raises SingularMatrixError."""
+        with self.tally.timed("factorisation_s"):
+            factor = factorise(A, self.solver, ordered=self.problem.ordered)
+        self.tally.counters["factorisations"] += 1
+        if instead(factor, self.solver, ordered=self.problem.ordered):
+            self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
+        return factor
+
+    def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
+        """The checked solution, timed; raises SingularMatrixError."""
+        with self.tally.timed("solve_s"):
+            return checked_solve(factor, A, b)
+
+    def remember(self, lin: Linearised, du: np.ndarray) -> tuple[object, float]:
+        """The memory of the step, timed as assembly, and its size |du|."""
+        with self.tally.timed("assembly_s"):
+            memory = lin.remember(du)
+        return memory, float(norm(du, check_finite=False))
+
+    def response(
+        self, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, force: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) under forces (n,) while the gaps of these candidates stay, and the pressures (m,) that hold them.
+
+        K du - G^T W dp = force,   G_A du + dp_A/epsilon = 0,   dp = 0 outside A.
+        Raises SingularMatrixError, ValueError.
+        """
+        pressures = np.zeros(len(self.problem.weights))
+        if holdable(self.problem):
+            held, still = Held.on(self.problem, u, nodes, K, self.epsilon), np.zeros(len(nodes))
+            y = self.solution(self.factorise(held.matrix), held.matrix, held.load(force, still))
+            du = held.motion(y, still)
+            pressures[nodes] = held.forces(y, du, -force) / self.problem.weights[nodes]
+        else:
+            pivots = Pivots.choose(self.problem, u, nodes, K, self.epsilon).homogeneous()
+            A, load = pivots.substitute(K, force)
+            du, pressures[nodes] = pivots.resolve(self.solution(self.factorise(A), A, load))
+        return du, pressures
