@@ -149,30 +149,6 @@ def test_a_translation_is_the_same_vector_everywhere(patch, rng) -> None:
     np.testing.assert_allclose(middle, patch.surface.position(*grid.nodes.T), rtol=0, atol=10 * ROUNDING)
 
 
-def test_displacements_with_supports(curved_patch, rng) -> None:
-    """Held displacements are zero, the operator knows only the free ones, and both ways to space agree."""
-    grid = curved_patch.grid(3, 2)
-    fixed = rng.random((grid.n_nodes, 6)) < 0.3
-    shell = Discretisation.build(curved_patch.surface, grid, SKEW_LAMINATE, fixed)
-    u = rng.normal(size=shell.n_free)
-    v = shell.expand(u)
-    assert shell.n_free == np.sum(~fixed)
-    assert np.all(v[fixed] == 0)
-    np.testing.assert_array_equal(v[~fixed], u)
-    nodes = np.arange(grid.n_nodes)
-    for face, found in enumerate(shell.cartesian(u)):
-        by_hand = np.einsum("ni,nix->nx", v[:, [face, 2 + face, 4 + face]], curved_patch.surface.frame(*grid.nodes.T))
-        np.testing.assert_allclose(found, by_hand, rtol=0, atol=10 * ROUNDING)
-        by_operator = (shell.displacement_operator(nodes, face) @ u).reshape(-1, 3)
-        np.testing.assert_allclose(by_operator, by_hand, rtol=0, atol=10 * ROUNDING)
-
-
-def test_holding_everything_is_refused() -> None:
-    grid = Grid.tensor(LINES1, LINES2)
-    with pytest.raises(ValueError, match="every displacement is held"):
-        Discretisation.build(Plate(), grid, SKEW_LAMINATE, np.ones((grid.n_nodes, 6), bool))
-
-
 def test_assembly_is_the_sum_over_elements_and_skips_held_rows(rng) -> None:
     grid = Grid.tensor(LINES1, np.linspace(-math.pi, math.pi, 4), periodic=True)
     fixed = rng.random((grid.n_nodes, 6)) < 0.2

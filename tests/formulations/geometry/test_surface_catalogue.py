@@ -1,4 +1,4 @@
-"""Every surface of revolution against sympy (from its position alone) and closed forms."""
+"""Every surface of revolution against sympy, from its position alone; the plane."""
 
 from __future__ import annotations
 
@@ -93,76 +93,26 @@ def test_geometry_and_frame_are_those_of_the_position_vector(entry: Entry, rng) 
     np.testing.assert_allclose(mixed, 0, atol=SYMBOLIC)  # the coordinates are principal
 
 
-def test_hyperbolic_paraboloid_is_refused_by_its_own_geometry() -> None:
-    """Cartesian lines on z = x^2 - y^2: not orthogonal, and x = const meets the surface at a varying angle."""
-    x, y = sp.symbols("x y", real=True)
-    position = sp.Matrix([x, y, x**2 - y**2])
-    x1, x2 = position.diff(x), position.diff(y)
-    assert sp.simplify(x1.dot(x2) + 4 * x * y) == 0
-    normal = x1.cross(x2)
-    cosine = normal[0] / sp.sqrt(normal.dot(normal))
-    assert sp.simplify(cosine + 2 * x / sp.sqrt(1 + 4 * x**2 + 4 * y**2)) == 0
-    assert sp.simplify(cosine.diff(y)) != 0
-
-
-# --- closed forms -----------------------------------------------------------------------------------------------
-
-
-def test_annulus_is_flat_and_looks_down() -> None:
-    r, phi = np.array([0.5, 2.0]), np.array([0.3, 4.0])
-    surface, geometry = annulus(), annulus().geometry(r, phi)
-    assert np.all(geometry.k == 0)
-    np.testing.assert_allclose(geometry.A, np.stack([np.ones(2), r], axis=-1), rtol=SYMBOLIC)
-    np.testing.assert_allclose(geometry.B, np.stack([1 / r, np.zeros(2)], axis=-1), rtol=SYMBOLIC)
-    np.testing.assert_allclose(surface.frame(r, phi)[:, 2], np.broadcast_to([0, 0, -1.0], (2, 3)), atol=SYMBOLIC)
-
-
-def test_cone_closed_form() -> None:
-    s = np.array([0.5, 1.0, 3.0])
-    geometry = cone(0.6).geometry(s, 0 * s)
-    np.testing.assert_allclose(geometry.k, np.stack([0 * s, 1 / (s * np.tan(0.6))], axis=-1), atol=SYMBOLIC)
-    np.testing.assert_allclose(geometry.A, np.stack([1 + 0 * s, s * np.sin(0.6)], axis=-1), rtol=SYMBOLIC)
-    np.testing.assert_allclose(geometry.B[:, 0], 1 / s, rtol=SYMBOLIC)
-
-
 @pytest.mark.parametrize("angle", [0.0, -0.3, np.pi / 2, np.nan])
 def test_cone_refuses_a_half_angle_that_is_none(angle: float) -> None:
     with pytest.raises(ValueError, match=r"must lie in \(0, pi/2\)"):
         cone(angle)
 
 
-def test_hyperboloid_closed_form() -> None:
-    """Gauss curvature -1/(1 + 2 z^2)^2 for a = c = 1, and the two formulas of the docstring."""
-    a, c, z = 1.3, 0.7, np.array([-1.0, 0.0, 0.4])
-    r = a * np.sqrt(1 + (z / c) ** 2)
-    A1 = np.sqrt(1 + (a**2 * z / (c**2 * r)) ** 2)
-    geometry = hyperboloid(a, c).geometry(z, 0 * z)
-    expected = {
-        "A": [A1, r],
-        "k": [-(a**4) / (c**2 * r**3 * A1**3), 1 / (r * A1)],
-        "B": [a**2 * z / (c**2 * r**2 * A1), 0 * z],
-    }
-    for name, values in expected.items():
-        np.testing.assert_allclose(getattr(geometry, name), np.stack(values, axis=-1), atol=SYMBOLIC, err_msg=name)
-    unit = hyperboloid(1.0, 1.0).geometry(z, 0 * z)
-    np.testing.assert_allclose(unit.k.prod(axis=-1), -1 / (1 + 2 * z**2) ** 2, rtol=SYMBOLIC)
+def test_a_plate_is_its_coordinates(rng) -> None:
+    a1, a2 = rng.normal(size=(2, 5))
+    geometry = Plate().geometry(a1, a2)
+    np.testing.assert_array_equal(Plate().position(a1, a2), np.stack([a1, a2, 0 * a1], axis=-1))
+    np.testing.assert_array_equal(Plate().frame(a1, a2), np.broadcast_to(np.eye(3), (5, 3, 3)))
+    for name, value in (("A", 1.0), ("k", 0.0), ("B", 0.0)):
+        np.testing.assert_array_equal(getattr(geometry, name), np.full((5, 2), value))
 
 
-@pytest.mark.parametrize("axial", [0.4, 1.3])
-def test_whole_torus_has_no_total_curvature(axial: float) -> None:
-    """Gauss and Bonnet: the integral of k1 k2 A1 A2 over the whole section vanishes."""
-    t = np.linspace(0, 2 * np.pi, 200)[:-1]  # the trapezoidal rule of a periodic function
-    geometry = elliptic_torus(3.0, 0.8, axial).geometry(t, 0 * t)
-    assert abs(np.mean(geometry.k.prod(axis=-1) * geometry.A.prod(axis=-1))) <= SYMBOLIC
-
-
-def test_elliptic_torus_closed_form_and_the_round_one() -> None:
-    Rc, a, b, t = 3.0, 0.8, 1.3, np.linspace(-2, 2, 7)
-    geometry = elliptic_torus(Rc, a, b).geometry(t, 0 * t)
-    A1, r = np.hypot(a * np.sin(t), b * np.cos(t)), Rc + a * np.cos(t)
-    np.testing.assert_allclose(geometry.A, np.stack([A1, r], axis=-1), rtol=SYMBOLIC)
-    np.testing.assert_allclose(geometry.k, np.stack([a * b / A1**3, b * np.cos(t) / (A1 * r)], axis=-1), atol=SYMBOLIC)
-    np.testing.assert_allclose(geometry.B[:, 0], -a * np.sin(t) / (A1 * r), atol=SYMBOLIC)
-    round_one, round_torus = elliptic_torus(Rc, a, a).geometry(t, 0 * t), torus(Rc, a).geometry(t, 0 * t)
-    for name in "AkB":
-        np.testing.assert_array_equal(getattr(round_one, name), getattr(round_torus, name))
+def test_scalars_and_arrays_broadcast(patch) -> None:
+    """One a1 against many a2 gives the points of the grid line, outside of the body along e3."""
+    a1, a2 = patch.low[0], np.linspace(patch.low[1], patch.high[1], 4)
+    for f in (patch.surface.position, patch.surface.frame, lambda *a: patch.surface.geometry(*a).k):
+        one_by_one = np.stack([f(np.array(a1), a) for a in a2])
+        np.testing.assert_allclose(f(np.array(a1), a2), one_by_one, rtol=0, atol=SYMBOLIC)
+    position, frame = patch.surface.position(np.array(a1), a2), patch.surface.frame(np.array(a1), a2)
+    assert np.all(np.sum(patch.outwards(position) * frame[:, 2], axis=-1) > 0)

@@ -171,22 +171,6 @@ def inflate(shape: str, ply: Ply, d_minus: float, radius: float, mesh: tuple[int
 
 
 @pytest.mark.parametrize(
-    ("shape", "growth"), [("sphere", (1 - NU) / 2), ("cylinder", 1 - NU**2), ("open cylinder", 1.0)]
-)
-def test_linear_inflation_of_thin_shells(shape, growth) -> None:
-    """w = pR^2/(E h) times (1 - nu)/2, 1 - nu^2 or 1, with an error of the order h/R."""
-    ratios, errors = np.array([0.04, 0.02, 0.01]), []
-    for ratio in ratios:
-        h = ratio * R
-        p = 1e-3 * E * h / R
-        ply = Ply.isotropic(E, NU, h)
-        w = inflate(shape, ply, -h / 2, R, (16, 2), measure="linear", pressure=Pressure(p))
-        errors.append(np.max(np.abs(w.mean(axis=1) / (growth * p * R**2 / (E * h)) - 1)))
-    assert errors[-1] <= THIN
-    assert FIRST_ORDER[0] <= fitted_order(ratios, errors) <= FIRST_ORDER[1]
-
-
-@pytest.mark.parametrize(
     ("shape", "factor"),
     [
         ("sphere", lambda stretch: (stretch - 1 / stretch) / (1 - NU)),
@@ -194,10 +178,9 @@ def test_linear_inflation_of_thin_shells(shape, growth) -> None:
         ("open cylinder", lambda stretch: (stretch**2 - 1) / (2 * math.sqrt(1 - NU * (stretch**2 - 1)))),
     ],
 )
-@pytest.mark.parametrize("stretch", [1.1, 1.25])
-def test_nonlinear_inflation_of_saint_venant_kirchhoff_membranes(shape, factor, stretch) -> None:
+def test_nonlinear_inflation_of_saint_venant_kirchhoff_membranes(shape, factor) -> None:
     """Follower pressure p = E h/R factor(lambda) gives r = lambda R, with an error of the order h/R."""
-    ratios, errors = np.array([0.04, 0.02, 0.01]), []
+    stretch, ratios, errors = 1.25, np.array([0.04, 0.02, 0.01]), []
     for ratio in ratios:
         h = ratio * R
         pressure = Pressure(E * ratio * factor(stretch), follower=True, area="mid")  # of thin walls
@@ -216,7 +199,7 @@ def lame(shape: str, a: float, b: float, p: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
-@pytest.mark.parametrize("offset", [-0.5, 0.0, 0.2])
+@pytest.mark.parametrize("offset", [-0.5, 0.2])
 @pytest.mark.parametrize(
     ("section", "area", "order"),
     [

@@ -190,17 +190,6 @@ def test_only_a_shallow_measure_strains_under_translation(measure, rng) -> None:
         assert (np.max(np.abs(E)) > 1e-3) if measure.kinematics.shallow else (np.max(np.abs(E)) <= RIGID)
 
 
-def test_linear_measure_strains_in_every_direction_normal_to_the_axis(quantities) -> None:
-    """The law cos(theta) - 1 is that of drilling, too: the rotation about e3 leaves it in E11 and in E22."""
-    theta = 0.8
-    frames = quantities(np.eye(3), np.zeros(3), (-0.1, 0.1))[2]
-    for point, frame in enumerate(frames):
-        q, _, _ = quantities(rotation(frame[2], theta), np.zeros(3), (-0.1, 0.1))
-        strain = MEASURES["linear"].strain(q)[point]
-        np.testing.assert_allclose(strain[:4], math.cos(theta) - 1, rtol=0, atol=ROUNDING)
-        np.testing.assert_allclose(strain[4:], 0.0, rtol=0, atol=ROUNDING)
-
-
 @each_measure
 def test_derivatives_agree_with_differences(measure, rng) -> None:
     q, dq, H = rng.normal(size=(4, N_Q)), rng.normal(size=(4, N_Q)), rng.normal(size=(4, N_E))
