@@ -27,7 +27,7 @@ By number, what is held here:
 
 And elsewhere, of tables that are made up:
 
-- 5, too: tests/studies/solving/choosing/test_rule.py, ``test_a_crossing_of_the_reference_is_no_accuracy``
+- 5, too: tests/studies/solving/test_choosing_rules.py, ``test_a_crossing_of_the_reference_is_no_accuracy``
 - 20: tests/reports/chapters/friction, ``test_beside_dissipation_stands_that_it_converges_with_the_load_step``
 - 21: tests/studies/analysis/test_statements.py, ``test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers``
 - what the paper's algorithm lacks: tests/reports, ``test_page_one_says_what_the_paper_s_algorithm_lacks``

@@ -17,8 +17,6 @@ from support.problems.differences import rotation
 from support.problems.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
-DEFLECTION = 5e-4  # of the tensioned strip, see its test
-EULER = 0.01  # bracket around the buckling load
 INITIAL = np.array([0.9, 1.4, -0.5, 0.8, 0.3, 0.6, 0.2, -0.4, 0.5, 0.1, -0.7])
 EXTRAPOLATED = 2e-4  # of a value of second order extrapolated from 8 x 8 and 16 x 16 elements, 1.9 and 0.4 % off
 SIDE, MODULUS, NU = 10.0, 1e4, 0.3

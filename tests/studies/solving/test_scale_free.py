@@ -21,10 +21,9 @@ from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate
 
 MAPS = ("length-unit", "stress-unit")
-EXPONENTS = np.linspace(-12, 12, 9)
 ROUNDING = 1e-8  # of forces; the tolerance of Newton is 1e-9
 H = 0.5  # mm, of the panel that is pressed by less and less
-LIGHT = 2e-6  # of the force: what the panel's curvature changes at a travel of 1e-6 of the thickness
+LIGHT = 2e-6  # of the force
 
 
 def ends(scene: str, contact: str, mesh: str, **settings: str) -> Visited:
@@ -50,15 +49,8 @@ def in_units(name: str, contact: str, exponent: float) -> tuple[np.ndarray, np.n
 
 
 @pytest.mark.parametrize("contact", ALGORITHMS)
-@pytest.mark.parametrize(
-    ("name", "exponent"),
-    [
-        pytest.param(name, exponent, marks=[] if 12 in (exponent, -exponent) else [pytest.mark.slow])
-        for name in MAPS
-        for exponent in EXPONENTS
-        if exponent
-    ],
-)
+@pytest.mark.parametrize("exponent", [-12.0, 12.0])
+@pytest.mark.parametrize("name", MAPS)
 def test_a_panel_is_the_same_in_any_units(name, exponent, contact) -> None:
     """Powers of ten change the last digits and nothing else: certified, set, iterations, forces."""
     u, forces, active, counters = in_units(name, contact, exponent)
@@ -124,9 +116,9 @@ def test_a_very_thin_wall_is_known_to_the_last_digit_of_its_faces(h_over_R) -> N
 
 
 @pytest.mark.parametrize("contact", ALGORITHMS)
-@pytest.mark.parametrize("share", [1e-9, 1e-6])
-def test_a_travel_of_next_to_nothing_is_pressed_as_a_linear_body_is(share, contact) -> None:
+def test_a_travel_of_next_to_nothing_is_pressed_as_a_linear_body_is(contact) -> None:
     """Against Lawson and Hanson's least squares on the compliance of the unloaded panel, an epsilon's included."""
+    share = 1e-9
     found = ends("panel", contact, "4x4", h_over_R=f"{H / 100}", delta_mm=f"{share * H}")
     assert found.converged
     problem, epsilon = found.problem, ALGORITHMS[contact]().epsilon

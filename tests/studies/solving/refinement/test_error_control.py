@@ -26,23 +26,16 @@ def rounds(*values: tuple[float, float]) -> list[Round]:
     return [Round(coarse, fine, 10 * 3**k, 40 * 3**k, 1.0, 0.6) for k, (coarse, fine) in enumerate(values)]
 
 
-def test_a_smooth_sequence_has_the_limit_of_richardson() -> None:
-    found = estimate(rounds((104.0, 101.0), (102.0, 100.5)))
+def test_rounds_have_the_limit_of_richardson_and_what_is_off_makes_the_statement_wide() -> None:
+    first, last = rounds((104.0, 101.0), (102.0, 100.5))
+    found = estimate([first, last])
     assert found.limit == pytest.approx(100)
     assert found.error == pytest.approx(0.005)
     assert found.uncertainty == pytest.approx(0.005)
     assert (found.low, found.high) == pytest.approx((0.0, 0.01))
-
-
-def test_a_rim_that_jumps_makes_the_statement_wide() -> None:
-    first, last = rounds((104.0, 101.0), (102.0, 100.5))
-    found = estimate([first, replace(last, rim=8.0)])
-    assert found.uncertainty * found.limit == pytest.approx(4.0)
-
-
-def test_limits_that_differ_make_the_statement_wide() -> None:
-    found = estimate(rounds((104.0, 101.0), (102.0, 101.7)))
-    assert found.uncertainty * found.limit == pytest.approx(1.5 * 1.6)
+    jumping, apart = estimate([first, replace(last, rim=8.0)]), estimate([first, replace(last, finer=101.7)])
+    assert jumping.uncertainty * jumping.limit == pytest.approx(4.0)
+    assert apart.uncertainty * apart.limit == pytest.approx(1.5 * 1.6)
 
 
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0, 3.0, 4.0])
@@ -53,15 +46,11 @@ def test_the_limit_of_any_order_lies_inside(order: float) -> None:
     assert abs(found.limit - 100) <= found.uncertainty * found.limit
 
 
-@pytest.mark.parametrize(("text", "value"), [("1%", 0.01), ("0.02", 0.02), ("0.5%", 0.005)])
-def test_an_error_is_read(text: str, value: float) -> None:
-    assert parse_error(text) == pytest.approx(value)
-
-
-@pytest.mark.parametrize("text", ["", "x%", "0", "nan", "-1%", "60%", "1e-9"])
-def test_a_wrong_error_is_refused(text: str) -> None:
-    with pytest.raises(UsageError, match="part of the quantity"):
-        parse_error(text)
+def test_an_error_is_read_or_refused() -> None:
+    assert [parse_error(text) for text in ("1%", "0.02", "0.5%")] == pytest.approx([0.01, 0.02, 0.005])
+    for wrong in ("", "x%", "0", "nan", "-1%", "60%", "1e-9"):
+        with pytest.raises(UsageError, match="part of the quantity"):
+            parse_error(wrong)
 
 
 @pytest.mark.slow
@@ -95,6 +84,7 @@ def test_elements_are_cut_where_the_quantity_is_decided() -> None:
     assert np.all(finest[:, 1:].mean(axis=0) / 2.0 ** level.max() < (4, 4))
 
 
+@pytest.mark.slow
 def test_elements_that_are_too_long_for_the_stress_are_cut_both_ways() -> None:
     """One element across a cantilever has modes by itself before 0.05 % are reached; two have none."""
     result, enough = solve_to_error(*coarsest("cantilever", {"load_fraction": "1"}), 0.0005)
@@ -189,18 +179,14 @@ def test_what_has_no_limit_ends_at_the_deepest_level() -> None:
     assert "edge_pressure" in result.reason
 
 
-@pytest.mark.parametrize(
-    "wrong", [["scordelis-lo", "--of", "force_N"], ["nowhere"], ["scordelis-lo", "--mesh", "axb"]], ids=str
-)
-def test_wrong_requests_are_one_line(wrong: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["solve", *wrong, "--error", "1%", "--out", str(tmp_path / "out")]) == WRONG_USE
-    assert capsys.readouterr().err.count("\n") == 1
-    assert not (tmp_path / "out").exists()
-
-
-def test_a_quantity_without_an_error_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["solve", "tyre", "--of", "force_N", "--out", str(tmp_path / "out")]) == WRONG_USE
+def test_wrong_requests_are_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, error = ["--out", str(tmp_path / "out")], ["--error", "1%"]
+    for wrong in (["scordelis-lo", "--of", "force_N"], ["nowhere"], ["scordelis-lo", "--mesh", "axb"]):
+        assert main(["solve", *wrong, *error, *out]) == WRONG_USE
+        assert capsys.readouterr().err.count("\n") == 1
+    assert main(["solve", "tyre", "--of", "force_N", *out]) == WRONG_USE
     assert "--error" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow

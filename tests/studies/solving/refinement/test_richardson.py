@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
 from studies.solving.refinement.richardson import MeshSequence, correction, limit_of, order_against, order_of
@@ -78,45 +77,6 @@ def test_three_meshes_are_held_against_the_order_of_the_element() -> None:
     sizes = (1.0, 0.5, 0.25)
     assert power_law(2.2, sizes).verdict == "asymptotic"
     assert power_law(1.4, sizes).verdict == "not asymptotic: one order, not 2"
-
-
-def test_scatter_has_no_asymptotic_range() -> None:
-    """Values that only scatter about a limit: monotone by chance in 1 of 12 cases, with two equal orders far less."""
-    scatter = np.random.default_rng(14).uniform(0.99, 1.01, (2000, 4))
-    found = [MeshSequence((1, 0.5, 0.25, 0.125), tuple(values)).asymptotic for values in scatter.tolist()]
-    assert 0 < np.mean(found) < 0.02
-
-
-def test_a_rim_that_jumps_between_lines_spoils_the_order() -> None:
-    """h^2 (1 + a (s - 1/2)), s the place of a rim in its element: even grids keep an order by luck, nested ones do."""
-    sizes = tuple(1 / n for n in (16, 32, 64, 128))
-
-    def share(a: float) -> float:
-        places = np.linspace(0.5, 0.9, 401)[:, None]
-        values = 1 + np.square(sizes) * (1 + a * (places / np.array(sizes) % 1 - 0.5))
-        return float(np.mean([MeshSequence(sizes, tuple(each)).asymptotic for each in values.tolist()]))
-
-    assert share(0.0) == 1
-    assert share(0.1) > 0.9
-    assert share(2.0) < 0.3
-
-
-def test_a_logarithm_has_no_limit_and_is_not_taken_for_one() -> None:
-    """A point load on a shell with shear: the order falls for ever, and without the logarithm it is the rest's."""
-    sizes = tuple(2.0**-i for i in range(4, 8))
-    with_it = MeshSequence(sizes, tuple(10 - h**2 - 0.02 * math.log(h) for h in sizes))
-    without = MeshSequence(sizes, tuple(v + 0.02 * math.log(h) for h, v in zip(sizes, with_it.values, strict=True)))
-    assert not with_it.asymptotic
-    assert without.verdict == "asymptotic"
-    assert without.limit == pytest.approx(10, abs=1e-9)
-
-
-def test_uncertainty_of_the_limit_is_larger_outside_the_asymptotic_range() -> None:
-    good, poor = power_law(2.0, (1.0, 0.5, 0.25)), power_law(1.0, (1.0, 0.5, 0.25))
-    assert good.uncertainty == pytest.approx(1.25 * abs(good.values[-1] - 7.0))
-    assert poor.uncertainty == pytest.approx(3.0 * abs(poor.values[-1] - 7.0))
-    assert math.isnan(power_law(0.1, (1.0, 0.5, 0.25)).limit)  # too slow to be extrapolated
-    assert math.isnan(MeshSequence((1.0, 0.5, 0.25), (1.0, 2.0, 1.5)).uncertainty)
 
 
 def test_a_limit_is_there_for_every_sequence_and_says_what_the_sequence_says() -> None:

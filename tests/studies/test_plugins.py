@@ -14,7 +14,7 @@ import pytest
 
 from studies.cli import main
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 PLUGIN = ROOT / "tests" / "plugin"
 USE = ["--use", str(PLUGIN / "stranger.py")]
 CAMPAIGN = """

@@ -19,7 +19,7 @@ from studies.solving.choosing.trials import Clock
 from studies.solving.choosing.verdict import ENOUGH, NOT_ENOUGH, WORDS
 from studies.solving.solve import solve
 
-PLUGIN = Path(__file__).parents[3] / "plugin" / "stranger.py"
+PLUGIN = Path(__file__).parents[2] / "plugin" / "stranger.py"
 RING = ["ring", "--set", "delta_mm=50"]
 
 

@@ -1,15 +1,62 @@
-"""When a mesh is enough, by planted values: crossings, limits that are not settled, what the reference leaves."""
+"""A budget of wall time, and when a mesh is enough, by planted values: shares, crossings, what is not settled."""
 
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
+from studies.scenes.complete import complete
+from studies.solving.choosing.trials import Clock, until
 from studies.solving.choosing.verdict import NONE, Difference, difference, errors, first_enough
 from studies.solving.refinement.limits import GROWING, Estimate, Seen, limit_of
+from studies.solving.solve import Interrupted, solve
 
 SIZES = [2.0 ** (-k / 2) for k in range(7)]
+
+
+def planted(wall: float = 0.0, work: float = 0.0) -> tuple[Clock, SimpleNamespace]:
+    time = SimpleNamespace(wall=wall, work=work)
+    return Clock(60.0, lambda: time.wall, lambda: time.work), time
+
+
+def test_shares_are_parts_of_what_is_left() -> None:
+    clock, time = planted()
+    with clock.share(0.5):
+        assert clock.left == 30
+        time.wall = time.work = 20.0
+        assert clock.left == 10
+        assert clock.fits(10.0)
+        assert not clock.fits(10.1)
+    assert clock.left == 40
+    with clock.share(0.5, 20.0):
+        assert clock.left == 10
+    with clock.share(0.5, 100.0):
+        assert clock.left == 0
+        assert not clock.fits(0.1)
+
+
+def test_what_is_foreseen_takes_longer_on_a_machine_that_others_use() -> None:
+    clock, time = planted()
+    time.wall, time.work = 20.0, 10.0
+    assert clock.wait == 2
+    assert clock.fits(20.0)
+    assert not clock.fits(20.1)
+    time.work = 40.0  # by several threads: no reason to foresee less
+    assert clock.wait == 1
+
+
+def test_what_takes_too_long_is_stopped_and_an_interruption_is_none() -> None:
+    asked = complete("ring", {"delta_mm": "35,40"}, "1x8")
+    assert until(60.0, lambda check: solve(*asked, check)) is not None
+    assert until(0.0, lambda check: solve(*asked, check)) is None
+
+    def interrupted(text: str) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted):
+        until(60.0, lambda check: solve(*asked, interrupted))
 
 
 def ladder(limit: float, slope: float, sizes=SIZES, wobble: float = 0.0) -> list[Seen]:
