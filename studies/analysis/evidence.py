@@ -91,12 +91,15 @@ class Evidence:
             self._read[name] = found if own and len(found) else None
         return self._read[name]
 
-    def given(self, function: Callable[..., Any]) -> dict[str, Any] | None:
-        """What a function asks for: its parameters are the names of the tables it reads. None where one is missing."""
-        found: dict[str, Any] = {}
-        for name in signature(function).parameters:
-            found[name] = self.answers if name == ANSWERS else self.table(name)
-        return found if all(value is not None for value in found.values()) else None
+    def get(self, name: str) -> Any:
+        """A table, or the solved cells as ANSWERS."""
+        return self.answers if name == ANSWERS else self.table(name)
+
+
+def given_to(function: Callable[..., Any], tables: Callable[[str], Any]) -> dict[str, Any] | None:
+    """What a function asks for: its parameters are the names of the tables it reads. None where one is missing."""
+    found = {name: tables(name) for name in signature(function).parameters}
+    return found if all(value is not None for value in found.values()) else None
 
 
 def read_declarations(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:

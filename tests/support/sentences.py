@@ -8,14 +8,14 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.evidence import VALUE
-from studies.analysis.statements.record import Statement, declared
-from studies.analysis.statements.tables import read_sentences
+from studies.analysis.statements.record import Statement
+from studies.analysis.statements.tables import read_sentences, said_by
 
 
 def said(name: str, **tables: pd.DataFrame) -> list[Statement]:
     """What a declaration of sentences.toml says of tables by their names."""
     (declaration,) = [each for each in read_sentences() if each.get("name") == name]
-    return list(declared(declaration, tables.get))
+    return list(said_by(declaration, tables.get))
 
 
 def tables_of(declaration: Mapping[str, Any]) -> set[str]:

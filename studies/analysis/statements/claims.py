@@ -1,9 +1,9 @@
 """Sentences that are repeated in print and in manuals, each held against the tables of a campaign.
 
-A claim of claims.toml is confirmed, qualified, refuted, or untested where a table is missing. A verdict rests on an
-interval, of one number with its uncertainty or of one number over many problems. Inside the band that the claim allows
-it is confirmed, outside refuted, and else qualified: true of some, or not decided. Tables come in as they are written;
-nothing may be solved here, and no claim may be judged by a number typed here.
+A claim of claims.toml is confirmed, qualified, refuted, or untested where a table is missing or nothing was counted. A
+verdict rests on an interval, of one number with its uncertainty or of one number over many problems. Inside the band
+that the claim allows it is confirmed, outside refuted, and else qualified: true of some, or not decided. Tables come in
+as they are written; nothing may be solved here, and no claim may be judged by a number typed here.
 """
 
 from __future__ import annotations
@@ -18,10 +18,19 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.evidence import Evidence, NothingError, Tables, Value, read_declarations, read_values
+from studies.analysis.evidence import Evidence, NothingError, Tables, Value, given_to, read_declarations, read_values
 from studies.analysis.friction import public_answers
+from studies.analysis.statements.record import Values
 
 CONFIRMED, QUALIFIED, REFUTED, UNTESTED = "confirmed", "qualified", "refuted", "untested"
+CLOSE = 0.002  # of a published value
+WITHIN = 0.01  # error of the force
+FILE = Path(__file__).with_name("claims.toml")
+CAMPAIGN = "footprint run standard"  # that makes the tables of experiments
+COLUMNS = (
+    *("claim", "subject", "sentence", "source", "regime", "status", "measured", "low", "high", "unit", "problems"),
+    *("machine", "command"),
+)
 
 
 @dataclass(frozen=True)
@@ -64,8 +73,64 @@ def always(exceptions: int, of: int, measured: str) -> Verdict:
     return Verdict(REFUTED if exceptions else CONFIRMED, measured, exceptions / of, exceptions / of, "exceptions", of)
 
 
-CLOSE = 0.002  # of a published value
-WITHIN = 0.01  # error of the force
+def read_claims() -> dict[str, dict[str, Any]]:
+    """All declarations by name, each with its subject, its command, and what it shares with another one."""
+    found: dict[str, dict[str, Any]] = {}
+    for subject, claim in read_declarations(FILE):
+        command = CAMPAIGN if "measured" in claim else ""
+        found[claim["name"]] = {"machine": False, "command": command, **claim, "subject": subject}
+    return found
+
+
+def claims_table(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
+    """``claims`` with COLUMNS, a row a claim; its tables are written already."""
+    evidence = Evidence(store, campaign)
+    rows = []
+    for name, claim in read_claims().items():
+        verdict = judged(claim, evidence.table) or Verdict(UNTESTED, "", math.nan, math.nan, "", 0)
+        measured = re.sub(r"(?<=[0-9])%", " %", verdict.measured)
+        rows.append({**claim, "claim": name, **asdict(verdict), "measured": measured})
+    return {"claims": pd.DataFrame(rows, columns=list(COLUMNS))}
+
+
+def judged(claim: Mapping[str, Any], tables: Tables) -> Verdict | None:
+    """What a declaration comes to; None where nothing tests it."""
+    values = _values(claim, tables) if "measured" in claim else None
+    if values is None or not values["of"]:
+        return None
+    text, of = str(claim["measured"]).format(**values), int(values["of"])
+    if "exceptions" in values:
+        return always(int(values["exceptions"]), of, text)
+    if "right" in values:
+        return counted(int(values["right"]), of, text)
+    low, high = (values[end] if isinstance(end, str) else end for end in claim["band"])
+    interval = float(values["low"]), float(values["high"])
+    return banded(interval, (float(low), float(high)), claim["unit"], text, of)
+
+
+def _values(claim: Mapping[str, Any], tables: Tables) -> Values | None:
+    """Those that a claim declares, or that its judge finds; None where nothing bears them."""
+    if "judge" in claim:
+        judge = JUDGES[claim["judge"]]
+        given = given_to(judge, tables)
+        return None if given is None else judge(**given)
+    try:
+        known = _numbers_of(claim["statement"], tables) if "statement" in claim else {}
+        return read_values(claim, tables, known)
+    except NothingError:
+        return None
+
+
+def _numbers_of(statement: str, tables: Tables) -> dict[str, Value]:
+    """The numbers of a sentence of conclusion by their names; raises NothingError where it is not said."""
+    table = tables("statement_values")
+    own = pd.DataFrame() if table is None else table[table["statement"] == statement]
+    if own.empty:
+        raise NothingError(statement)
+    return dict(zip(own["field"], own["number"].astype(float), strict=True))
+
+
+# --- judges: values that take more than numbers which are read off one table ------------------------------------------
 
 
 def _published(errors: pd.DataFrame, ladders: pd.DataFrame, source: str, ladder: str = "") -> pd.DataFrame:
@@ -78,38 +143,26 @@ def _published(errors: pd.DataFrame, ladders: pd.DataFrame, source: str, ladder:
     return found.drop_duplicates(["ladder", "quantity", "value"], keep="last")
 
 
-def sze_tables(convergence_errors: pd.DataFrame, convergence: pd.DataFrame) -> Verdict | None:
+def sze_tables(convergence_errors: pd.DataFrame, convergence: pd.DataFrame) -> Values:
     """How many of their values may be right, within what the limits are uncertain by?"""
     own = _published(convergence_errors, convergence, "Sze, Liu, Lo")
-    if own.empty:
-        return None
     size, known = own["model_part"].abs(), own["limit_uncertainty"]
-    near = int((size - known <= CLOSE).sum())
-    text = f"{near} of {len(own)} values may be right to {CLOSE:.1%}; they differ from the limits by up to "
-    text += f"{size.max():.1%} ({own.iloc[int(size.argmax())]['ladder']})"
-    return counted(near, len(own), text)
+    values: Values = {"right": int((size - known <= CLOSE).sum()), "of": len(own), "close": CLOSE, "most": size.max()}
+    return values | {"ladder": own["ladder"].iloc[int(size.argmax())] if len(own) else ""}
 
 
-def scordelis_lo(convergence_errors: pd.DataFrame, convergence: pd.DataFrame) -> Verdict | None:
+def scordelis_lo(convergence_errors: pd.DataFrame, convergence: pd.DataFrame) -> Values:
     """The limit beside the usual target."""
     own = _published(convergence_errors, convergence, "", "scordelis-lo")
-    own = own[own["value"] == 0.3024]
-    if own.empty:
-        return None
-    row = own.iloc[-1]
-    off, known = float(row["model_part"]), float(row["limit_uncertainty"])
-    text = f"the limit is {off:+.2%} ± {known:.2%} from it"
-    return banded((off - known, off + known), (-0.001, 0.001), "difference", text, 1)
+    last = own[own["value"] == 0.3024].iloc[-1:]
+    off, known = last["model_part"].sum(), last["limit_uncertainty"].sum()
+    return {"off": off, "known": known, "low": off - known, "high": off + known, "of": len(last)}
 
 
-def pagano(convergence_errors: pd.DataFrame, convergence: pd.DataFrame) -> Verdict | None:
+def pagano(convergence_errors: pd.DataFrame, convergence: pd.DataFrame) -> Values:
     """Deflection and stresses beside the exact plate."""
-    own = _published(convergence_errors, convergence, "Pagano", "pagano-S10")
-    if own.empty:
-        return None
-    off = own["model_part"]
-    text = f"deflection and stresses differ by {off.min():+.0%} to {off.max():+.0%} from the exact plate"
-    return banded((float(off.min()), float(off.max())), (-0.05, 0.05), "difference", text, len(own))
+    off = _published(convergence_errors, convergence, "Pagano", "pagano-S10")["model_part"]
+    return {"low": off.min(), "high": off.max(), "of": len(off)}
 
 
 def _uniform_errors(work_precision: pd.DataFrame) -> list[float]:
@@ -118,120 +171,49 @@ def _uniform_errors(work_precision: pd.DataFrame) -> list[float]:
     return own.sort_values("unknowns")["error"].abs().to_list()
 
 
-def one_grid(work_precision: pd.DataFrame) -> Verdict | None:
+def one_grid(work_precision: pd.DataFrame) -> Values:
     """Is a grid that is within 1 % followed by one that is not?"""
     errors = _uniform_errors(work_precision)
     near = [n for n, error in enumerate(errors) if error <= WITHIN]
-    if not near:
-        return None
     lost = sum(any(error > WITHIN for error in errors[n + 1 :]) for n in near)
-    text = f"of {len(near)} uniform grids within {WITHIN:.0%} {lost} are followed by a finer one that is not"
-    return always(lost, len(near), text)
+    return {"exceptions": lost, "of": len(near), "within": WITHIN}
 
 
-def finer_is_better(work_precision: pd.DataFrame) -> Verdict | None:
+def finer_is_better(work_precision: pd.DataFrame) -> Values:
     """How often does the error grow?"""
-    errors = _uniform_errors(work_precision)
-    if len(errors) < 2:
-        return None
-    worse = sum(after > before for before, after in pairwise(errors))
-    text = f"the error of the tyre's force grows in {worse} of {len(errors) - 1} steps to the next finer uniform grid"
-    return always(worse, len(errors) - 1, text)
+    steps = list(pairwise(_uniform_errors(work_precision)))
+    return {"exceptions": sum(after > before for before, after in steps), "of": len(steps)}
 
 
-def refine_the_patch(work_precision: pd.DataFrame) -> Verdict | None:
+def refine_the_patch(work_precision: pd.DataFrame) -> Values | None:
     """Grids refined at the patch beside uniform ones of as many elements."""
     own = work_precision[work_precision["element"] == "refined"]
     wide = own.pivot_table(index="mesh", columns="family", values="error", aggfunc="first", sort=False).abs()
     if not {"patch", "uniform"} <= set(wide):
         return None
     pairs = wide[["patch", "uniform"]].dropna()
-    better = int((pairs["patch"] < pairs["uniform"]).sum())
-    text = f"less error than a uniform grid of as many elements on {better} of {len(pairs)} meshes"
-    return counted(better, len(pairs), text)
+    return {"right": int((pairs["patch"] < pairs["uniform"]).sum()), "of": len(pairs)}
 
 
-def one_step(friction_steps: pd.DataFrame) -> Verdict | None:
+def one_step(friction_steps: pd.DataFrame) -> Values:
     """The errors of force and dissipation in the fewest load steps."""
     row = friction_steps.iloc[int(friction_steps["steps"].argmin())]
     force, lost = abs(float(row["friction_N_error"])), abs(float(row["dissipation_N_mm_error"]))
-    text = f"the force errs by {force:.1%}, the dissipation by {lost:.0%}"
-    return banded((min(force, lost), max(force, lost)), (0, 0.01), "change of the answer", text, 1)
+    return {"force": force, "lost": lost, "low": min(force, lost), "high": max(force, lost), "of": 1}
 
 
-def public_friction(friction_public: pd.DataFrame) -> Verdict | None:
+def public_friction(friction_public: pd.DataFrame) -> Values | None:
     """Of how many problems has the best algorithm an answer that the judge takes?"""
     _, counts = public_answers(friction_public)
     if counts.empty:
         return None
     of = friction_public.dropna(subset=["algorithm"])["problem"].nunique()
-    text = f"the best one, `{counts.index[0]}`, has certified answers of {counts.iloc[0]} of {of} within seconds"
-    return counted(int(counts.iloc[0]), int(of), text)
+    return {"best": counts.index[0], "right": int(counts.iloc[0]), "of": of}
 
 
-JUDGES: Mapping[str, Callable[..., Verdict | None]] = {
+JUDGES: Mapping[str, Callable[..., Values | None]] = {
     judge.__name__: judge
     for judge in (
         *(sze_tables, scordelis_lo, pagano, one_grid, finer_is_better, refine_the_patch, one_step, public_friction),
     )
 }
-FILE = Path(__file__).with_name("claims.toml")
-CAMPAIGN = "footprint run standard"  # that makes the tables of experiments
-COLUMNS = (
-    *("claim", "subject", "sentence", "source", "regime", "status", "measured", "low", "high", "unit", "problems"),
-    *("machine", "command"),
-)
-
-
-def read_claims() -> dict[str, dict[str, Any]]:
-    """All declarations by name, each with its subject, its command, and what it shares with another one."""
-    found: dict[str, dict[str, Any]] = {}
-    for subject, claim in read_declarations(FILE):
-        command = CAMPAIGN if "measured" in claim or "judge" in claim else ""
-        found[claim["name"]] = {"machine": False, "command": command, **claim, "subject": subject}
-    return found
-
-
-def claims_table(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
-    """``claims`` with COLUMNS, a row a claim; its tables are written already."""
-    evidence = Evidence(store, campaign)
-    rows = []
-    for name, claim in read_claims().items():
-        if "judge" in claim:
-            judge = JUDGES[claim["judge"]]
-            given = evidence.given(judge)
-            verdict = None if given is None else judge(**given)
-        else:
-            verdict = judged(claim, evidence.table)
-        found = Verdict(UNTESTED, "", math.nan, math.nan, "", 0) if verdict is None else verdict
-        measured = re.sub(r"(?<=[0-9])%", " %", found.measured)
-        rows.append({**claim, "claim": name, **asdict(found), "measured": measured})
-    return {"claims": pd.DataFrame(rows, columns=list(COLUMNS))}
-
-
-def judged(claim: Mapping[str, Any], tables: Tables) -> Verdict | None:
-    """What a declaration comes to; None where nothing tests it."""
-    if "measured" not in claim:
-        return None
-    try:
-        known = _numbers_of(claim["statement"], tables) if "statement" in claim else {}
-        values = read_values(claim, tables, known)
-    except NothingError:
-        return None
-    text, of = str(claim["measured"]).format(**values), int(values["of"])
-    if "exceptions" in values:
-        return always(int(values["exceptions"]), of, text)
-    if "right" in values:
-        return counted(int(values["right"]), of, text)
-    low, high = (values[end] if isinstance(end, str) else end for end in claim["band"])
-    interval = float(values["low"]), float(values["high"])
-    return banded(interval, (float(low), float(high)), claim["unit"], text, of)
-
-
-def _numbers_of(statement: str, tables: Tables) -> dict[str, Value]:
-    """The numbers of a sentence of conclusion by their names; raises NothingError where it is not said."""
-    table = tables("statement_values")
-    own = pd.DataFrame() if table is None else table[table["statement"] == statement]
-    if own.empty:
-        raise NothingError(statement)
-    return dict(zip(own["field"], own["number"].astype(float), strict=True))

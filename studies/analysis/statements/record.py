@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
-from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
+from studies.analysis.evidence import evaluated
 from studies.analysis.friction import FLOOR
-from studies.experiments.friction.scenes import AGREED, COARSE, CONTACT, MU
+from studies.experiments.friction.scenes import AGREED, COARSE, CONTACT, DELTA, MESH, MU
 
-OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
+FINDING = "finding"  # the role of a sentence that names none
+Values = dict[str, Any]  # numbers and words by their names; those that begin with _ are not published
 COLUMNS = ("statement", "page", "role", "text", "problems", "scope", "machine")
+WORD = re.compile(r"<(\w+)>")  # stands for the value _word
 VALUE_COLUMNS = ("statement", "field", "number", "word")
 
 
@@ -38,30 +40,28 @@ class Statement:
 
 
 # what the tables of experiments are made with, by names that are not published
-DEFAULTS: dict[str, Any] = {
+DEFAULTS: Mapping[str, Any] = {
     "_cost_contact": CONTACT,
     "_steps_mesh": COARSE,
     "_steps_mu": MU,
     "_agreed": AGREED,
     "_floor": FLOOR,
+    "_tyre": f"the paper's whole tyre on {MESH} elements, pressed by {DELTA:g} mm",
 }
 
 
-def declared(declaration: Mapping[str, Any], tables: Tables) -> Iterator[Statement]:
-    """What a declaration says; nothing where its tables do not bear it."""
-    try:
-        values = read_values(declaration, tables, DEFAULTS)
-    except NothingError:
-        return
+def worded(declaration: Mapping[str, Any], values: Values) -> Statement:
+    """The words of a declaration, with values."""
+    values = {**DEFAULTS, **values}
     told = declaration["text"]
     parts = [{"text": part} if isinstance(part, str) else part for part in ([told] if isinstance(told, str) else told)]
     text = "".join(part["text"] for part in parts if evaluated(part.get("when", "True"), values))
-    yield Statement(
-        name=declaration["name"],
+    return Statement(
+        name=re.sub(WORD, lambda found: str(values[f"_{found[1]}"]), declaration["name"]),
         page=declaration["page"],
-        text=re.sub(r"<(\w+)>", lambda found: str(values[f"_{found[1]}"]), text),
+        text=re.sub(WORD, lambda found: str(values[f"_{found[1]}"]), text),
         values={name: value for name, value in values.items() if not name.startswith("_")},
-        problems=int(values.get("_problems", values["_rows"])),
+        problems=int(values["_problems"] if "_problems" in values else values["_rows"]),
         scope=declaration["scope"].format(**values),
         role=declaration.get("role", FINDING),
         machine=declaration.get("machine", False),

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from studies.analysis.evidence import Evidence, read_declarations
+from studies.analysis.evidence import Evidence, NothingError, given_to, read_declarations, read_values
 from studies.analysis.statements import choices, contact, friction
-from studies.analysis.statements.record import Statement, as_tables, declared
+from studies.analysis.statements.record import DEFAULTS, Statement, Values, as_tables, worded
 
 SENTENCES, QUESTIONS = Path(__file__).with_name("sentences.toml"), Path(__file__).with_name("questions.toml")
-Maker = Callable[..., Iterator[Statement]]
-MODULES = (choices, contact, friction)
-MAKERS = {module.__name__.rpartition(".")[2]: module for module in MODULES}
+Maker = Callable[..., Iterator[Values]]
+MAKERS = {"choices": choices, "contact": contact, "friction": friction}
 
 
 def read_sentences() -> list[dict[str, Any]]:
@@ -27,7 +27,7 @@ def read_sentences() -> list[dict[str, Any]]:
 def statements(store: Path, campaign: str) -> list[Statement]:
     """All that the tables of a campaign in its store allow to be said, in the order of the file."""
     evidence = Evidence(store, campaign)
-    found = [each for declaration in read_sentences() for each in said_by(declaration, evidence)]
+    found = [each for declaration in read_sentences() for each in said_by(declaration, evidence.get)]
     names = [each.name for each in found]
     if len(set(names)) < len(names):
         twice = sorted({name for name in names if names.count(name) > 1})
@@ -35,14 +35,15 @@ def statements(store: Path, campaign: str) -> list[Statement]:
     return found
 
 
-def said_by(declaration: dict[str, Any], evidence: Evidence) -> Iterator[Statement]:
-    """What a declaration, or the maker that it names, says; where a table of it is missing it says nothing."""
+def said_by(declaration: dict[str, Any], tables: Callable[[str], Any]) -> Iterator[Statement]:
+    """What a declaration says, by values of its own or of its maker; nothing where its tables do not bear it."""
     if "maker" not in declaration:
-        yield from declared(declaration, evidence.table)
+        with suppress(NothingError):
+            yield worded(declaration, read_values(declaration, tables, DEFAULTS))
         return
     maker = maker_of(declaration)
-    if (given := evidence.given(maker)) is not None:
-        yield from maker(**given)
+    if (given := given_to(maker, tables)) is not None:
+        yield from (worded(declaration, values) for values in maker(**given))
 
 
 def maker_of(declaration: dict[str, Any]) -> Maker:

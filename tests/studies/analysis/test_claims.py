@@ -121,9 +121,19 @@ def test_a_crossing_is_no_convergence() -> None:
         {"family": "uniform", "element": "refined", "unknowns": n, "error": e}
         for n, e in enumerate((5e-3, -2e-2, 4e-3))
     ]
-    found = JUDGES["one_grid"](pd.DataFrame(rows))
+    found = verdict("one-grid", work_precision=pd.DataFrame(rows))
     assert (found.status, found.problems, found.low) == (REFUTED, 2, 0.5)
-    assert JUDGES["finer_is_better"](pd.DataFrame(rows)).measured.count("1 of 2") == 1
+    assert "1 of 2" in verdict("finer-is-better", work_precision=pd.DataFrame(rows)).measured
+
+
+def test_what_was_not_counted_tests_nothing() -> None:
+    """A tendency and a law of no problem are neither true nor false, and an interval of none is no interval."""
+    none = pd.DataFrame({"family": ["uniform"], "element": ["paper"], "unknowns": [9], "error": [0.5], "mesh": ["4x4"]})
+    assert [verdict(name, work_precision=none) for name in ("one-grid", "finer-is-better")] == [None, None]
+    both = pd.concat([none, none.assign(family="patch", mesh="6x6")]).assign(element="refined")
+    assert verdict("refine-the-patch", work_precision=both) is None
+    claim = {"from": "t", "measured": "{of}", "values": {"right": "count where x > 9", "of": "count where x > 1"}}
+    assert judged(claim, {"t": pd.DataFrame({"x": [0.0]})}.get) is None
 
 
 def test_a_measure_is_surely_within_or_not() -> None:

@@ -10,8 +10,7 @@ import pytest
 
 from studies.analysis.evidence import NothingError, read_declarations, read_values
 from studies.analysis.statements.claims import read_claims
-from studies.analysis.statements.record import declared
-from studies.analysis.statements.tables import read_sentences
+from studies.analysis.statements.tables import read_sentences, said_by
 
 TABLES = {
     "runs": pd.DataFrame(
@@ -85,11 +84,11 @@ def test_values_of_groups_are_numbered_and_stand_in_the_text() -> None:
     told = {"by": "mesh", "each": {"mesh#": "first mesh", "low#": "min error"}, "text": "{low#:.1f} on {mesh#}"}
     text = ["It is <told>", ".", {"when": "_bar > 1", "text": "!"}]
     sentence = {"name": "x", "page": "p", "from": "runs", "scope": "{_bar:g}", "text": text}
-    (found,) = declared({**sentence, "values": {"_bar": 0.3, "told": {**told, "join": "and"}}}, TABLES.get)
+    (found,) = said_by({**sentence, "values": {"_bar": 0.3, "told": {**told, "join": "and"}}}, TABLES.get)
     assert dict(found.values) == {"mesh0": "4x4", "low0": -0.2, "mesh1": "8x8", "low1": 0.1}
     assert found.text.format(**found.values) == "It is -0.2 on 4x4 and 0.1 on 8x8."
     assert (found.scope, found.problems) == ("0.3", 4)
-    assert list(declared({**sentence, "values": {"_bar": 2}, "need": "_bar < 1"}, TABLES.get)) == []
+    assert list(said_by({**sentence, "values": {"_bar": 2}, "need": "_bar < 1"}, TABLES.get)) == []
 
 
 def test_what_is_alike_is_said_once(tmp_path: Path) -> None:

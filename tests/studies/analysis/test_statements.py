@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 
 import studies
-from reports.chapter import of_page, statements
+from reports.chapter import OPENING, of_page, statements
 from reports.store import Store
 from studies.analysis.everything import written
 from studies.analysis.evidence import ANSWERS, Evidence
-from studies.analysis.statements.record import OPENING, Statement, as_tables
+from studies.analysis.statements.record import Statement, as_tables
 from studies.analysis.statements.tables import maker_of, read_sentences
 from studies.analysis.statements.tables import statements as all_said
 from studies.arena.solver_run import FIELDS

@@ -6,25 +6,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.statements.choices import (
-    REQUEST,
-    algorithm,
-    cheapest,
-    cost,
-    finest_trials,
-)
-from studies.analysis.statements.record import Statement
+from studies.analysis.statements.choices import REQUEST, finest_trials
 from studies.experiments.choices import measure_limits
 from support.sentences import said
 from support.stores.answers import choices
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def table() -> pd.DataFrame:
     return choices()
 
 
-def filled(found: Statement) -> str:
+def filled(name: str, **tables: pd.DataFrame) -> str:
+    """The one sentence of this name."""
+    (found,) = said(name, **tables)
     return found.text.format(**found.values)
 
 
@@ -40,29 +35,20 @@ def test_a_measure_is_within_beyond_or_not_settled() -> None:
 
 
 def test_a_regime_says_what_is_not_settled(table: pd.DataFrame) -> None:
-    names = ("measures-small", "measures-large", "measures-contact")
-    small, large, contact = (filled(said(name, measure_limits=measure_limits(table))[0]) for name in names)
-    assert small
-    assert large
+    """By limits: the values on grids may be anything."""
+    limits = measure_limits(table)
+    contact = filled("measures-contact", measure_limits=limits)
     assert (
-        "within 5% of the exact measure on all: none; beyond it on one at least: `donnell` 2; undecided: `sanders`"
+        "within 5% of the exact measure on all: none; beyond it on one at least: `donnell` 2; undecided: `san"
         in contact
     )
     assert "Linear strains err by 40.0% to 40.0%" in contact
-
-
-def test_a_difference_on_one_mesh_is_no_error_of_a_measure(table: pd.DataFrame) -> None:
-    """The values on grids may be anything: what is said rests on limits."""
-    grids = table["row"] == "grid"
-    moved = table.assign(value=table["value"].where(~grids, 99.0))
-    one, other = (said("measures-contact", measure_limits=measure_limits(each)) for each in (table, moved))
-    assert [filled(each) for each in one] == [filled(each) for each in other]
-
-
-def test_the_tyre_has_intervals(table: pd.DataFrame) -> None:
-    (found,) = said("tyre-measure", measure_limits=measure_limits(table))
-    assert "`linear` (+40.0% ± 0.1%)" in filled(found)
-    assert "undecided: `sanders`" in filled(found)
+    assert all(said(f"measures-{regime}", measure_limits=limits) for regime in ("small", "large"))
+    moved = table.assign(value=table["value"].where(table["row"] != "grid", 99.0))
+    assert filled("measures-contact", measure_limits=measure_limits(moved)) == contact
+    tyre = filled("tyre-measure", measure_limits=limits)
+    assert "`linear` (+40.0% ± 0.1%)" in tyre
+    assert "undecided: `sanders`" in tyre
 
 
 def test_operations_are_compared_of_the_same_request() -> None:
@@ -72,32 +58,30 @@ def test_operations_are_compared_of_the_same_request() -> None:
     table = pd.DataFrame([{**names, "measure": m, "mesh": n, "operations": k} for m, n, k in rows])
     cells = table.assign(label="sweep x", outcome="converged")
     lost = cells.iloc[:1].assign(mesh="16x16", outcome="not-converged")
-    (found,) = cost(pd.concat([cells, lost], ignore_index=True))
+    (found,) = said("measures-cost", data_cells=pd.concat([cells, lost], ignore_index=True))
     assert (found.values["high"], found.values["linear"], found.values["both"]) == (2.0, 0.5, 1.0)
-    assert list(cost(cells.drop(columns="operations"))) == []
+    assert "takes 2.00 times the operations" in found.text.format(**found.values)
+    assert said("measures-cost", data_cells=cells.drop(columns="operations")) == []
 
 
 def test_what_one_per_cent_costs_is_that_of_what_is_recommended(table: pd.DataFrame) -> None:
-    measure, price = cheapest(table)
-    assert filled(measure).startswith("Of 10 questions, a problem to 5 % or 1 % each, 10 are answered; the cheapest")
+    measure = filled("cheapest-measure", choices=table)
+    assert measure.startswith("Of 10 questions, a problem to 5 % or 1 % each, 10 are answered; the cheapest")
+    (price,) = said("one-per-cent", choices=table)
     assert price.values["middle"] == pytest.approx(5.0)
     none = table.assign(mesh=table["mesh"].where(table["row"] != "offer"))
-    assert list(cheapest(none)) == []
+    assert [*said("cheapest-measure", choices=none), *said("one-per-cent", choices=none)] == []
 
 
 def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) -> None:
-    summary = pd.DataFrame(
-        [
-            {"algorithm": "semismooth", "default": "semismooth", "solved_share": 1.0, "problems": 9, "path_ends": 0}
-            | {"scenes": 2, "refused": 0}
-        ]
-    )
-    (found,) = algorithm(summary, table)
-    assert "Take `semismooth`: it converges on 100%" in filled(found)
-    assert "`lcp` 2 of 2 at 0.90 times; `qp` 0 of 2" in filled(found)
+    row = {"algorithm": "semismooth", "default": "semismooth", "solved_share": 1.0, "problems": 9, "path_ends": 0}
+    summary = pd.DataFrame([{**row, "scenes": 2, "refused": 0}])
+    found = filled("which-algorithm", contact_summary=summary, choices=table)
+    assert "Take `semismooth`: it converges on 100%" in found
+    assert "`lcp` 2 of 2 at 0.90 times; `qp` 0 of 2" in found
     other = table.assign(agrees=table["agrees"].where(table["name"] != "lcp", False))
-    found = finest_trials(other).drop_duplicates("name").set_index("name")
-    assert found["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
-    assert found["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
-    (told,) = algorithm(summary, other)
-    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in filled(told)
+    trials = finest_trials(other).drop_duplicates("name").set_index("name")
+    assert trials["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
+    assert trials["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
+    told = filled("which-algorithm", contact_summary=summary, choices=other)
+    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in told
