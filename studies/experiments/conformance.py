@@ -50,17 +50,22 @@ SEED = 2004
 
 @dataclass(frozen=True)
 class Check:
-    """One law: the number found and the interval [low, high] that it must lie in."""
+    """One law: the number found and the interval [low, high] that it must lie in.
+
+    refused: why the law does not apply, if so.  said: what was worst, or failed.
+    """
 
     law: str
     found: float
-    low: float
-    high: float
+    low: float = 0.0
+    high: float = 0.0
+    refused: str = ""
+    said: str = ""
 
     @property
     def passed(self) -> bool:
-        """False for NaN, too."""
-        return self.low <= self.found <= self.high
+        """False for NaN, too; what is refused is not broken."""
+        return bool(self.refused) or self.low <= self.found <= self.high
 
 
 def conformance(measure: StrainMeasure, element: Element = ELEMENTS[0]) -> list[Check]:

@@ -15,12 +15,12 @@ import pandas as pd
 from formulations.geometry.grid import Grid
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from studies.arena.card.laws import Law, laws_of, solver_laws
+from studies.arena.card.laws import laws_of, solver_laws
 from studies.arena.card.problems import HARD
 from studies.arena.card.runs import ALGORITHM, MEASURE, REFERENCE, SOLVER, Subject, element, trials
 from studies.arena.card.trials import DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
 from studies.arena.solver_summaries import within
-from studies.experiments.conformance import LINES1, LINES2, TORUS, conformance
+from studies.experiments.conformance import LINES1, LINES2, TORUS, Check, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup
 
 TWICE = 2.0  # of the least cost: who is within it counts as cheap
@@ -34,7 +34,7 @@ class Card:
     """A part, its laws, and all tries (a row each, of :class:`studies.arena.card.trials.Trial`), those of ours too."""
 
     subject: Subject
-    laws: tuple[Law, ...]
+    laws: tuple[Check, ...]
     tries: pd.DataFrame
 
     @property
@@ -47,9 +47,9 @@ class Card:
         return self.own[self.own["ended"].isin(words)]
 
     @property
-    def broken(self) -> list[Law]:
+    def broken(self) -> list[Check]:
         """Its laws that are not kept."""
-        return [law for law in self.laws if not law.kept]
+        return [law for law in self.laws if not law.passed]
 
     @property
     def compared(self) -> pd.DataFrame:
@@ -163,7 +163,7 @@ def card_of(subject: Subject, tell: Tell = lambda name: None) -> Card:
     return Card(subject, laws, tries)
 
 
-def _laws(subject: Subject) -> Iterator[Law]:
+def _laws(subject: Subject) -> Iterator[Check]:
     if subject.kind == ALGORITHM:
         yield from laws_of(subject.name)
     elif subject.kind == SOLVER:
@@ -172,7 +172,7 @@ def _laws(subject: Subject) -> Iterator[Law]:
         yield from _kit(subject)
 
 
-def _kit(subject: Subject) -> Iterator[Law]:
+def _kit(subject: Subject) -> Iterator[Check]:
     """The conformance kit on every element that suits a measure, or with the exact measure on those of an option.
 
     A row a law: of all elements the one that breaks it, or the largest number.
@@ -180,14 +180,13 @@ def _kit(subject: Subject) -> Iterator[Law]:
     measure = MEASURES[subject.name if subject.kind == MEASURE else "exact"]
     fixed = {} if subject.kind == MEASURE else element(subject.name)
     suited = [each for each in dict.fromkeys(Element(**{**vars(e), **fixed}) for e in ELEMENTS) if each.suits(measure)]
-    found: dict[str, list[Law]] = {}
+    found: dict[str, list[Check]] = {}
     for each in suited:
         for check in conformance(measure, each):
-            law = Law(check.law, check.found, check.low, check.high, said=" ".join(vars(each).values()))
-            found.setdefault(check.law, []).append(law)
+            found.setdefault(check.law, []).append(replace(check, said=" ".join(vars(each).values())))
     for laws in found.values():
-        worst = max(laws, key=lambda law: (not law.kept, law.found))
-        broken = sum(not law.kept for law in laws)
+        worst = max(laws, key=lambda law: (not law.passed, law.found))
+        broken = sum(not law.passed for law in laws)
         yield replace(
             worst, said=f"broken on {broken} of {len(laws)}, as {worst.said}" if broken else f"on {len(laws)}"
         )
@@ -195,13 +194,13 @@ def _kit(subject: Subject) -> Iterator[Law]:
         yield _at_rest(subject.name)
 
 
-def _at_rest(name: str) -> Law:
+def _at_rest(name: str) -> Check:
     """At rest a measure with full gradients has the tangent of the exact one: only its products may differ."""
     law, measure = "at rest it is the exact one", MEASURES[name]
     if measure.kinematics != FULL:
-        return Law(law, math.nan, refused="its gradients leave something out")
+        return Check(law, math.nan, refused="its gradients leave something out")
     grid = Grid.tensor(LINES1, LINES2)
     rest = np.zeros(6 * grid.n_nodes)
     shells = (ELEMENTS[0].shell(each, TORUS, grid, layup()) for each in (measure, MEASURES["exact"]))
     own, exact = (shell.linearise(rest).tangent for shell in shells)
-    return Law(law, float(abs(own - exact).max() / abs(exact).max()), 0.0, AT_REST)
+    return Check(law, float(abs(own - exact).max() / abs(exact).max()), 0.0, AT_REST)

@@ -20,7 +20,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution
 from contact.verify import judge
 from studies.arena.answers import Scales
-from studies.arena.card.quadratics import (
+from studies.arena.card.problems import (
     HOPELESS,
     OPEN,
     PRESSED,
@@ -57,21 +57,6 @@ SOLVER_LAWS = (
 )
 
 
-@dataclass(frozen=True)
-class Law(Check):
-    """A check that may be refused, for a reason, and that says what was worst, or failed."""
-
-    low: float = 0.0
-    high: float = 0.0
-    refused: str = ""
-    said: str = ""
-
-    @property
-    def kept(self) -> bool:
-        """False for NaN, too; what is refused is not broken."""
-        return bool(self.refused) or self.passed
-
-
 Found = tuple[float, str]  # a number, and of what it is
 
 
@@ -103,7 +88,7 @@ class Tried:
         return float(apart) if np.isfinite(apart) else math.nan
 
 
-def laws_of(name: str) -> Iterator[Law]:
+def laws_of(name: str) -> Iterator[Check]:
     """Every law of an algorithm of the catalogue, one after another; what one raises breaks it."""
     tried = Tried(name)
     for law, measured, high in LAWS:
@@ -111,10 +96,10 @@ def laws_of(name: str) -> Iterator[Law]:
         ended = guarded(partial(_into, found, measured, tried), LIMIT_S)
         if ended.ended:
             refused = ended.reason if ended.ended == REFUSED else ""
-            yield Law(law, math.nan, 0.0, high, refused, ended.reason)
+            yield Check(law, math.nan, 0.0, high, refused, ended.reason)
         else:
             worst = max(found, key=lambda each: (math.inf if math.isnan(each[0]) else each[0], each[1]))
-            yield Law(law, worst[0], 0.0, high, said=worst[1])
+            yield Check(law, worst[0], 0.0, high, said=worst[1])
 
 
 def _into(found: list[Found], measured: Callable[[Tried], Iterator[Found]], tried: Tried) -> Ended:
@@ -228,19 +213,19 @@ LAWS: tuple[tuple[str, Callable[[Tried], Iterator[Found]], float], ...] = (
 # --- of a solver ------------------------------------------------------------------------------------------------------
 
 
-def solver_laws(name: str) -> Iterator[Law]:
+def solver_laws(name: str) -> Iterator[Check]:
     """How many answers break each; where it is not installed, or applies to none, it has refused."""
     solver = SOLVERS[name]
     missing = solver.missing()
     if missing:
-        yield from (Law(law, math.nan, refused=missing) for law in SOLVER_LAWS)
+        yield from (Check(law, math.nan, refused=missing) for law in SOLVER_LAWS)
         return
     with closing(Child(SOLVER_LIMIT_S)) as child:
         yield from _built_in(child, solver)
         yield _hopeless(child, solver)
 
 
-def _built_in(child: Child, solver: Solver) -> Iterator[Law]:
+def _built_in(child: Child, solver: Solver) -> Iterator[Check]:
     """Shapes and claims of answers to problems whose own is known."""
     shapes, false, refusals = [], [], list[str]()
     for (said, states), kind in product(STATES.items(), KINDS):
@@ -256,10 +241,10 @@ def _built_in(child: Child, solver: Solver) -> Iterator[Law]:
             false.append(f"{kind}, {said}")
     refusal = refusals[-1] if len(refusals) == len(STATES) * len(KINDS) else ""
     for law, wrong in zip(SOLVER_LAWS, (shapes, false), strict=False):
-        yield Law(law, len(wrong), refused=refusal, said=", ".join(wrong))
+        yield Check(law, len(wrong), refused=refusal, said=", ".join(wrong))
 
 
-def _hopeless(child: Child, solver: Solver) -> Law:
+def _hopeless(child: Child, solver: Solver) -> Check:
     """No numbers, and -x - 1 = p with no p >= 0 where x >= 0."""
     claimed, refusals = [], []
     for said in ("no number", "no solution"):
@@ -270,4 +255,4 @@ def _hopeless(child: Child, solver: Solver) -> Law:
         elif child.solve(solver, step, TOLERANCE)[0].claimed:
             claimed.append(said)
     refusal = refusals[0] if len(refusals) == 2 else ""
-    return Law(SOLVER_LAWS[2], len(claimed), refused=refusal, said=", ".join(claimed))
+    return Check(SOLVER_LAWS[2], len(claimed), refused=refusal, said=", ".join(claimed))

@@ -12,10 +12,10 @@ import numpy as np
 import pandas as pd
 
 from studies.arena.card.card import TWICE, Card
-from studies.arena.card.laws import Law
 from studies.arena.card.problems import GROUPS
 from studies.arena.card.runs import ALGORITHM, ELEMENT, MEASURE, SOLVER
 from studies.arena.card.trials import AGREES, ALIKE, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED
+from studies.experiments.conformance import Check
 from studies.output.provenance import provenance
 
 LEFT_OUT = {
@@ -77,11 +77,11 @@ def _ends(card: Card, words: Sequence[str], nothing: str) -> list[str]:
     return _table(list(heads.values()), own[list(heads)].to_numpy().tolist())
 
 
-def _laws(laws: Iterable[Law]) -> list[str]:
-    ordered = sorted(laws, key=lambda law: (law.kept, bool(law.refused)))
+def _laws(laws: Iterable[Check]) -> list[str]:
+    ordered = sorted(laws, key=lambda law: (law.passed, bool(law.refused)))
     rows = []
     for law in ordered:
-        word = "refused" if law.refused else "kept" if law.kept else "**broken**"
+        word = "refused" if law.refused else "kept" if law.passed else "**broken**"
         within = f"[{_number(law.low)}, {_number(law.high)}]"
         rows.append([law.law, _number(law.found), within, word, law.refused or law.said])
     return _table(["law", "found", "must be in", "", "worst"], rows)

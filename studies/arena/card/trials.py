@@ -19,8 +19,7 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.verify import claim, judge
-from studies.arena.card.problems import Asked, Posed
-from studies.arena.card.quadratics import random_quadratic
+from studies.arena.card.problems import Asked, Posed, random_quadratic
 from studies.arena.collected.candidates import Watched
 from studies.ask.request import Request, Value
 from studies.ask.scene import Scene, UsageError

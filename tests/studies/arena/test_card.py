@@ -19,13 +19,14 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
 from studies.arena.card import problems, runs
 from studies.arena.card.card import Card, card_of
-from studies.arena.card.laws import LAWS, Law, laws_of
+from studies.arena.card.laws import LAWS, laws_of
 from studies.arena.card.page import page
 from studies.arena.card.problems import sample
 from studies.arena.card.runs import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
 from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, within
 from studies.arena.card.trials import OvertimeError as Overtime
 from studies.cli import main
+from studies.experiments.conformance import Check
 from support.entries import FILES
 
 PARTS = Path(__file__).parent / "parts"
@@ -126,7 +127,7 @@ def test_an_element_option_is_solved_with_though_no_scene_knows_it(few: None) ->
 # --- verdicts ---------------------------------------------------------------------------------------------------------
 
 
-def made_up(*ends: str, agreement: str = "agrees", laws: tuple[Law, ...] = (Law("a law", 0.0),)) -> Card:
+def made_up(*ends: str, agreement: str = "agrees", laws: tuple[Check, ...] = (Check("a law", 0.0),)) -> Card:
     rows = []
     for i, ended in enumerate(ends):
         same = {"group": "made", "problem": f"problem {i}", "reason": "because", "iterations": 1.0}
@@ -147,9 +148,9 @@ def test_what_fails_a_card() -> None:
         assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in found.verdict
     assert not made_up(SOLVED, agreement=DIFFERS).passes
     assert made_up(SOLVED, agreement="within what the tolerance leaves").passes
-    assert not made_up(SOLVED, laws=(Law("a law", 1.0),)).passes
-    assert not made_up(SOLVED, laws=(Law("a law", math.nan),)).passes
-    assert made_up(SOLVED, laws=(Law("a law", math.nan, refused="made for others"),)).passes
+    assert not made_up(SOLVED, laws=(Check("a law", 1.0),)).passes
+    assert not made_up(SOLVED, laws=(Check("a law", math.nan),)).passes
+    assert made_up(SOLVED, laws=(Check("a law", math.nan, refused="made for others"),)).passes
 
 
 def test_failures_lower_the_place_and_refusals_do_not() -> None:
@@ -188,7 +189,7 @@ def test_the_page_shows_every_failure_with_its_reason() -> None:
 def test_the_algorithms_of_the_suite_keep_every_law(name: str) -> None:
     found = list(laws_of(name))
     assert len(found) == len(LAWS)
-    assert [law for law in found if not law.kept or law.refused] == []
+    assert [law for law in found if not law.passed or law.refused] == []
 
 
 def test_parameters_of_what_is_no_dataclass_break_their_law() -> None:
@@ -200,7 +201,7 @@ def test_parameters_of_what_is_no_dataclass_break_their_law() -> None:
     ALGORITHMS["plain"] = Plain
     first = next(laws_of("plain"))
     assert (first.law, first.said) == (LAWS[0][0], "no dataclass")
-    assert not first.kept
+    assert not first.passed
 
 
 def test_an_exception_and_a_loop_without_end_are_ends() -> None:

@@ -10,7 +10,7 @@ from scipy import sparse
 import contact.problem
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution, Linearise
-from studies.arena.card.quadratics import (
+from studies.arena.card.problems import (
     OPEN,
     PRESSED,
     TOUCHING,
