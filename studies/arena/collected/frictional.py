@@ -91,7 +91,7 @@ def plates() -> Iterator[Rubbed]:
     """The GRECO plate: open, sliding and sticking in one."""
     for element, n, mu in (("Q2", 8, 1.0), ("Q2", 16, 1.0), ("Q2", 16, 0.3), ("Q1", 16, 1.0), ("Q2", 32, 1.0)):
         plate = GrecoPlate(element, n)
-        step = _frozen(plate.rubbed(mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
+        step = _frozen(plate.problem(mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
         name = f"greco-{element}-{n}-mu{mu:g}"
         yield Candidate("greco", name, {"source": "GRECO plate with friction, SSNV128"}, step)
 

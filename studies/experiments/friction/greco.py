@@ -23,9 +23,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
@@ -39,9 +37,6 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, l
 from studies.experiments import Row, tabulated
 from studies.experiments.friction.klarbring import algorithms, in_plane
 from studies.scenes.element import spaced_lines
-
-if TYPE_CHECKING:
-    from skfem import Basis
 
 SIDE, E, NU, TOP, LEFT = 40.0, 1.3e5, 0.2, 50.0, 150.0  # mm, MPa
 ELEMENTS = {"Q1": "ElementQuad1", "Q2": "ElementQuad2"}
@@ -62,97 +57,62 @@ def slip(x: np.ndarray | float) -> np.ndarray | float:
     return (1 + NU) / E * (-(1 - NU) * LEFT + NU * TOP) * (x - SIDE)
 
 
-@dataclass(frozen=True, eq=False)
 class GrecoPlate:
     """The discrete square: n x n elements, lines closer towards the left and the bottom; every length is 1 mm thick.
 
     mirrored: with its image below the plane and without any contact, for whoever wants to know the answer.
-    K (n, n) [N/mm], f (n,) [N] of the free displacements; x (m,): places of the candidates, all nodes of the bottom but
-    the fixed corner; across, along (m, n): their displacements off the plane and along it; weights (m,) [mm^2].
+    stiffness (n, n) [N/mm] of the free displacements ``free``, forces (N,) [N] of all; x (m,): places of the
+    candidates, all nodes of the bottom but the fixed corner; across, along (m, n): their displacements off the plane
+    and along it; weights (m,) [mm^2].
     """
 
-    element: str
-    n: int
-    load: str = "uniform"
-    mirrored: bool = False
-    basis: Basis = field(init=False, repr=False)
-    free: np.ndarray = field(init=False, repr=False)
-    stiffness: sparse.csc_matrix = field(init=False, repr=False)
-    forces: np.ndarray = field(init=False, repr=False)
-    x: np.ndarray = field(init=False, repr=False)
-    across: sparse.csr_matrix = field(init=False, repr=False)
-    along: sparse.csr_matrix = field(init=False, repr=False)
-    weights: np.ndarray = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
+    def __init__(self, element: str, n: int, load: str = "uniform", *, mirrored: bool = False) -> None:
         import skfem
         from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-        lines = spaced_lines(0, SIDE, self.n, to_start=True)
-        both = np.concatenate([-lines[:0:-1], lines]) if self.mirrored else lines
-        mesh = skfem.MeshQuad.init_tensor(lines, both)
-        scalar = getattr(skfem, ELEMENTS[self.element])()
-        basis = skfem.Basis(mesh, skfem.ElementVector(scalar))
-        K = sparse.csc_matrix(linear_elasticity(*lame_parameters(E, NU)).assemble(basis))
-        (X, Y), component = basis.doflocs, np.zeros(basis.N, int)
-        component[basis.get_dofs(elements=True).all(["u^2"])] = 1
-        bottom = np.isclose(Y, 0)
-        held = np.isclose(X, SIDE) & ((component == 0) | bottom)
-        free = np.flatnonzero(~held)
-        normal, tangent = (free[(bottom & (component == c))[free] & ~np.isclose(X[free], SIDE)] for c in (1, 0))
-        normal, tangent = normal[np.argsort(X[normal])], tangent[np.argsort(X[tangent])]
-        known = {
-            **{"basis": basis, "free": free, "stiffness": K[free][:, free], "forces": self._load(basis)},
-            **{"x": X[normal], "across": _selection(normal, free), "along": _selection(tangent, free)},
-            "weights": self._edge(basis, np.isclose(Y, 0) & (component == 1))[normal],
-        }
-        for name, value in known.items():
-            object.__setattr__(self, name, value)
+        lines = spaced_lines(0, SIDE, n, to_start=True)
+        mesh = skfem.MeshQuad.init_tensor(lines, np.concatenate([-lines[:0:-1], lines]) if mirrored else lines)
+        self.basis = skfem.Basis(mesh, skfem.ElementVector(getattr(skfem, ELEMENTS[element])()))
+        K = sparse.csc_matrix(linear_elasticity(*lame_parameters(E, NU)).assemble(self.basis))
+        (X, Y), component = self.basis.doflocs, np.zeros(self.basis.N, int)
+        component[self.basis.get_dofs(elements=True).all(["u^2"])] = 1
+        bottom, right = np.isclose(Y, 0), np.isclose(X, SIDE)
+        self.free = free = np.flatnonzero(~(right & ((component == 0) | bottom)))
+        touching = (np.flatnonzero(bottom & ~right & (component == c)) for c in (1, 0))
+        normal, tangent = (dofs[np.argsort(X[dofs])] for dofs in touching)
+        self.stiffness, self.forces, self.x = K[free][:, free], self._load(LOADS[load]), X[normal]
+        self.across, self.along = _selection(normal, free), _selection(tangent, free)
+        on_plane = mesh.facets_satisfying(lambda x: np.isclose(x[1], 0), boundaries_only=not mirrored)
+        self.weights = self._integrated(on_plane, lambda v, w: v[1])[normal]
 
-    @property
-    def problem(self) -> ContactProblem:
-        """The plate on the plane."""
-        K, f, G = self.stiffness, self.forces[self.free], self.across
-        return ContactProblem(linear_mechanics(K, f), lambda u: G @ u, lambda u: G, self.weights)
-
-    def rubbed(self, mu: float = 1.0) -> ContactProblem:
-        """The plate on the plane with friction."""
-        return in_plane(self.problem, self.along, mu)
-
-    def solve(self, algorithm: str) -> ContactSolution:
-        """Without friction, from rest, the constraint exact."""
-        problem = self.problem
-        rest = ContactSolution.at_rest(len(self.free), len(self.x))
-        return ALGORITHMS[algorithm](epsilon=math.inf).solve(problem, rest)
-
-    def solve_rubbed(self, algorithm: ContactAlgorithm | None = None, mu: float = 1.0) -> ContactSolution:
-        """With friction, from rest, by semismooth Newton unless another algorithm is given."""
-        rest = ContactSolution.at_rest(len(self.free), len(self.x))
-        return (algorithm or Semismooth()).solve(self.rubbed(mu), rest)
-
-    def _load(self, basis: Basis) -> np.ndarray:
+    def _load(self, shape: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """Nodal forces (N,) of both pressures [N]; an image has its own."""
-        from skfem import FacetBasis, LinearForm
-
-        shape = LOADS[self.load]
-
-        def on(side: Callable[[np.ndarray], np.ndarray], form: Callable) -> np.ndarray:
-            facets = basis.mesh.facets_satisfying(side, boundaries_only=True)
-            return LinearForm(form).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=6))
-
-        forces = on(lambda x: np.isclose(x[0], 0), lambda v, w: LEFT * v[0])
-        forces = forces + on(lambda x: np.isclose(x[1], SIDE), lambda v, w: -TOP * shape(w.x[0]) * v[1])
-        if self.mirrored:
-            forces = forces + on(lambda x: np.isclose(x[1], -SIDE), lambda v, w: TOP * shape(w.x[0]) * v[1])
+        sides: list[tuple[int, float, Callable]] = [
+            (0, 0.0, lambda v, w: LEFT * v[0]),
+            (1, SIDE, lambda v, w: -TOP * shape(w.x[0]) * v[1]),
+            (1, -SIDE, lambda v, w: TOP * shape(w.x[0]) * v[1]),
+        ]
+        forces = np.zeros(self.basis.N)
+        for axis, at, form in sides:
+            facets = self.basis.mesh.facets_satisfying(lambda x, i=axis, at=at: np.isclose(x[i], at), True)
+            forces = forces + self._integrated(facets, form, intorder=6) if len(facets) else forces
         return forces
 
-    def _edge(self, basis: Basis, chosen: np.ndarray) -> np.ndarray:
-        """(N,) int N_r dx along y = 0 of the chosen functions."""
+    def _integrated(self, facets: np.ndarray, form: Callable, **options: int) -> np.ndarray:
+        """A linear form (N,) on facets."""
         from skfem import FacetBasis, LinearForm
 
-        facets = basis.mesh.facets_satisfying(lambda x: np.isclose(x[1], 0), boundaries_only=not self.mirrored)
-        whole = LinearForm(lambda v, w: v[1]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
-        return np.where(chosen, whole, 0.0)
+        return LinearForm(form).assemble(FacetBasis(self.basis.mesh, self.basis.elem, facets=facets, **options))
+
+    def problem(self, mu: float | None = None) -> ContactProblem:
+        """The plate on the plane; mu: of friction, if any."""
+        K, f, G = self.stiffness, self.forces[self.free], self.across
+        contact = ContactProblem(linear_mechanics(K, f), lambda u: G @ u, lambda u: G, self.weights)
+        return contact if mu is None else in_plane(contact, self.along, mu)
+
+    def solve(self, algorithm: ContactAlgorithm, mu: float | None = None) -> ContactSolution:
+        """From rest."""
+        return algorithm.solve(self.problem(mu), ContactSolution.at_rest(len(self.free), len(self.x)))
 
 
 def _selection(chosen: np.ndarray, free: np.ndarray) -> sparse.csr_matrix:
@@ -172,7 +132,7 @@ def greco_table() -> Iterator[Row]:
     for element, n, load in product(ELEMENTS, (8, 16, 32), LOADS):
         plate, first = GrecoPlate(element, n, load), None
         for name in EXACT:
-            found = plate.solve(name)
+            found = plate.solve(ALGORITHMS[name](epsilon=math.inf))
             first = found.u if first is None else first
             off = float(np.max(np.abs(found.pressure / TOP - 1)))
             yield {
@@ -197,7 +157,7 @@ def friction_table(meshes: Sequence[int] = (16, 32)) -> Iterator[Row]:
         plate = GrecoPlate("Q2", n)
         for algorithm in algorithms(STIFF):
             before = SPENT.total()
-            found = plate.solve_rubbed(algorithm)
+            found = plate.solve(algorithm, 1.0)
             spent = (SPENT.total() - before) / 1e6
             slips = np.interp(PLACES, plate.x, plate.along @ found.u)
             row = {"elements": n, "algorithm": algorithm.name, "outcome": found.outcome.word}
@@ -239,7 +199,7 @@ def tied_table(cases: Sequence[tuple[str, int]] = TIED) -> Iterator[Row]:
     """
     for (element, n), load in product(cases, LOADS):
         plate = GrecoPlate(element, n, load)
-        answers, found = tied(plate), plate.solve_rubbed(mu=math.inf)
+        answers, found = tied(plate), plate.solve(Semismooth(), math.inf)
         row = {"elements": n, "element": element, "load": load, "nodes": len(plate.x), "answers": len(answers)}
         row |= {"outcome": found.outcome.word, "iterations": found.counters["newton_iterations"]}
         row |= {"tied": math.nan, "otherwise": math.nan, "difference": math.nan}

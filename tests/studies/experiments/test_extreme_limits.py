@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -16,21 +17,13 @@ from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve
 
 
-@pytest.mark.parametrize("limit", [3e-5, 0.2, 0.999])
-@pytest.mark.parametrize("way", [(1.0, 1e-6), (1e-6, 1.0)])
-def test_a_limit_is_between_the_last_success_and_the_first_failure(limit: float, way: tuple[float, float]) -> None:
-    rising = way[0] < way[1]
-    last, fails = search(lambda value: (value < limit) == rising, *way)
-    assert last is not None
-    assert fails is not None
-    assert min(last, fails) <= limit <= max(last, fails)
-    assert max(fails / last, last / fails) <= RESOLUTION
-
-
-def test_the_first_failure_is_found_and_not_one_behind_it() -> None:
-    last, fails = search(lambda value: not 20 < value < 900, 1.0, 1e6)
-    assert last is not None
-    assert last <= 20 < (fails or 0) < 900
+def test_a_limit_is_between_the_last_success_and_the_first_failure() -> None:
+    for limit, (start, bound) in product((3e-5, 0.2, 0.999), ((1.0, 1e-6), (1e-6, 1.0))):
+        last, fails = search(lambda value, limit=limit, up=start < bound: (value < limit) == up, start, bound)
+        assert min(last, fails) <= limit <= max(last, fails)
+        assert max(fails / last, last / fails) <= RESOLUTION
+    last, fails = search(lambda value: not 20 < value < 900, 1.0, 1e6)  # and not a failure behind the first
+    assert last <= 20 < fails < 900
 
 
 def test_a_way_without_failure_ends_at_its_bound_and_one_without_success_at_its_start() -> None:
@@ -72,9 +65,8 @@ def test_a_row_tells_what_is_certified_from_what_is_right() -> None:
     )
 
 
-@pytest.mark.parametrize("part", LIMITS)
-def test_both_ends_of_every_way_are_valid_requests(part: str) -> None:
-    for limit in LIMITS[part]:
+def test_both_ends_of_every_way_are_valid_requests() -> None:
+    for limit in (*LIMITS[MEASURE], *LIMITS[ALGORITHM]):
         for value in (limit.start, limit.bound):
             cell = limit.cell("exact", limit.contact, value)
             resolve(cell.scene, cell.settings, **cell.options)

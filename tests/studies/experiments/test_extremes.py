@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -44,39 +46,31 @@ def panel(contact: str = "semismooth", mesh: str = "4x4", **settings: str) -> Ce
 # --- one point ------------------------------------------------------------------------------------------------------
 
 
-def test_a_point_that_converges_tells_its_cost() -> None:
+def test_a_point_tells_its_cost_and_whether_anything_touches() -> None:
     found = attempt(panel())
-    assert found.kind == CONVERGED
-    assert found.reason == ""
+    assert (found.kind, found.reason) == (CONVERGED, "")
     assert found.factorisations >= found.iterations > 0
+    assert {attempt(panel(inflation="-0.5")).kind, attempt(panel(delta_mm="-1")).kind} == {UNTOUCHED}
 
 
-@pytest.mark.parametrize("inflation", ["3.16228e-07", "0.01", "1"])
-def test_a_set_that_just_touches_at_the_start_settles(inflation: str) -> None:
+def test_a_set_that_just_touches_at_the_start_settles() -> None:
     """Every gap is zero before the load, and rounding in the end: its size is known from the way between."""
-    found = attempt(chart_of("everywhere").point(inflation, "trial-and-error"))
-    assert found.kind == CONVERGED
-    assert found.iterations < 20
+    for inflation in ("3.16228e-07", "0.01", "1"):
+        found = attempt(chart_of("everywhere").point(inflation, "trial-and-error"))
+        assert found.kind == CONVERGED, inflation
+        assert found.iterations < 20, inflation
 
 
-def test_a_point_that_nothing_touches() -> None:
-    assert attempt(panel(inflation="-0.5")).kind == UNTOUCHED
-    assert attempt(panel(delta_mm="-1")).kind == UNTOUCHED
-
-
-@pytest.mark.parametrize(
-    ("cell", "says"),
-    [
+def test_a_refusal_is_a_class_with_its_reason() -> None:
+    for cell, says in (
         (panel(nu="0.5"), "nu = '0.5' must be a number in (-1, 0.5)"),
         (panel(mesh="1x4"), "must have at least 2 elements"),
         (panel("regularised", epsilon="inf"), "regularised does not apply: its law p = epsilon"),
         (panel(aspect="10", shape="sphere"), "aspect = 10 takes a sphere beyond its poles"),
-    ],
-)
-def test_a_refusal_is_a_class_with_its_reason(cell: Cell, says: str) -> None:
-    found = attempt(cell)
-    assert found.kind == REFUSED
-    assert says in found.reason
+    ):
+        found = attempt(cell)
+        assert found.kind == REFUSED
+        assert says in found.reason
 
 
 class Lying(Semismooth):
@@ -87,18 +81,16 @@ class Lying(Semismooth):
         return ContactSolution(start.u, start.pressure, start.active, Outcome.CONVERGED, counters)
 
 
-def test_a_false_success_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+class Broken(Semismooth):
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        raise ZeroDivisionError("by nothing")
+
+
+def test_a_false_success_is_wrong_and_an_exception_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(ALGORITHMS, "semismooth", Lying)
     found = attempt(panel(inflation="0.1"))
     assert found.kind == WRONG
     assert found.reason.startswith("the judge finds equilibrium, penetration")
-
-
-def test_an_exception_is_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Broken(Semismooth):
-        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-            raise ZeroDivisionError("by nothing")
-
     monkeypatch.setitem(ALGORITHMS, "semismooth", Broken)
     assert attempt(panel()) == Found(CRASHED, "ZeroDivisionError: by nothing")
 
@@ -116,27 +108,14 @@ def test_a_path_that_ends_is_told_from_one_that_is_lost() -> None:
 # --- maps -----------------------------------------------------------------------------------------------------------
 
 
-def test_there_are_maps_of_more_than_ten_axes() -> None:
-    axes = {(chart.scene, axis.key) for chart in CHARTS for axis in (chart.x, chart.y) if not axis.named}
-    assert len(axes) >= 10
+def test_every_corner_of_a_map_is_a_valid_request() -> None:
     assert len({chart.name for chart in CHARTS}) == len(CHARTS)
-    assert {"h_over_R", "E_ratio", "nu", "epsilon", "aspect", "irregular", "inflation", "length_unit"} <= {
-        key for _, key in axes
-    }
-
-
-@pytest.mark.parametrize("chart", CHARTS, ids=[chart.name for chart in CHARTS])
-def test_every_corner_of_a_map_is_a_valid_request(chart: Chart) -> None:
-    for i in (0, chart.shape[0] - 1):
-        for j in (0, chart.shape[1] - 1):
+    assert len({(chart.scene, axis.key) for chart in CHARTS for axis in (chart.x, chart.y) if not axis.named}) >= 10
+    for chart in CHARTS:
+        for i, j in product((0, chart.shape[0] - 1), (0, chart.shape[1] - 1)):
             cell = chart.cell(i, j)
             resolve(cell.scene, cell.settings, **cell.options)
-            assert (
-                chart.command(i, j) == f"footprint extremes {chart.name} --at {chart.x.values[j]},{chart.y.values[i]}"
-            )
-
-
-def test_values_along_axes() -> None:
+    assert CHARTS[0].command(0, 1) == "footprint extremes thin-travel --at 0.0165482,1e-06"
     assert Axis.powers("k", "", -2, 2, 5).values == ("0.01", "0.1", "1", "10", "100")
     assert Axis.even("k", "", -0.1, 0.2, 4).values == ("-0.1", "0", "0.1", "0.2")
 
@@ -151,12 +130,10 @@ def test_a_table_of_a_made_up_map() -> None:
     x, y = Axis.powers("delta_mm", "travel", -2, 2, 17), Axis.even("inflation", "pressure", 0, 1, 17)
     table = extremes_table([Chart("made-up", "Made up", "panel", x, y)], half)
     assert len(table) == 17 * 17
-    assert table["asked"].mean() <= 0.4
     assert table["complete"].all()
-    values = table["x"].astype(float)
-    assert ((table["class"] == FAILED) == (values >= 1)).all()
+    assert ((table["class"] == FAILED) == (table["x"].astype(float) >= 1)).all()
     asked = table[table["asked"]]
-    assert (asked["class"] == FAILED).equals(asked["x"].astype(float) >= 1)
+    assert len(asked) <= 0.4 * len(table)
     assert set(asked["iterations"]) == {5, 40}
     assert asked["command"].str.fullmatch(r"footprint extremes made-up --at \S+,\S+").all()
     assert table[~table["asked"]]["command"].isna().all()
@@ -208,13 +185,6 @@ def force(**settings: str) -> float:
     return result.quantities["force_N"]
 
 
-def test_results_do_not_depend_on_the_units() -> None:
-    one = force()
-    assert one > 1
-    assert force(length_unit="1e-3", stress_unit="1e6") == pytest.approx(one, rel=1e-9)
-    assert force(length_unit="1e4") == pytest.approx(one, rel=1e-9)
-
-
 def test_uneven_lines_keep_the_ends_and_the_middle() -> None:
     even, uneven = lines(4, 2.0, 0.0), lines(4, 2.0, 0.9)
     np.testing.assert_allclose(even, [-2, -1, 0, 1, 2])
@@ -228,8 +198,12 @@ def test_a_plate_that_lies_on_a_plane_hands_on_its_pressure() -> None:
     assert 0.2 * p * 50**2 < carried < p * 50**2
 
 
-def test_stiff_fibres_and_thick_walls_push_harder() -> None:
-    assert force(E_ratio="10") > 1.1 * force()
-    assert force(h_over_R="0.04") > 1.5 * force()
+def test_units_change_nothing_and_stiff_fibres_and_thick_walls_push_harder() -> None:
+    one = force()
+    assert one > 1
+    assert force(length_unit="1e-3", stress_unit="1e6") == pytest.approx(one, rel=1e-9)
+    assert force(length_unit="1e4") == pytest.approx(one, rel=1e-9)
+    assert force(E_ratio="10") > 1.1 * one
+    assert force(h_over_R="0.04") > 1.5 * one
     with pytest.raises(UsageError, match="must be"):
         force(E_ratio="0.5")

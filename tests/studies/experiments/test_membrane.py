@@ -14,16 +14,12 @@ PRINTED = {"contact_radius": 0.348982574111686, "factor": -0.340129705945858}  #
 SAME = 1e-9
 
 
-def test_closed_form_has_the_printed_digits() -> None:
-    exact = SphereObstacle(0.5)
-    for name, value in PRINTED.items():
-        assert getattr(exact, name) == pytest.approx(value, rel=0, abs=1e-15)
-
-
 @pytest.mark.parametrize("r0", [0.2, 0.5, 0.85])
 def test_closed_form_is_the_solution(r0: float) -> None:
     """Found from outside in by an integrator: from value and slope at a, u vanishes at 1; forces are in balance."""
     exact = SphereObstacle(r0)
+    if r0 == 0.5:
+        assert {name: getattr(exact, name) for name in PRINTED} == pytest.approx(PRINTED, rel=0, abs=1e-15)
     a = exact.contact_radius
     start = [float(exact.height(np.array(a))), float(exact.slope(np.array(a - 1e-12)))]
     shot = solve_ivp(lambda r, y: [y[1], -y[1] / r], (a, 1.0), start, rtol=1e-11, atol=1e-13)
@@ -39,16 +35,13 @@ def test_closed_form_is_the_solution(r0: float) -> None:
     assert exact.radius_under(exact.force) == pytest.approx(a, rel=1e-12)
 
 
-def test_slope_is_that_of_the_deflection() -> None:
+def test_slope_is_that_of_the_deflection_and_contact_beyond_the_sphere_is_refused() -> None:
     exact, r = SphereObstacle(), np.linspace(0.01, 0.99, 57)
     differences = (exact.deflection(r + 1e-6) - exact.deflection(r - 1e-6)) / 2e-6
     np.testing.assert_allclose(exact.slope(r), differences, atol=1e-5)
-
-
-@pytest.mark.parametrize("r0", [0.0, 0.88, 1.5])
-def test_contact_beyond_the_sphere_is_refused(r0: float) -> None:
-    with pytest.raises(ValueError, match="must lie in"):
-        SphereObstacle(r0)
+    for r0 in (0.0, 0.88, 1.5):
+        with pytest.raises(ValueError, match="must lie in"):
+            SphereObstacle(r0)
 
 
 def test_quarter_of_the_disc() -> None:

@@ -55,16 +55,6 @@ def test_a_table_stopped_between_its_two_files_is_made_again(tmp_path: Path, mon
     assert path.read_text() == "x\n1\n"
 
 
-def test_a_table_is_made_once_for_its_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    calls = []
-    monkeypatch.setitem(TABLES, "counted", lambda: pd.DataFrame({"x": [calls.append(1)]}))
-    assert make_table("counted", tmp_path)
-    assert not make_table("counted", tmp_path)
-    monkeypatch.setattr(tables, "sources_hash", lambda modules: "changed")
-    assert make_table("counted", tmp_path)
-    assert len(calls) == 2
-
-
 def test_the_report_has_all_tables() -> None:
     assert {*LISTS["report"].tables, *LISTS["statements"].tables} == set(TABLES)
 
@@ -112,16 +102,16 @@ def test_data_decide_the_tables_that_are_made_of_them(name: str, beside: bool) -
     assert path not in data_of(TABLES["rigid_body"].__module__) + data_of(TABLES["friction_strip"].__module__)
 
 
-def test_another_file_of_data_is_another_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A table that is read from a file is made anew where that file has changed."""
-    data = tmp_path / "shipped.csv"
+def test_a_table_is_made_once_for_its_sources_and_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    data, sources = tmp_path / "shipped.csv", ["some"]
     data.write_text("x\n1\n")
     monkeypatch.setitem(TABLES, "shipped", lambda: pd.read_csv(data))
     monkeypatch.setattr(tables, "data_of", lambda module: [data])
-    assert make_table("shipped", tmp_path / "store")
-    assert not make_table("shipped", tmp_path / "store")
-    data.write_text("x\n2\n")
-    assert make_table("shipped", tmp_path / "store")
+    monkeypatch.setattr(tables, "sources_hash", lambda modules: sources[-1])
+    for change in (lambda: None, lambda: data.write_text("x\n2\n"), lambda: sources.append("others")):
+        change()
+        assert make_table("shipped", tmp_path / "store")
+        assert not make_table("shipped", tmp_path / "store")
 
 
 def test_the_crushed_ring_with_friction_reads_a_file_of_the_scenes() -> None:

@@ -27,7 +27,7 @@ from studies.experiments.friction.brush import (
     path_table,
     uneven,
 )
-from support.problems.differences import fitted_order, orders
+from support.problems.differences import orders
 
 EXACT = 1e-9
 ERRORS = ("moment_error", "loop_error")
@@ -47,17 +47,15 @@ def all_sliding(states: list[PathState]) -> PathState:
     return states[-1]
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.5, 1.2, 2.5, 4.0])
-def test_a_dragged_patch_carries_its_bound_in_every_direction(angle: float) -> None:
-    brush, state = dragged(angle)
-    force = np.linalg.norm(brush.friction(state).sum(axis=0))
-    assert force == pytest.approx(MU * brush.areas @ state.solution.pressure, rel=EXACT)
-
-
-def test_its_pressures_are_uneven_and_depend_on_friction() -> None:
-    """Else the bound would be the same number in every direction, and known before."""
-    one, other = (dragged(angle)[1].solution.pressure.sum() for angle in (0.0, 2.5))
-    assert abs(other / one - 1) > 0.05
+def test_a_dragged_patch_carries_its_bound_in_every_direction() -> None:
+    """Its pressures are uneven and depend on friction, else the bound were the same number in every direction."""
+    normal = []
+    for angle in (0.0, 1.2, 2.5):
+        brush, state = dragged(angle)
+        force = np.linalg.norm(brush.friction(state).sum(axis=0))
+        assert force == pytest.approx(MU * brush.areas @ state.solution.pressure, rel=EXACT)
+        normal.append(state.solution.pressure.sum())
+    assert np.ptp(normal) > 0.05 * min(normal)
     pressed = uneven().follow([0.0])[-1].solution.pressure
     assert pressed.max() / pressed.min() > 2
 
@@ -70,30 +68,22 @@ def test_a_spun_patch_carries_its_bound_but_for_the_chord_of_a_step() -> None:
         r = np.linalg.norm(brush.candidates.positions(state.solution.u)[:, :2], axis=1)
         errors.append(brush.moment(state) / (MU * float((brush.areas * state.solution.pressure) @ r)) - 1)
     np.testing.assert_allclose(errors, np.cos(np.array(steps) / 2) - 1, rtol=0, atol=EXACT)
-    assert fitted_order(steps, np.abs(errors)) == pytest.approx(2, abs=0.01)
-
-
-def test_less_friction_spins_and_drags_with_less() -> None:
-    """The bound is that of the coefficient: a patch without friction asks for nothing."""
     assert uneven(mu=0.0).moment(uneven(mu=0.0).follow([0.1])[-1]) == 0.0
 
 
 @pytest.mark.parametrize("pressure", PRESSURES)
-@pytest.mark.parametrize("core", [1 / 3, 0.8])
-def test_the_closed_forms_of_parking_by_quadrature(pressure: str, core: float) -> None:
+def test_the_closed_forms_of_parking_by_quadrature(pressure: str) -> None:
     """Spring by spring: friction min(k phi r, mu p), slip what is left of phi r."""
-    disc, p = Parking(pressure, core), PRESSURES[pressure]
+    disc, p = Parking(pressure, 0.8), PRESSURES[pressure]
 
     def friction(r: float) -> float:
-        return min(STIFF * disc.phi * r, MU * p(r))
+        return 2 * math.pi * r**2 * min(STIFF * disc.phi * r, MU * p(r))
 
     def lost(r: float) -> float:
-        return 4 * MU * p(r) * max(disc.phi * r - MU * p(r) / STIFF, 0.0)
+        return 2 * math.pi * r * 4 * MU * p(r) * max(disc.phi * r - MU * p(r) / STIFF, 0.0)
 
-    moment = quad(lambda r: 2 * math.pi * r**2 * friction(r), 0, DISC, points=[disc.c])[0]
-    loop = quad(lambda r: 2 * math.pi * r * lost(r), 0, DISC, points=[disc.c])[0]
-    assert disc.moment == pytest.approx(moment, rel=1e-10)
-    assert disc.loop == pytest.approx(loop, rel=1e-10)
+    moment, loop = (quad(integrand, 0, DISC, points=[disc.c])[0] for integrand in (friction, lost))
+    assert (disc.moment, disc.loop) == pytest.approx((moment, loop), rel=1e-10)
 
 
 def test_a_turn_on_the_spot() -> None:

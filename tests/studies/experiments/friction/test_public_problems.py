@@ -26,55 +26,33 @@ from studies.experiments.friction.public_problems import (
 )
 
 
-def test_at_least_sixty_problems_were_tried() -> None:
+def test_the_shipped_table_is_what_its_module_tells() -> None:
+    """Every problem by all, who is not tried with a reason; whoever claims an answer by the exact law is certified."""
     found = public_table()
-    tried = found[found["outcome"] != UNDECIDED]
-    assert tried["problem"].nunique() >= 60
-    gone = found[found["outcome"] == UNDECIDED]
-    assert (gone["reason"] != "").all()
-    assert not set(gone["problem"]) & set(tried["problem"])
-    each = tried.groupby("problem")["algorithm"].agg(list)
-    assert all(sorted(names) == sorted(each.iloc[0]) for names in each)
-
-
-def test_the_sums_are_those_that_are_told() -> None:
-    found = public_table()
-    tried, taken = found[found["outcome"] != UNDECIDED], found[found["certified"] == "True"]
+    tried, gone = found[found["outcome"] != UNDECIDED], found[found["outcome"] == UNDECIDED]
+    taken = found[found["certified"] == "True"]
     assert (found["problem"].nunique(), tried["problem"].nunique(), taken["problem"].nunique()) == (65, 62, 56)
     assert taken["algorithm"].value_counts().to_dict() == {
-        "augmented-lagrangian": 45,
-        "lcp": 42,
-        ORACLE: 43,
-        "semismooth": 46,
-        "qp": 26,
-        "trial-and-error": 18,
+        **{"augmented-lagrangian": 45, "lcp": 42, ORACLE: 43, "semismooth": 46, "qp": 26, "trial-and-error": 18}
     }
     assert set(taken.loc[taken["algorithm"] != ORACLE, "agrees"]) == {"True", ""}
-
-
-def test_no_claim_is_false() -> None:
-    """Whoever says converged by the exact law is taken by the judge."""
-    found = public_table()
+    assert (gone["reason"] != "").all()
+    assert not set(gone["problem"]) & set(tried["problem"])
+    assert set(tried.groupby("problem")["algorithm"].agg(tuple)) == {(ORACLE, *algorithms())}
     claims = found[(found["outcome"] == "converged") & ~found["reason"].str.startswith("by its own law")]
     assert len(claims) > 200
     assert (claims["certified"] == "True").all()
-
-
-def test_the_oracle_has_most() -> None:
-    found = public_table()
     own = found[found["algorithm"] == ORACLE]
-    assert (own["certified"] == "True").sum() >= 40
     assert (own.loc[own["certified"] != "True", "reason"] != "").all()
 
 
-@pytest.mark.parametrize("name", small())
-def test_small_problems_come_out_as_in_the_table(name: str) -> None:
-    kept = public_table().query("problem == @name").set_index("algorithm")
-    found = {str(row["algorithm"]): row for row in rows(name, small()[name], timed)}
-    assert set(found) == {ORACLE, *algorithms()}
-    for algorithm, row in found.items():
-        for column in ("outcome", "certified", "agrees"):
-            assert str(row[column]) == str(kept.loc[algorithm, column]), (algorithm, column)
+@pytest.mark.parametrize("names", [slice(0, None, 2), pytest.param(slice(1, None, 2), marks=pytest.mark.slow)])
+def test_small_problems_come_out_as_in_the_table(names: slice) -> None:
+    kept = public_table().set_index(["problem", "algorithm"])
+    for name, problem in list(small().items())[names]:
+        for row in rows(name, problem, timed):
+            for column in ("outcome", "certified", "agrees"):
+                assert str(row[column]) == str(kept.loc[(name, row["algorithm"]), column]), (name, row)
 
 
 def test_one_contact_by_hand() -> None:
@@ -91,18 +69,17 @@ def test_one_contact_by_hand() -> None:
     assert direction @ ways[1:] == pytest.approx(-np.linalg.norm(ways[1:]), rel=1e-12)
 
 
-def test_a_solve_is_ended_after_its_time() -> None:
+def test_a_solve_that_does_not_end_or_dies_stops_nothing() -> None:
     def endless() -> Tried:
         while True:
             pass
 
-    found = limited(endless, 1.0)
-    assert (found.outcome, found.reason) == ("time limit", "more than 1 s")
-
-
-def test_a_solve_that_dies_stops_nothing() -> None:
-    found = limited(partial(os._exit, 3), 5.0)
-    assert (found.outcome, found.reason) == ("died", "exit code 3")
+    for solve, outcome, reason in (
+        (endless, "time limit", "more than 1 s"),
+        (partial(os._exit, 3), "died", "exit code 3"),
+    ):
+        found = limited(solve, 1.0)
+        assert (found.outcome, found.reason) == (outcome, reason)
 
 
 def test_files_that_are_none_are_told(tmp_path) -> None:

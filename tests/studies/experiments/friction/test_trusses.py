@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from contact.coulomb import Motion
@@ -15,7 +14,6 @@ from studies.experiments.friction.trusses import (
     ON_FEET,
     RADIUS,
     SQUEEZE,
-    TOP,
     Wheel,
     joint_motion_table,
     pyramid,
@@ -28,36 +26,19 @@ from support.problems.differences import central_difference
 ROUNDING = 1e-9  # N, of bars of 500 N/mm whose nodes are 2000 mm away: eps EA/L x = 2e-10
 
 
-@pytest.fixture(scope="module")
-def table() -> pd.DataFrame:
-    return joint_motion_table()
-
-
-def test_friction_is_what_it_was(table: pd.DataFrame) -> None:
+def test_friction_is_what_it_was_and_the_foundation_alone_is_felt() -> None:
+    """Moved by a hundred thousandth of the ways together, it changes friction a million times as much."""
+    table = joint_motion_table()
     assert (table["outcome"] == "converged").all()
-    together = table[table["step"] == "together"]
+    together, alone = (table[table["step"] == step] for step in ("together", "alone"))
     assert (together["iterations"] > 0).all()
     assert together["turn_rad"].max() == 3.0
     assert (together[["change_N", "normal_change_N", "bar_change_N"]] < ROUNDING).all(axis=None)
     assert (together["dissipation_N_mm"].abs() < ROUNDING).all()
-
-
-def test_without_strain_there_is_none(table: pd.DataFrame) -> None:
+    assert (alone["change_N"] > 1e6 * ROUNDING).all()
     pressed = table[(table["load"] == "pressed") & (table["step"] != "alone")]
     assert (pressed["friction_N"] < ROUNDING).all()
     assert (table.loc[table["load"] == "pushed", "friction_N"] > 10).all()
-
-
-def test_the_foundation_alone_is_felt(table: pd.DataFrame) -> None:
-    """Moved by a hundred thousandth of the ways together, friction changes a million times as much."""
-    assert (table.loc[table["step"] == "alone", "change_N"] > 1e6 * ROUNDING).all()
-
-
-def test_the_tangent_of_the_truss(rng: np.random.Generator) -> None:
-    truss = pyramid()
-    u, du, carried = (rng.normal(size=truss.nodes.size) for _ in range(3))
-    difference = central_difference(lambda h: truss.linearise(u + h * du, ON_FEET, carried).residual, 1e-2)
-    np.testing.assert_allclose(truss.linearise(u, ON_FEET, carried).tangent @ du, difference, rtol=0, atol=1e-7)
 
 
 def test_a_turned_truss_is_not_strained(rng: np.random.Generator) -> None:
@@ -69,16 +50,17 @@ def test_a_turned_truss_is_not_strained(rng: np.random.Generator) -> None:
     np.testing.assert_allclose(truss.forces(pulled), 0.01 * EA, rtol=1e-12)
 
 
-def test_its_gaps_and_slips_have_their_derivatives(rng: np.random.Generator) -> None:
-    moved = Motion(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
-    problem = stage_at(pyramid(), ON_FEET, moved, moved, FEET).problem
-    u, du = (rng.normal(size=3 * (len(FEET) + len(TOP))) for _ in range(2))
-    for value, jacobian in (
-        (problem.gap, problem.gap_jacobian(u)),
-        (lambda v: problem.coulomb.slip(v).ravel(), problem.coulomb.slip_jacobian(u)),
+def test_forces_gaps_and_slips_have_their_derivatives(rng: np.random.Generator) -> None:
+    truss, moved = pyramid(), Motion(rng.normal(size=3), rng.normal(size=3), rng.normal(size=3))
+    problem = stage_at(truss, ON_FEET, moved, moved, FEET).problem
+    u, du = (rng.normal(size=truss.nodes.size) for _ in range(2))
+    for value, jacobian, within in (
+        (lambda v: problem.linearise(v, None).residual, problem.linearise(u, None).tangent, 1e-7),
+        (problem.gap, problem.gap_jacobian(u), 1e-10),
+        (lambda v: problem.coulomb.slip(v).ravel(), problem.coulomb.slip_jacobian(u), 1e-10),
     ):
         difference = central_difference(lambda h, value=value: value(u + h * du), 1e-2)
-        np.testing.assert_allclose(jacobian @ du, difference, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(jacobian @ du, difference, rtol=0, atol=within)
 
 
 PLACED = 1e-11  # mm
