@@ -49,20 +49,12 @@ def by_design(table: pd.DataFrame) -> dict[str, set[str]]:
     return dict(table[table["class"] == DESIGN].groupby("measure")["check"].agg(set))
 
 
-@pytest.fixture(scope="module")
-def healthy() -> pd.DataFrame:
-    return symmetry_table({name: MEASURES[name] for name in ("exact", "donnell")}, {"semismooth": Semismooth})
-
-
 @pytest.mark.slow
-def test_the_healthy_break_nothing_by_accident(healthy) -> None:
+def test_the_healthy_break_nothing_by_accident_and_classes_are_told_apart() -> None:
+    healthy = symmetry_table({name: MEASURES[name] for name in ("exact", "donnell")}, {"semismooth": Semismooth})
     assert not broken(healthy)
     assert by_design(healthy) == {name: BY_DESIGN[name] for name in ("exact", "donnell")}
     assert not (healthy["class"] == REFUSED).any()
-
-
-@pytest.mark.slow
-def test_classes_are_told_apart(healthy) -> None:
     again = healthy[healthy["check"] == "solved a second time"]
     assert (again["class"] == ZERO).all()
     assert set(healthy[healthy["check"] == "3 load steps for one"]["class"]) >= {TOLERANCE}
@@ -115,14 +107,6 @@ class Unsigned(Semismooth):
         return super().solve(own, start)
 
 
-@pytest.mark.slow
-def test_a_wrong_sign_in_an_algorithm_is_found() -> None:
-    """By the asymmetry itself, whatever the judge says."""
-    found = symmetry_table({"exact": EXACT}, {"unsigned": Unsigned}).set_index("check")
-    assert found.loc[TURNED, "class"] == ACCIDENT
-    assert found.loc[TURNED, "deviation"] > 1e3 * found.loc[TURNED, "tolerance"]
-
-
 @dataclass(frozen=True)
 class Absolute(Semismooth):
     """Takes a gap below a fixed length for closed."""
@@ -131,14 +115,6 @@ class Absolute(Semismooth):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         return super().solve(replace(problem, gap=lambda u: problem.gap(u) - 1e-3), start)
-
-
-@pytest.mark.slow
-def test_a_hidden_length_is_found_by_the_units() -> None:
-    found = symmetry_table({"exact": EXACT}, {"absolute": Absolute})
-    units = found[found["check"].str.startswith("lengths")]
-    assert (units["deviation"] > 1e3 * units["tolerance"]).all()
-    assert (found[found["check"] == AXES]["deviation"] < 1e-9).all()
 
 
 @dataclass(frozen=True)
@@ -152,19 +128,6 @@ class Forgetful(Semismooth):
         return super().solve(replace(problem, gap=lambda u: problem.gap(u) + blind), start)
 
 
-@pytest.mark.slow
-def test_an_order_that_matters_is_found_by_renumbering() -> None:
-    found = symmetry_table({"exact": EXACT}, {"forgetful": Forgetful}).set_index("check")
-    assert found.loc[RENUMBERED, "deviation"] > 1e3 * found.loc[RENUMBERED, "tolerance"]
-
-
-@pytest.mark.slow
-def test_a_false_confession_is_an_accident() -> None:
-    found = symmetry_table({"exact": replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)}, {"lcp": Lcp})
-    assert broken(found) == MOTIONS
-    assert found[found["class"] == ACCIDENT]["reason"].str.startswith("declared to be broken, and is not").all()
-
-
 @dataclass(frozen=True)
 class Refusing(Semismooth):
     """Applies to nothing, as is known before it begins."""
@@ -176,10 +139,27 @@ class Refusing(Semismooth):
 
 
 @pytest.mark.slow
-def test_what_is_refused_is_no_accident() -> None:
-    found = symmetry_table({"exact": EXACT}, {"refusing": Refusing})
-    assert set(found["class"]) == {REFUSED}
-    assert set(found["reason"]) == {"not today"}
+def test_what_is_wrong_with_an_algorithm_is_found_by_the_check_for_it() -> None:
+    """A wrong sign by the asymmetry itself, whatever the judge says; a hidden length by the units, and an order that
+    matters by renumbering. What is refused is no accident.
+    """
+    wrong = {each.name: each for each in (Unsigned, Absolute, Forgetful, Refusing)}
+    table = symmetry_table({"exact": EXACT}, wrong).set_index(["algorithm", "check"])
+    off = table["deviation"] > 1e3 * table["tolerance"]
+    assert table.loc[("unsigned", TURNED), "class"] == ACCIDENT
+    assert off["unsigned", TURNED]
+    assert off["absolute"][off["absolute"].index.str.startswith("lengths")].all()
+    assert table.loc[("absolute", AXES), "deviation"] < 1e-9
+    assert off["forgetful", RENUMBERED]
+    assert set(table.loc["refusing", "class"]) == {REFUSED}
+    assert set(table.loc["refusing", "reason"]) == {"not today"}
+
+
+@pytest.mark.slow
+def test_a_false_confession_is_an_accident() -> None:
+    found = symmetry_table({"exact": replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)}, {"lcp": Lcp})
+    assert broken(found) == MOTIONS
+    assert found[found["class"] == ACCIDENT]["reason"].str.startswith("declared to be broken, and is not").all()
 
 
 # --- the ways to pose -----------------------------------------------------------------------------------------------
