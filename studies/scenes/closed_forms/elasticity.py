@@ -76,17 +76,17 @@ def middle_deflection(plies: Sequence[Ply], a: float, b: float, q0: float) -> fl
     unit = plies[middle].thickness  # in units of which nothing overflows or is lost
     lower = np.eye(6)
     for ply in plies[:middle]:
-        lower = expm(_system(ply, p, q) * ply.thickness) @ lower
-    half = expm(_system(plies[middle], p, q) * unit / 2)
+        lower = expm(ply_equations(ply, p, q) * ply.thickness) @ lower
+    half = expm(ply_equations(plies[middle], p, q) * unit / 2)
     at_middle = half @ lower
     whole = half @ at_middle
     for ply in plies[middle + 1 :]:
-        whole = expm(_system(ply, p, q) * ply.thickness) @ whole
+        whole = expm(ply_equations(ply, p, q) * ply.thickness) @ whole
     bottom = np.linalg.solve(whole[3:, :3], [q0, 0.0, 0.0])
     return float(at_middle[2, :3] @ bottom)
 
 
-def _system(ply: Ply, a: float, b: float) -> np.ndarray:
+def ply_equations(ply: Ply, a: float, b: float) -> np.ndarray:
     """A (6, 6) of a ply whose stiffness has no 12 coupling; a, b: wave numbers [1/mm]."""
     C = ply.stiffness()
     A = np.zeros((6, 6))

@@ -9,28 +9,18 @@ from dataclasses import replace
 import pytest
 
 from studies.ask.request import Request, Settings, text_of
-from studies.ask.scene import has_contact
 from studies.output.atomic import plain
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 
 
-@pytest.mark.parametrize("scene", SCENES)
-def test_a_request_is_hashable_and_survives_the_index(scene: str) -> None:
-    request = complete(scene, {})[1]
-    again = Request.of(json.loads(json.dumps(plain(request.data))))
-    assert again == request
-    assert again.key() == request.key()
-    assert len({again, request, replace(request, mesh=(3, 3))}) == 2
-
-
-def test_contact_is_a_property_of_the_scene() -> None:
-    touching = {name for name, scene in SCENES.items() if has_contact(scene)}
-    rings = {"ring", "crushed-ring", "crushed-ring-solid"}
-    pieces = {"panel", "plate-contact", "strip-contact", "heavy-strip", "manufactured-contact"}
-    assert {"tyre", "tyre-solid", *rings, *pieces} == touching
-    for name in SCENES:
-        assert ("epsilon" in complete(name, {})[1].settings) == (name in touching)
+def test_a_request_is_hashable_and_survives_the_index() -> None:
+    for scene in SCENES:
+        request = complete(scene, {})[1]
+        again = Request.of(json.loads(json.dumps(plain(request.data))))
+        assert again == request
+        assert again.key() == request.key()
+        assert len({again, request, replace(request, mesh=(3, 3))}) == 2
 
 
 def test_keys_differ_in_what_is_asked_and_in_nothing_else() -> None:
@@ -57,18 +47,6 @@ def test_values_have_a_type_where_they_are_read() -> None:
             read(key)
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.001, "0.001"),
-        (1e-9, "1e-09"),
-        (510.451234, "510.451234"),
-        (4, "4"),
-        (4.0, "4"),
-        (math.inf, "inf"),
-        ((0.5, 1.0), "0.5,1"),
-        ("dead", "dead"),
-    ],
-)
-def test_texts_read_back(value: object, text: str) -> None:
-    assert text_of(value) == text
+def test_texts_read_back() -> None:
+    values = (0.001, 1e-9, 510.451234, 4, 4.0, math.inf, (0.5, 1.0), "dead")
+    assert [text_of(each) for each in values] == ["0.001", "1e-09", "510.451234", "4", "4", "inf", "0.5,1", "dead"]

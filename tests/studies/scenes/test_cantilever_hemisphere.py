@@ -32,19 +32,6 @@ def reference(scene: str, quantity: str, kind: str) -> float:
     )
 
 
-@pytest.mark.parametrize("quantity", ["tip_shortening_mm", "tip_deflection_mm"])
-def test_cantilever_converges_to_the_elastica(quantity: str) -> None:
-    exact = reference("cantilever", quantity, "exact")
-    found = np.array([run("cantilever", n).quantities[quantity] for n in MESHES])
-    steps = np.diff(found)
-    # at least the order 2 of a bilinear element; on these meshes the E33 that an interpolated director loses at finite
-    # rotation, an effect of order 4, still leads
-    assert np.log2(steps[0] / steps[1]) >= 1.8
-    # the shell is shear-flexible and extensible, the elastica is neither: both add about (h/L)^2 = 1e-4
-    assert found[-1] == pytest.approx(exact, rel=3e-4)
-    assert found[-1] == pytest.approx(reference("cantilever", quantity, "read"), abs=5e-3)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["tip_shortening_mm", "tip_deflection_mm"])
 def test_refined_cantilever_has_at_least_the_order_two_and_the_limit_of_the_paper(quantity: str) -> None:
@@ -60,12 +47,13 @@ def test_refined_cantilever_has_at_least_the_order_two_and_the_limit_of_the_pape
     assert np.all(np.abs(refined - limits[1]) < 0.4 * np.abs(paper - limits[1]))
 
 
-@pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
-def test_refined_hemisphere_has_less_than_half_the_error_of_the_paper_on_sixteen_elements(quantity: str) -> None:
-    published = reference("hemisphere", quantity, "read")
-    refined, paper = (1 - run("hemisphere", 16, e).quantities[quantity] / published for e in ("refined", "paper"))
-    assert 0 < refined <= 0.5 * paper
-    assert paper >= 0.05
+def test_refined_hemisphere_has_less_than_half_the_error_of_the_paper_on_sixteen_elements() -> None:
+    found = [run("hemisphere", 16, element).quantities for element in ELEMENTS]
+    for quantity in ("outward_mm", "inward_mm"):
+        published = reference("hemisphere", quantity, "read")
+        refined, paper = (1 - each[quantity] / published for each in found)
+        assert 0 < refined <= 0.5 * paper
+        assert paper >= 0.05
 
 
 @pytest.mark.slow
@@ -80,15 +68,6 @@ def test_refined_hemisphere_approaches_its_limit_from_below(quantity: str) -> No
     assert 0 < steps[1] <= 0.5 * steps[0]
     finest = run("hemisphere", MESHES[-1], "refined").quantities[quantity]
     assert finest == pytest.approx(reference("hemisphere", quantity, "read"), rel=5e-3)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
-def test_hemisphere_approaches_the_published_value(quantity: str) -> None:
-    published = reference("hemisphere", quantity, "read")
-    errors = [abs(run("hemisphere", n).quantities[quantity] / published - 1) for n in MESHES]
-    assert errors[0] > errors[1] > errors[2]
-    assert errors[2] <= 0.01
 
 
 def one_step(newton: str) -> tuple[Outcome, float]:

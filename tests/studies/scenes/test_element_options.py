@@ -12,41 +12,10 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT
-from studies.ask.scene import UsageError
-from studies.cli import main
-from studies.scenes import SCENES
 from studies.scenes.benchmarks.sze_moment import H, L
 from studies.scenes.complete import complete as resolve
-from studies.scenes.element import PRESETS
 from studies.scenes.statics import area_load
 from studies.solving.solve import solve
-
-
-@pytest.mark.parametrize(
-    "scene", [name for name, scene in SCENES.items() if "element" in {s.key for s in scene.settings}]
-)
-def test_a_preset_stands_for_its_options_and_gives_way_to_single_ones(scene: str) -> None:
-    for name, options in PRESETS.items():
-        settings = resolve(scene, {"element": name})[1].settings
-        assert {key: settings[key] for key in options} == options
-        assert "element" not in settings  # the options decide the result, not their name
-    mixed = resolve(scene, {"element": "paper", "thickness_strain": "balanced"})[1].settings
-    assert mixed["thickness_strain"] == "balanced"
-    assert mixed["membrane"] == PRESETS["paper"]["membrane"]
-    assert resolve(scene, {})[1] == resolve(scene, {"element": "refined"})[1]
-
-
-def test_every_shell_scene_has_the_options() -> None:
-    without = {name for name, scene in SCENES.items() if "element" not in {s.key for s in scene.settings}}
-    assert without <= {"tyre-solid", "crushed-ring-solid"}
-
-
-def test_unknown_options_are_refused_in_one_line(capsys) -> None:
-    assert main(["solve", "tyre", "--set", "element=best", "--out", "nowhere"]) == 2
-    assert "element = 'best' must be one of paper, refined" in capsys.readouterr().err
-    scene, request = resolve("hemisphere", {"interpolation": "isoparametric"}, measure="donnell")
-    with pytest.raises(UsageError, match="needs a measure with full gradients: one of exact"):
-        scene.build(request)
 
 
 @pytest.mark.slow

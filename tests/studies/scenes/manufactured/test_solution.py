@@ -35,8 +35,9 @@ def components(solution: Exact, a: np.ndarray) -> np.ndarray:
     return np.einsum("pix,pfx->pif", solution.surface.frame(*a.T), solution.displacement(a)).reshape(len(a), 6)
 
 
-@pytest.mark.parametrize("measure", MEASURES)
-@pytest.mark.parametrize("piece", PIECES)
+@pytest.mark.parametrize(
+    ("piece", "measure"), [*((piece, "exact") for piece in PIECES), *(("inner-torus", each) for each in MEASURES)]
+)
 def test_strains_are_those_of_the_gradients_of_components(piece: str, measure: str) -> None:
     """Two ways that share neither frame derivatives, nor curvatures, nor coefficients."""
     solution, a, own = exact(piece, measure), at(piece), MEASURES[measure]

@@ -19,7 +19,6 @@ ISOTROPIC = {
     **{"load": "follower", "pressure_area": "face"},
 }
 TO_20 = {"delta_mm": "20"}
-TEXTBOOK = {"settle": "1"}  # a lost step is cheap: one factorisation an iteration
 
 
 def run(settings: dict[str, str], mesh: str = "42x40", **options: object) -> Result:
@@ -61,41 +60,6 @@ def test_every_step_passes_the_judge_and_is_centrally_symmetric(mesh: str, reque
         assert step["kkt"]["tension"] == 0.0
         assert step["central_asymmetry"] <= 1e-9
         assert step["mirror_asymmetry"] > 0.01  # the angle-ply tyre does break mirror symmetry
-
-
-def force_imbalance(result: Result) -> float:
-    """Inflation, plane and clamps summed along the normal of the plane, relative to the contact force."""
-    shell = result.model.shell
-    grid = shell.discretisation
-    element_forces, _, _ = shell.element_contributions(result.last.u, None)
-    loads = shell.pressure.dead_force(grid.geometry)
-    direction = grid.surface.frame(*grid.grid.nodes.T)[..., 0]  # e_i . e_x at the nodes
-
-    def along_x(element_vectors: np.ndarray) -> np.ndarray:
-        nodal = np.bincount(grid.dofs.ravel(), weights=element_vectors.ravel(), minlength=6 * grid.grid.n_nodes)
-        return np.einsum("...if,...i->...", nodal.reshape(-1, 3, 2), direction)
-
-    clamped = np.setdiff1d(np.arange(grid.grid.n_nodes), result.model.nodes)
-    reaction = along_x(element_forces - loads)[clamped].sum()
-    force = result.steps[-1]["force_N"]
-    return abs(float(reaction + along_x(loads).sum() - force)) / force
-
-
-@pytest.mark.slow
-def test_global_balance_is_lost_only_as_fast_as_a_translation_is() -> None:
-    # bilinear components in a turning frame hold a rigid translation to O(h^2) only, so the element forces sum to zero
-    # to O(h^2) only; the error must be small and fall with the mesh
-    coarse, fine = (force_imbalance(run(TO_20, mesh=mesh, model="full")) for mesh in ("20x20", "40x40"))
-    assert fine < 0.01
-    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.4)
-
-
-@pytest.mark.slow
-def test_mixed_semismooth_needs_at_most_twenty_iterations_from_rest() -> None:
-    found = run(TO_20)
-    assert found.outcome.converged
-    assert found.counters["newton_iterations"] <= 20
-    assert found.steps[-1]["substeps"] == 1
 
 
 @pytest.mark.slow
@@ -160,11 +124,7 @@ def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str
 
 @pytest.mark.parametrize(
     ("measure", "epsilon"),
-    [
-        ("exact", "inf"),
-        ("linear", "1e4"),
-        *(pytest.param(*e, marks=pytest.mark.slow) for e in (("exact", "1e4"), ("linear", "inf"))),
-    ],
+    [("exact", "inf"), ("linear", "1e4")],
 )
 def test_algorithms_agree_in_set_and_force(measure: str, epsilon: str) -> None:
     settings = {**TO_20, "epsilon": epsilon}
@@ -241,15 +201,10 @@ def test_a_load_has_its_area_unless_another_is_named(load: str, area: str) -> No
 
 
 @pytest.mark.slow
-def test_follower_pressure_on_the_face() -> None:
-    found = run({**TO_20, "load": "follower", "pressure_area": "face"})
-    assert found.steps[-1]["force_N"] == pytest.approx(2247.0, rel=ONE_PERCENT)
-
-
-@pytest.mark.slow
-def test_follower_pressure_on_a_fine_mesh() -> None:
-    found = run({**TO_20, "load": "follower", "pressure_area": "face"}, mesh="84x80")
-    assert found.steps[-1]["force_N"] == pytest.approx(2200.0, rel=ONE_PERCENT)
+@pytest.mark.parametrize(("mesh", "force"), [("42x40", 2247.0), ("84x80", 2200.0)])
+def test_follower_pressure_on_the_face(mesh: str, force: float) -> None:
+    found = run({**TO_20, "load": "follower", "pressure_area": "face"}, mesh)
+    assert found.steps[-1]["force_N"] == pytest.approx(force, rel=ONE_PERCENT)
 
 
 @pytest.fixture(scope="module", params=["42x40", pytest.param("84x80", marks=pytest.mark.slow)])
@@ -306,14 +261,3 @@ def test_cross_ply_tyre_is_mirror_symmetric(mesh: str) -> None:
     """With the paper's element to 20 mm; near 12 mm such a tyre bifurcates, and the softer element finds that first."""
     for settings in ({**TO_20, "element": "paper"}, {"delta_mm": "10", "element": "refined"}):
         assert run({**settings, "gamma_deg": "0"}, mesh, model="full").steps[-1]["mirror_asymmetry"] <= 1e-9
-
-
-@pytest.mark.slow
-def test_a_step_that_cannot_converge_keeps_the_last_converged_state() -> None:
-    found = run({"delta_mm": "5,90", **TEXTBOOK}, mesh="12x12")
-    assert not found.outcome.converged
-    assert [step["delta_mm"] for step in found.steps] == [5.0]
-    assert "press at 90" in found.reason
-    assert "limit point" in found.reason  # or that there is none
-    assert found.last is not None
-    assert np.max(np.abs(found.last.u)) > 0

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contact.algorithms.semismooth import Semismooth
 from formulations.geometry.surfaces import Plate, Surface, annulus
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation
@@ -213,31 +212,3 @@ def test_limits_of_solid_and_shell_at_ten_millimetres_agree_with_another_program
     shell = limit(*(forces(run({**SHELL, **TO_10}, mesh, "tyre")) for mesh in ("42x40", "84x80")))
     assert solid == pytest.approx(solids()[1], rel=0.002)
     assert shell == pytest.approx(solid, rel=0.004)
-
-
-def inflated(scene_name: str, settings: dict[str, str], mesh: str) -> np.ndarray:
-    """Growth of the equator on both faces, from the first stage alone."""
-    scene, request = resolve(scene_name, settings, mesh, model="full" if scene_name == "tyre" else "auto")
-    stage = next(scene.build(request).stages())
-    problem_at, rest = stage.begin(None)
-    found = Semismooth().solve(problem_at(1.0), rest)
-    assert found.outcome.converged
-    quantities = stage.observe(problem_at(1.0), found, 1.0).quantities
-    return np.array([quantities[f"inflated_equator_{face}_mm"] for face in GROWTH])
-
-
-def model_part(thickness: float, nu: float = 0.45) -> np.ndarray:
-    """Shell over solid, less one, at the same mean stress; the mesh part is taken off."""
-    wall = {"E_MPa": "20", "nu": f"{nu}", "p0_MPa": f"{0.15 * thickness / 4.8}", "ply_thickness_mm": f"{thickness}"}
-    solid = inflated("tyre-solid", wall, "84x18")
-    # axisymmetric, and the shell's components turn with phi: six elements around are exact
-    shell = limit(*(inflated("tyre", {**SHELL, **wall}, f"{n}x6") for n in (112, 224)))
-    return shell / solid - 1
-
-
-@pytest.mark.slow
-def test_what_the_shell_neglects_falls_with_the_square_of_the_thickness_and_with_poisson() -> None:
-    thick, thin = model_part(4.8), model_part(2.4)
-    assert thick == pytest.approx([-0.0125, -0.0125], abs=0.001)
-    assert np.log2(thick / thin) == pytest.approx([2.0, 2.0], abs=0.3)
-    assert np.all(np.abs(model_part(4.8, nu=0.0)) < 0.4 * np.abs(thick))
