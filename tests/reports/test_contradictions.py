@@ -1,7 +1,8 @@
 """Twenty-one contradictions that earlier pages had: the rules behind them, held against the committed pages.
 
-A rule goes from the texts of pages to what breaks it. ``RULES`` has with each rule an excerpt of the pages that had the
-contradiction, in which the rule must find it. A rule that compares also breaks where it finds nothing to compare.
+A rule goes from the texts of pages to what breaks it. ``contradictions.txt`` has with each rule an excerpt of the pages
+that had the contradiction, in which the rule must find it. A rule that compares also breaks where it finds nothing to
+compare.
 
 By number, what is held here:
 
@@ -27,10 +28,10 @@ By number, what is held here:
 
 And elsewhere, of tables that are made up:
 
-- 5, too: tests/studies/solving/test_choosing_rules.py, ``test_a_crossing_of_the_reference_is_no_accuracy``
-- 20: tests/reports/chapters/friction, ``test_beside_dissipation_stands_that_it_converges_with_the_load_step``
-- 21: tests/studies/analysis/test_statements.py, ``test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers``
-- what the paper's algorithm lacks: tests/reports, ``test_page_one_says_what_the_paper_s_algorithm_lacks``
+- 5, too: ``test_a_crossing_of_the_reference_is_no_accuracy``
+- 20: ``test_beside_dissipation_stands_that_it_converges_with_the_load_step``
+- 21: ``test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers``
+- what the paper's algorithm lacks: ``test_page_one_says_what_the_paper_s_algorithm_lacks``
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ import io
 import math
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from itertools import pairwise, takewhile
 from pathlib import Path
@@ -52,7 +53,6 @@ from formulations.strains.catalogue import MEASURES
 
 Pages = Mapping[str, str]  # by name: text
 Row = Mapping[str, str]  # of a table, by its heads
-Rule = Callable[[Pages], Iterator[str]]
 
 ROOT = Path(__file__).parents[2]
 PAGES = ROOT / "reports" / "pages"
@@ -472,200 +472,25 @@ def empty_sections(pages: Pages) -> Iterator[str]:
 
 # --- what earlier pages said ----------------------------------------------------------------------------------------
 
-MEASURES_ON_ONE_MESH = """\
-Each scene is solved with every measure on one mesh while its load grows; the error is the difference from the exact \
-measure on the same mesh, so the mesh is not in it.
 
-**tyre: contact force by travel of the plane [mm]**
-
-| measure | error at 20.0 | first above 1 % | first above 5 % | largest error |
-| :-- | --: | --: | --: | --: |
-| linear | +48.24 % | from the start | from the start | +48.24 % at 20.0 |
-"""
-WHAT_ACCURACY_COSTS = """\
-To know the tyre's force at 20 mm within 1 % takes a uniform grid of 10618 unknowns, or one that follows the error \
-with 2398, 23 % of them; the paper's graded grid does not get there with 18958.
-
-tyre, `force_N`: 5.0 % costs 0.18 s and 922 unknowns; 1.0 % costs 0.59 s and 4498 unknowns; 0.2 % costs 2.3 s and 1480 \
-unknowns. hemisphere, `inward_mm`: 5.0 % costs 0.23 s and 1665 unknowns; 1.0 % costs 0.96 s and 6401 unknowns
-"""
-THE_CHEAPEST = """\
-| scene | within | configuration | error at most | seconds | unknowns |
-| :-- | :-- | :-- | :-- | --: | --: |
-| `tyre` | 1.0 % | exact lcp mixed refined 26x60, tolerance 1e-09 | 0.31 % | 0.59 | 4498 |
-| `tyre` | 0.2 % | exact semismooth mixed refined 20x26, tolerance 1e-09 | 0.11 % | 2.3 | 1480 |
-| `hemisphere` | 1.0 % | exact semismooth mixed refined 32x32, tolerance 1e-09 | 0.83 % | 0.96 | 6401 |
-"""
-ADVISED = """\
-| scene | quantity | 10 % | 5 % | 2 % | 1 % | 0.5 % | 0.2 % | 0.1 % |
-| :-- | :-- | --: | --: | --: | --: | --: | --: | --: |
-| `hemisphere` | `inward_mm` | 0.36 (961) | 0.36 (961) | 2.1 (6401) | 8.7 (25089) | – | – | – |
-"""
-OF_PROGRAMS = """\
-| problem | program | line | within | sufficient | unknowns | off | seconds | units | factor | apart |
-| :-- | :-- | :-- | --: | --: | --: | --: | --: | --: | --: | --: |
-| hemisphere | `footprint` | thickness strain at nodes | 1 % | 14x14 | 1289 | -0.92 % | 0.21 | 1.5 | 1.0 | 0.00 % |
-"""
-NO_FAILURE = """\
-Of 3351 contact problems put to 6 algorithms 0 fail: every algorithm ends on every scene that it takes, and where its \
-path goes on.
-"""
-ONE_FORCE = (
-    "Where they end, they end on the same contact set and force ([agreement](reports/pages/contact-agreement.md))."
-)
-A_FAILURE = """\
-contact,outcome,path_end,command
-trial-and-error,not-converged,limit point,footprint solve tyre --measure elongation \
---contact trial-and-error --mesh 8x8 --set delta_mm=20 --set tolerance=1e-09 --out DIR
-regularised,converged,,footprint solve tyre --measure elongation --contact regularised --mesh \
-8x8 --set delta_mm=20 --set tolerance=1e-09 --out DIR
-"""
-A_CROSSING = """\
-| scene | measure | contact | mesh | tolerance | error | known to | seconds | operations |
-| :-- | :-- | :-- | --: | --: | --: | --: | --: | --: |
-| `hemisphere` | `sanders` | `semismooth` | 12x12 | 1e-06 | 2.542 % | 0.200 % | 3.6e-01 | 2.0e+09 |
-"""
-OF_THE_FORMULATION = """\
-**hemisphere: inward displacement by load fraction**
-
-| measure | error at 1.00 | first above 1 % | first above 5 % | largest error |
-| :-- | --: | --: | --: | --: |
-| sanders | -3.65 % | from the start | 0.0835 | -10.75 % at 0.300 |
-"""
-A_RANGE = "| tyre | 20x20 | from 1e+10 on | from 1e+10 to below 1e+07 |"
-A_LIMIT = """\
-| scene | quantity | asymptotic range | finest mesh | value there | last order | extrapolated | ± |
-| :-- | :-- | :-- | --: | --: | --: | --: | --: |
-| hemisphere | inward [mm] | asymptotic | 128x128 | 8.15252 | 2.06 | 8.15412 | 0.024 % |
-
-- The inward displacement of the pinched hemisphere converges to 8.1451 mm, -0.40 % from the published 8.178; 32x32 \
-elements are -0.23 % off their limit.
-"""
-COMPARED = """\
-88 of 144 quantities, over 28 scenes, converge with a steady order on refined meshes; their limits are within the \
-uncertainties in 97 of 123 comparisons with references.
-
-55 of 64 quantities of 34 scenes are in their asymptotic range; 58 have a limit, known to 0.022 % in the median and to \
-1.67 % at worst (sze-pinched). In 68 of 86 comparisons with a reference the limit agrees with it within the \
-uncertainties of both; *beyond* are the others.
-"""
-BENCHMARKS = """\
-Cantilever and hemisphere, extrapolated over their meshes, are within the uncertainties in 25 of 109 comparisons with \
-exact and published values; the largest difference is +358.59 %, in `outward_mm` of the hemisphere.
-"""
-A_SIGN = """\
-| scene | program | mesh | quantity | load | theirs | ours | off | reason |
-| :-- | :-- | --: | :-- | --: | --: | --: | --: | :-- |
-| tyre, angle plies, inflated | CalculiX | 14x18 | inflated_equator_outer_mm | 0 | -1.6508 | -1.2633 | -30.68 % | one \
-direction of plies a brick |
-"""
-TWO_FACTORS = """\
-Linear strains are +48 % off there and beyond 5 % from the first travel on.
-
-At a travel of 20 mm linear strains give 2770.4 N and exact ones 1959.0 N: 1.41 times as much, where the paper says \
-"about two"; at 5 mm it is 0.66 times as much.
-"""
-OTHER_CORDS = """\
-Angle plies break the mirror symmetry of the contact pressure by up to 0.079 MPa, 24 % of its peak, at ±10.5 deg; half \
-a turn about the contact normal changes it by 0 MPa.
-"""
-THE_PAPER_S_CORDS = "over all nodes, and by up to 0.026 MPa or 9.7 % of its peak between mirror images."
-WITHOUT_A_MESH = "The paper's ε = 10000 MPa/mm changes the tyre's force at 20 mm by 3e-07 of itself."
-OLD_README = """\
-The bounds of the judge are absolute, in mm and MPa; in units a million
-times larger or smaller it may refuse what is sound, and of a travel below 1e-5 mm some algorithms cannot tell contact
-from rounding ([extremes](reports/pages/extremes.md)).
-"""
-UNITS = "Measured in lengths a million times larger or smaller, 0 of 108 contact problems change beyond rounding"
-TRAVEL = "| smallest travel, travel over thickness [-] | 1e-14 + (42.39 %) | 1e-14 + (42.40 %) | 1e-14 + (42.39 %) |"
-THE_FORCE = """\
-- The force of the paper's tyre at 20 mm is 1877.3 N in the limit of its grids, known to 0.09 %: two extrapolations by \
-different elements are 0.000 % apart.
-"""
-CLAIMS = """\
-OSQP alone (osqp 1.1.3, its defaults) says "solved" on 25 contact problems; 23 of these answers fail the judge at \
-1e-08, 0 of them also at the tolerance of OSQP itself; the worst is 1e-01 off. Of 508 answers of the algorithms here, \
-which check what a solver returns, 0 are false.
-"""
-IN_THE_ARENA = """\
-| solver | problems | failed, at the limit | refused | timed out | false | tenfold | own | worst claim | mean [s] | \
-memory [MB] |
-| :-- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |
-| semismooth | 280 | 7 | 0 | 2 | 2 | 1 | 0 | 2.3e+02 | 0.048 | 0.9 |
-"""
-NO_MESH = """\
-Whether a measure has that property is decided by its formulas alone: no mesh and no element is on this page.
-
-A panel of 4 by 4 elements, a piece of a cylinder, is turned by its edge in load steps about Z, Y and X, then back \
-about X, Y and Z; all other nodes are found by Newton's iteration.
-"""
-CANCELLED = """\
-| body | approach [mm] | computed - measured | mesh | shell | law | friction | reading | remainder |
-| :-- | --: | --: | --: | --: | --: | --: | --: | --: |
-| solid hencky | 44.5 | -0.008 | +0.030 | 0.000 | 0.000 | -0.608 | 0.000 | +0.569 |
-
-- shell von-karman at 44.5 mm: -2.43 N off the test, +0.85 N off the solid of its law; this takes back 26 % of the \
-law's part of -3.24 N.
-"""
-NOT_MEASURED = """\
-## What an error that is asked for is worth
-
-Not measured here; `footprint run statements` does.
-"""
-OF_A_SHEET = """\
-| quantity | limit of finer meshes | ± | finest mesh | here off it by |
-| :-- | --: | --: | --: | --: |
-| `force_N` | 1872.29 | 1863.90 % | 112x144 | +2.96 % |
-"""
-ONE_COMPARISON = "a classical nonlinear measure is cheaper than `exact` in 1 comparisons by more than 5 %"
-ON_A_SHEET = """\
-| problem | in the limit of the meshes |
-| :-- | --: |
-| `sze-pullout` at load_fraction=1: u_B_mm | not known |
-"""
-ON_PAGE_ONE = """\
-| problem | `linear` | `donnell` |
-| :-- | --: | --: |
-| `sze-pullout` at load_fraction=1: u_B_mm | +380.3 % ± 8.1 % | +21.6 % ± 2.8 % |
-"""
-
-RULES: tuple[tuple[Rule, dict[str, str]], ...] = (
-    (measures_on_one_mesh, {"measures.md": MEASURES_ON_ONE_MESH.partition("\n")[0]}),
-    (measures_on_one_mesh, {"measures.md": MEASURES_ON_ONE_MESH.partition("\n")[2]}),
-    (unknowns_of_an_error, {"index.md": WHAT_ACCURACY_COSTS}),
-    (unknowns_of_an_error, {"index.md": THE_CHEAPEST}),
-    (answers_of_a_question, {"index.md": THE_CHEAPEST, "advice.md": ADVISED}),
-    (answers_of_a_question, {"index.md": THE_CHEAPEST, "cost.md": OF_PROGRAMS}),
-    (failures_told, {"index.md": NO_FAILURE, CELLS: A_FAILURE}),
-    (failures_told, {"index.md": NO_FAILURE.replace("0 fail", "1 fail"), CELLS: A_FAILURE, README: ONE_FORCE}),
-    (better_than_their_formulation, {"tradeoff.md": A_CROSSING, "measures.md": OF_THE_FORMULATION}),
-    (empty_ranges, {"epsilon.md": A_RANGE}),
-    (limits_in_words, {"convergence.md": A_LIMIT}),
-    (comparisons_counted, {"convergence.md": COMPARED}),
-    (comparisons_counted, {"benchmarks.md": BENCHMARKS}),
-    (wrong_errors, {"benchmarks.md": A_SIGN}),
-    (forces_of_linear_strains, {"index.md": TWO_FACTORS}),
-    (mirrors, {"index.md": OTHER_CORDS, "tyre.md": THE_PAPER_S_CORDS}),
-    (effects_of_epsilon, {"index.md": WITHOUT_A_MESH}),
-    (limits_of_the_readme, {README: OLD_README, "symmetry.md": UNITS, "extremes.md": TRAVEL}),
-    (waves_unnamed, {"tyre.md": THE_FORCE}),
-    (false_claims, {"index.md": CLAIMS}),
-    (false_claims, {"index.md": CLAIMS.replace("25 contact", "25 small contact"), "arena.md": IN_THE_ARENA}),
-    (no_mesh_and_a_mesh, {"rigid-body.md": NO_MESH}),
-    (unlisted_cancellations, {"experiment.md": CANCELLED}),
-    (empty_sections, {"cost.md": NOT_MEASURED}),
-    (uncertainties, {"sheets/scene-tyre.md": OF_A_SHEET}),
-    (formulations_on_sheets, {"sheets/measure-donnell.md": ON_A_SHEET, "index.md": ON_PAGE_ONE}),
-    (waves_unnamed_beside_the_force, {"index.md": THE_FORCE}),
-    (one_of_many, {"index.md": ONE_COMPARISON}),
-)
+def earlier() -> Iterator[tuple[str, dict[str, str]]]:
+    """A rule by its name, with the pages in which it must find its contradiction."""
+    _, *blocks = re.split(r"\n\n%% (\w+)\n", (Path(__file__).parent / "contradictions.txt").read_text(encoding="utf-8"))
+    for rule, block in zip(blocks[::2], blocks[1::2], strict=True):
+        _, *pages = re.split(r"^%% (.*)\n", block, flags=re.MULTILINE)
+        yield rule, dict(zip(pages[::2], pages[1::2], strict=True))
 
 
-@pytest.mark.parametrize("rule", dict.fromkeys(rule for rule, _ in RULES), ids=lambda rule: rule.__name__)
-def test_committed_pages_do_not_contradict_themselves(rule: Rule) -> None:
-    assert list(rule(committed())) == []
+EARLIER = list(earlier())
+RULES = sorted({rule for rule, _ in EARLIER})
 
 
-@pytest.mark.parametrize(("rule", "pages"), [pytest.param(*each, id=each[0].__name__) for each in RULES])
-def test_what_earlier_pages_said_is_seen(rule: Rule, pages: Pages) -> None:
-    assert [each for each in rule(pages) if each != NOTHING] != []
+@pytest.mark.parametrize("rule", RULES)
+def test_committed_pages_do_not_contradict_themselves(rule: str) -> None:
+    assert list(globals()[rule](committed())) == []
+
+
+@pytest.mark.parametrize("number", range(len(EARLIER)))
+def test_what_earlier_pages_said_is_seen(number: int) -> None:
+    rule, pages = EARLIER[number]
+    assert [each for each in globals()[rule](pages) if each != NOTHING] != []
