@@ -20,9 +20,9 @@ from studies.catalogue import descriptions
 from studies.catalogue.descriptions import Description
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
-from studies.solving.choosing import choose as choosing
-from studies.solving.choosing.choice import Choice
-from studies.solving.choosing.choose import BUDGET, ERROR
+from studies.solving import choose as choosing
+from studies.solving.choice import Choice
+from studies.solving.choose import BUDGET, ERROR
 from studies.solving.refinement.cascade import parse_budget
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.refinement.mesh_error import NESTED, STARTS, solve_with_error

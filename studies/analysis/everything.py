@@ -44,8 +44,8 @@ from studies.run.cells.collect import collect
 from studies.run.cells.machines import machines
 from studies.run.cells.published import published
 from studies.run.cells.rows import reference_rows
-from studies.solving.choosing.trials import PATIENCE
 from studies.solving.refinement.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
+from studies.solving.trials import PATIENCE
 
 FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # by the table that they are fitted to
     "measure_limits": ("choices", measure_limits),

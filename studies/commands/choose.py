@@ -14,8 +14,8 @@ from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, add_solving, check_directory, named, pairs, progress_line
 from studies.notebook import write_choice
 from studies.output.terminal import columns
-from studies.solving.choosing.choice import Choice, Offer
-from studies.solving.choosing.choose import BUDGET, ERROR, choose
+from studies.solving.choice import Choice, Offer
+from studies.solving.choose import BUDGET, ERROR, choose
 from studies.solving.refinement.cascade import parse_budget
 from studies.solving.refinement.error_control import parse_error
 

@@ -1,7 +1,7 @@
 """What is enough, regime by regime: ``footprint choose`` on scenes of every regime of deformation, to two errors.
 
 Every formulation is compared in the limit of its grids, with the uncertainty of that. What counts as enough is decided
-in :mod:`studies.solving.choosing`; which sentence follows is not known here.
+in :mod:`studies.solving.choose`; which sentence follows is not known here.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import pandas as pd
 
 from studies.ask.request import text_of
 from studies.experiments.error_coverage import settings_of
-from studies.solving.choosing.choice import Choice, Offer
-from studies.solving.choosing.choose import choose, loosened
+from studies.solving.choice import Choice, Offer
+from studies.solving.choose import choose, loosened
 
 ERRORS = (0.05, 0.01)
 SMALL, LARGE, PATCH = "small rotations", "large rotations", "contact"

@@ -8,7 +8,7 @@ import pandas as pd
 
 from studies.analysis.statements.record import Values
 from studies.experiments.choices import ALGORITHM, OFFER, PROBLEM, VARIANT, smallest
-from studies.solving.choosing.trials import PATIENCE
+from studies.solving.trials import PATIENCE
 
 NOISE = 0.2  # s of a solve, below which its time says nothing
 SWEEP = "sweep "  # of the labels of cells that differ in one choice at a time

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import meshio
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu, spsolve
@@ -23,12 +22,10 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.output.vtu import write_fields
 from studies.scenes.contact.base import outer_face
 from support.problems.shells import PATCHES, SKEW_LAMINATE, Patch, make_shell
 
 ISO = "isoparametric"
-SAME = 1e-12  # of a solution: the same sums in another order
 PATCH = 1e-10  # relative error of a patch test: rounding times the condition number
 MOST_FILL = 1.25  # of minimum degree's
 RIGID = 1e-11  # least eigenvalues of a free shell over the largest
@@ -111,19 +108,6 @@ def clamped(grid: Grid, surface, interpolation: str = "curvilinear", **loads) ->
         surface, grid, SKEW_LAMINATE, *supports.masks, interpolation=interpolation, ordered=True
     )
     return ShellModel(shell, MEASURES["exact"], **loads)
-
-
-def at_rest(shell: ShellModel) -> np.ndarray:
-    lin = shell.linearise(np.zeros(shell.discretisation.n_free))
-    return shell.displacements(spsolve(lin.tangent, -lin.residual))
-
-
-def test_all_refined_a_shell_is_that_of_the_uniform_grid() -> None:
-    lines = np.linspace(0, 1, 4), np.linspace(0, 1.2, 5)
-    fine = [np.linspace(a[0], a[-1], 2 * len(a) - 1) for a in lines]
-    grids = Quadtree.over(*lines).everywhere().grid(), Grid.tensor(*fine)
-    one, other = (at_rest(clamped(grid, cylinder(2.0), pressure=Pressure(0.01))) for grid in grids)
-    np.testing.assert_allclose(one, other, rtol=0, atol=SAME * np.max(np.abs(other)))
 
 
 @pytest.mark.parametrize("name", PATCHES)
@@ -259,14 +243,6 @@ def test_hanging_nodes_do_not_lock_thin_shells(interpolation) -> None:
         f = shell.discretisation.reduce(load)
         found.append(float(f @ spsolve(shell.linearise(np.zeros(len(f))).tangent, f)))
     assert found[1] == pytest.approx(found[0], rel=0.1)
-
-
-def test_fields_have_an_element_a_leaf(tmp_path) -> None:
-    tree = random(over(PATCHES["torus"], 3, 2), 2)
-    shell = clamped(tree.grid(), PATCHES["torus"].surface)
-    u = np.zeros(shell.discretisation.n_free)
-    write_fields(tmp_path / "fields.vtu", shell, u, np.zeros(shell.discretisation.grid.n_nodes))
-    assert len(meshio.read(tmp_path / "fields.vtu").cells[0].data) == len(tree.leaves)
 
 
 @pytest.mark.parametrize("interpolation", INTERPOLATIONS)

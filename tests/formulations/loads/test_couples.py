@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
-from scipy.sparse.linalg import spsolve
 
-from formulations.geometry.grid import Grid
-from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Couples
-from formulations.section.laminate import Laminate, Ply
-from support.problems.differences import central_difference, fitted_order
+from support.problems.differences import central_difference
 from support.problems.shells import SKEW_LAMINATE, make_shell
 
 ROUNDING = 1e-12  # relative
 DIFFERENCE = 1e-9  # of the 8th-order difference of a smooth function
-CIRCLE = (1.8, 2.3)  # order of the tip of the bent strip in the mesh size
-TIP = 6e-3  # error of the tip over the length on the finest mesh
 
 
 @pytest.fixture
@@ -65,35 +57,3 @@ def test_scaling(coupled) -> None:
     size = np.max(np.abs(full))
     np.testing.assert_allclose(none, without.linearise(u).residual, rtol=0, atol=ROUNDING * size)
     np.testing.assert_allclose(2 * half, none + full, rtol=0, atol=10 * ROUNDING * size)
-
-
-@pytest.mark.parametrize("turn", [pytest.param(math.pi / 2, marks=pytest.mark.slow), 1.5 * math.pi])
-def test_strip_bent_to_an_arc(turn) -> None:
-    """M = D turn/L at the end gives a circle of radius L/turn: its tip is at R sin(turn), -R (1 - cos(turn)).
-
-    The axis is +e2, which turns e3 towards e1 and the tip downwards; D is that of plane strain, nu = 0.3.
-    """
-    E, nu, L, h, b = 1.2e6, 0.3, 12.0, 0.06, 1.0
-    moment = E * h**3 / (12 * (1 - nu**2)) * turn / L * b
-    tip, counts, errors = L / turn * np.array([math.sin(turn), math.cos(turn) - 1]), np.array([8, 16, 32]), []
-    for n in counts:
-        grid = Grid.tensor(np.linspace(0, L, n + 1), np.array([0.0, b]))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[:, 2:4] = True
-        fixed[grid.on_line(0, 0.0)] = True
-        end = grid.on_line(0, L)
-        couples = Couples(end, np.full(2, moment / 2), np.tile([0.0, 1.0, 0.0], (2, 1)), h)
-        laminate = Laminate.single(Ply.isotropic(E, nu, h))
-        shell = make_shell(Plate(), grid, laminate, fixed=fixed, thickness_strain="nodal", couples=couples)
-        u, memory = np.zeros(shell.discretisation.n_free), None
-        for factor in np.linspace(0, 1, 5)[1:]:
-            for _ in range(15):
-                lin = shell.scaled(factor).linearise(u, memory)
-                du = spsolve(lin.tangent, -lin.residual)
-                u, memory = u + du, lin.remember(du)
-        assert np.linalg.norm(du) <= 1e-6 * np.linalg.norm(u)
-        v = shell.discretisation.expand(u)[end].mean(axis=0)
-        at = np.array([L + v[:2].mean(), v[4:].mean()])
-        errors.append(np.linalg.norm(at - tip) / L)
-    assert errors[-1] <= TIP
-    assert CIRCLE[0] <= fitted_order(1 / counts, errors) <= CIRCLE[1]

@@ -32,14 +32,12 @@ from formulations.strains.quantities import (
     gradient_coefficients,
     shear_row_factors,
 )
-from support.problems.differences import central_difference, fitted_order, rotation
+from support.problems.differences import central_difference, rotation
 from support.problems.shells import PATCHES
 
 STEP = 0.015  # of the 8th-order differences, see the tests of the surfaces
 RIGID = 1e-12  # the acceptance of THEORY for the exact measure
 ROUNDING = 1e-12  # of quantities of size 1 after numerical differentiation
-LARGE_STEPS = 2.0 ** -np.arange(5)
-SLOPE = 0.01  # half-width of the interval around the slope 2
 THICKNESSES = {"symmetric": (-0.1, 0.1), "asymmetric": (-0.04, 0.16), "outside": (0.0, 0.2), "thin": (-5e-3, 2e-3)}
 SHEARS = {"2E13": 0, "2E23": 1}
 
@@ -201,34 +199,6 @@ def test_derivatives_agree_with_differences(measure, rng) -> None:
     contracted = measure.contract(q, H)
     np.testing.assert_allclose(np.einsum("nij,nj->ni", contracted, dq), turning, rtol=0, atol=10 * ROUNDING)
     np.testing.assert_allclose(contracted, contracted.swapaxes(1, 2), rtol=0, atol=ROUNDING)
-
-
-@pytest.mark.parametrize("name", [name for name in MEASURES if isinstance(MEASURES[name], QuadraticMeasure)])
-def test_remainder_of_the_linearisation_has_slope_two(name, rng) -> None:
-    """E(q + t dq) - E(q) - t dE/dq dq = c t^2 exactly for a quadratic measure, and 0 for a linear one."""
-    measure = MEASURES[name]
-    q, dq = rng.normal(size=N_Q), rng.normal(size=N_Q)
-    start, slope = measure.strain(q), measure.gradient(q) @ dq
-    remainders = np.stack([measure.strain(q + t * dq) - start - t * slope for t in LARGE_STEPS])
-    curved = np.any(measure.contract(q, np.ones(N_E)) != 0)
-    assert curved == (measure.name != "linear")
-    if not curved:
-        assert np.max(np.abs(remainders)) <= 10 * ROUNDING
-    for row in range(N_E) if curved else ():
-        if np.any(measure.contract(q, np.eye(N_E)[row]) != 0):
-            assert abs(fitted_order(LARGE_STEPS, np.abs(remainders[:, row])) - 2) <= SLOPE
-
-
-@each_measure
-def test_batches_equal_single_points(measure, rng) -> None:
-    q, H = 0.05 * rng.normal(size=(2, 3, N_Q)), rng.normal(size=(2, 3, N_E))
-    for batched, single in (
-        (measure.strain(q), lambda i, j: measure.strain(q[i, j])),
-        (measure.gradient(q), lambda i, j: measure.gradient(q[i, j])),
-        (measure.contract(q, H), lambda i, j: measure.contract(q[i, j], H[i, j])),
-    ):
-        for i, j in np.ndindex(2, 3):
-            np.testing.assert_allclose(batched[i, j], single(i, j), rtol=0, atol=ROUNDING)
 
 
 @each_measure

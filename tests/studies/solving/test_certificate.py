@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,25 +49,6 @@ def test_a_converged_tyre_is_certified(tyre) -> None:
     assert max(again["balances"].values()) <= 1e-10
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("spoil", "name"),
-    [
-        (lambda s: replace(s, pressure=-s.pressure), "sign flip"),
-        (lambda s: replace(s, pressure=1e3 * s.pressure), "wrong units"),
-        (lambda s: replace(s, u=1.00001 * s.u), "unconverged equilibrium"),
-        (lambda s: replace(s, pressure=0 * s.pressure), "stale pressure"),
-    ],
-)
-def test_a_spoilt_tyre_is_not_and_says_why(tyre, spoil, name) -> None:
-    problem, state, _ = tyre
-    found = certificate(problem, spoil(state))
-    assert "equilibrium" in found["failures"]
-    assert found["balances"]["energy"] > 1e-8
-    (finding,) = found["diagnosis"]
-    assert finding.startswith(name)
-
-
 def test_a_regularised_state_is_certified_by_its_own_law_only() -> None:
     problem, state, found = pressed({"epsilon": "1e4"}, "trial-and-error")
     assert found.steps[-1]["kkt"]["penetration"] > 1e-6  # the true one is told
@@ -91,7 +71,9 @@ def test_a_state_of_rest_is_certified_against_an_open_foundation(tyre) -> None:
     """Zero displacement under load is no equilibrium, and is named so."""
     problem, state, _ = tyre
     rest = ContactSolution.at_rest(len(state.u), len(state.pressure))
-    assert "equilibrium" in certificate(problem, rest)["failures"]
+    found = certificate(problem, rest)
+    assert "equilibrium" in found["failures"]
+    assert found["diagnosis"]
 
 
 def free_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: float) -> np.ndarray:
@@ -169,14 +151,6 @@ def test_a_limit_of_iterations_is_no_cause_where_the_path_ends(outcome, end, ver
         {} if found_by is None else {"kind": end.kind.value, "stage": "press", "parameter": 7.4, "found_by": found_by}
     )
     assert found.path_end == (kind | at if kind else {})
-
-
-@pytest.mark.slow
-def test_qp_ends_at_the_limit_point_that_the_others_end_at() -> None:
-    """It cannot solve for a travel, and must not say that its path ends nowhere."""
-    ends = [solve(*complete("tyre", {"delta_mm": "20"}, "8x8", contact=name)).path_end for name in ("qp", "semismooth")]
-    assert [end["kind"] for end in ends] == ["limit point"] * 2
-    assert ends[0]["parameter"] == pytest.approx(ends[1]["parameter"], rel=1e-8)
 
 
 @pytest.mark.slow

@@ -12,12 +12,12 @@ from studies import choose as choose_in_notebook
 from studies.ask.scene import UsageError
 from studies.cli import INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE, main
 from studies.scenes.complete import complete
-from studies.solving.choosing import choose as choosing
-from studies.solving.choosing.choice import ANSWERED, NOT_ANSWERED
-from studies.solving.choosing.choose import choose, loosened
-from studies.solving.choosing.trials import Clock
-from studies.solving.choosing.verdict import ENOUGH, NOT_ENOUGH, WORDS
+from studies.solving import choose as choosing
+from studies.solving.choice import ANSWERED, NOT_ANSWERED
+from studies.solving.choose import choose, loosened
 from studies.solving.solve import solve
+from studies.solving.trials import Clock
+from studies.solving.verdict import ENOUGH, NOT_ENOUGH, WORDS
 
 PLUGIN = Path(__file__).parents[2] / "plugin" / "stranger.py"
 RING = ["ring", "--set", "delta_mm=50"]

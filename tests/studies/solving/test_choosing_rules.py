@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import pytest
 
 from studies.scenes.complete import complete
-from studies.solving.choosing.trials import Clock, until
-from studies.solving.choosing.verdict import NONE, Difference, difference, errors, first_enough
 from studies.solving.refinement.limits import GROWING, Estimate, Seen, limit_of
 from studies.solving.solve import Interrupted, solve
+from studies.solving.trials import Clock, until
+from studies.solving.verdict import NONE, Difference, difference, errors, first_enough
 
 SIZES = [2.0 ** (-k / 2) for k in range(7)]
 

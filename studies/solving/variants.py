@@ -2,8 +2,8 @@
 
 A variant is the request of the reference with one thing changed, on the same mesh: its strain measure, an option of the
 element as the scene declares them, its model. Each path starts from the one on the grid before. Contact algorithms are
-no variants: they give the same values, and are tried (:mod:`studies.solving.choosing.trials`). What is enough is not
-decided here (:mod:`studies.solving.choosing.verdict`).
+no variants: they give the same values, and are tried (:mod:`studies.solving.trials`). What is enough is not
+decided here (:mod:`studies.solving.verdict`).
 """
 
 from __future__ import annotations

@@ -29,9 +29,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.solving.choosing.ladder import Ladder
 from studies.solving.refinement.limits import FEW, SAFETY, Estimate, Seen, limit_of
 from studies.solving.refinement.nested import Sketch, touches
+from studies.solving.variants import Ladder
 
 NOISE = 1e-5  # of the value: what the iteration on a grid may leave
 WORDS = ("enough", "no mesh yet", "not enough", "not settled", "not known", "failed", "does not apply", "not tried")

@@ -13,8 +13,13 @@ from typing import Any
 
 from studies.ask.request import Request
 from studies.ask.scene import Scene, has_contact
-from studies.solving.choosing.choice import Choice, Offer, offers_of, recommended
-from studies.solving.choosing.ladder import (
+from studies.solving.choice import Choice, Offer, offers_of, recommended
+from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
+from studies.solving.refinement.grids import element_size, first_grid, near
+from studies.solving.refinement.limits import Estimate
+from studies.solving.refinement.records import no_limit
+from studies.solving.trials import FROM_REST, Clock, Question, race
+from studies.solving.variants import (
     ELEMENT,
     FAILURES,
     MEASURE,
@@ -24,12 +29,7 @@ from studies.solving.choosing.ladder import (
     Variant,
     variants,
 )
-from studies.solving.choosing.trials import FROM_REST, Clock, Question, race
-from studies.solving.choosing.verdict import NONE, Difference, Verdict, errors, first_enough, judged
-from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
-from studies.solving.refinement.grids import element_size, first_grid, near
-from studies.solving.refinement.limits import Estimate
-from studies.solving.refinement.records import no_limit
+from studies.solving.verdict import NONE, Difference, Verdict, errors, first_enough, judged
 
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order

@@ -16,11 +16,11 @@ from studies.ask.request import Request
 from studies.ask.settings import rubbing
 from studies.output.atomic import Table, write_json
 from studies.output.provenance import provenance
-from studies.solving.choosing.ladder import REFERENCE
-from studies.solving.choosing.trials import FROM_REST, NOT_TRIED, SLOWER, Clock, Question, Trial, beside, tried
-from studies.solving.choosing.verdict import NO_MESH, NOT_SETTLED, Verdict, errors
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.nested import touches
+from studies.solving.trials import FROM_REST, NOT_TRIED, SLOWER, Clock, Question, Trial, beside, tried
+from studies.solving.variants import REFERENCE
+from studies.solving.verdict import NO_MESH, NOT_SETTLED, Verdict, errors
 
 FASTER = 0.8  # of the seconds, what a change of what is asked for may take at the most
 LOADING = 1.0  # s that every solve takes before it begins: beside it small differences are none

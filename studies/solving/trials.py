@@ -16,9 +16,9 @@ from contact.catalogue import ALGORITHMS
 from studies.ask.request import PartError, Request, UsageError, text_of
 from studies.ask.scene import Scene
 from studies.scenes.complete import complete
-from studies.solving.choosing.ladder import REFERENCE
 from studies.solving.result import SOLVED, Result
 from studies.solving.solve import Interrupted, solve
+from studies.solving.variants import REFERENCE
 
 AGREE = 1e-6  # relative, of values of one problem: all algorithms are judged to the same tolerance
 REFUSED, SLOWER, NOT_TRIED = "refused", "slower", "not tried"
