@@ -1,4 +1,4 @@
-"""One solve of a case: within a number of evaluations, and what became of it in a word.
+"""A request as plain data, and one solve of it: within a number of evaluations, and what became of it in a word.
 
 Whatever a solve raises is a finding, and so is an end that does not say in one line why.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import traceback
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -23,14 +23,56 @@ from contact.verify import EQUILIBRIUM
 from contact.verify_friction import CHORD
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Scene, SceneModel, Stage, UsageError
-from studies.fuzz.cases import Asked
+from studies.fuzz.values import generator
+from studies.scenes.complete import Cell, complete
 from studies.scenes.curves import ArcStage
+from studies.solving.refinement.grids import Family
 from studies.solving.result import UNSTABLE, WRONG, Result
 from studies.solving.solve import solve
 
 MOST = 8_000  # linearisations of one solve
 BARELY, BOUNDS = 0.1, {"equilibrium": EQUILIBRIUM, "direction": CHORD}  # of what the judge allows
 CONVERGED, REFUSED, ENDED = "converged", "refused", "ended"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request as it is asked for; refined: its grid is cut in places, by a choice of the case's number."""
+
+    scene: str
+    options: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, str] = field(default_factory=dict)
+    refined: bool = False
+
+    @property
+    def command(self) -> str:
+        """The command that solves it; a grid that is refined by hand has none."""
+        cell = Cell("", self.scene, dict(self.options), dict(self.settings))
+        return cell.command + (" (refined in places)" if self.refined else "")
+
+    def with_options(self, **options: str) -> Asked:
+        """Other options."""
+        return replace(self, options={**self.options, **options})
+
+    def with_settings(self, **settings: str) -> Asked:
+        """Other settings."""
+        return replace(self, settings={**self.settings, **settings})
+
+    def request(self, seed: int) -> tuple[Scene, Request]:
+        """Resolved; raises UsageError."""
+        options: dict[str, Any] = {**self.options}
+        if "steps" in options:
+            options["steps"] = int(options["steps"])
+        scene, request = complete(self.scene, self.settings, **options)
+        return scene, _refined(scene, request, seed) if self.refined else request
+
+
+def _refined(scene: Scene, request: Request, seed: int) -> Request:
+    """The request with a tree over its mesh, where its grid takes one."""
+    family, rng = Family.of(scene, request), generator(seed, "leaves")
+    if family.tree is None:
+        return request
+    return family.refined(rng.random(len(family.tree.leaves)) ** 4).asked
 
 
 class Broken(Exception):  # noqa: N818  it is no error of the solve, but its verdict

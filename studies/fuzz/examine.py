@@ -16,11 +16,10 @@ from typing import Any
 import pandas as pd
 
 from studies.ask.scene import UsageError
-from studies.fuzz import matrices, posed, scenes
-from studies.fuzz.attempt import Broken, Passed, place, quiet
-from studies.fuzz.cases import FRICTION, SCENE, Asked, kind_of
+from studies.fuzz import posed, scenes
+from studies.fuzz.attempt import Asked, Broken, Passed, place, quiet
+from studies.fuzz.cases import FRICTION, SCENE, kind_of, request_of
 from studies.fuzz.comparing import AGREES
-from studies.fuzz.near import request_of
 from studies.output.atomic import SCHEMA, as_text, write_table
 from studies.run.pool.engine import engine as engine_of
 from studies.run.pool.process import keeping_what_is_finished
@@ -34,7 +33,10 @@ PASSED, EXPLAINED, UNCOMPARED, BROKEN = "agrees", "explained", "not compared", "
 HARDEST = 100
 TRIES = 40  # requests that are tried to make one smaller
 REQUESTS = (SCENE, FRICTION)
-MADE: dict[str, Any] = {"posed": posed, "matrices": matrices}  # the other kinds
+MADE = {  # of the other kinds: in words, and the check
+    "posed": (posed.about_panel, posed.check_panel),
+    "matrices": (posed.about_matrices, posed.check_matrices),
+}
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,8 @@ def examine(seed: int, kind: str = "", *, smaller: bool = False) -> Report:
     """
     kind = kind or kind_of(seed)
     if kind not in REQUESTS:
-        return _report(seed, kind, MADE[kind].about(seed), lambda: MADE[kind].check(seed))
+        about, check = MADE[kind]
+        return _report(seed, kind, about(seed), lambda: check(seed))
     with quiet():
         asked = request_of(seed, kind)
     found = _report(seed, kind, asked.command, lambda: scenes.check(seed, asked))

@@ -22,7 +22,8 @@ from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.experiments import Row, tabulated
 from studies.fuzz import planted_in_friction
-from studies.fuzz.cases import SCENE, Asked, asked_of
+from studies.fuzz.attempt import Asked
+from studies.fuzz.cases import SCENE, asked_of
 from studies.fuzz.examine import BROKEN, examine
 from studies.fuzz.planting import Fault, fault, swapped
 from studies.scenes.contact import panel

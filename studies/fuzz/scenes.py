@@ -16,8 +16,7 @@ from studies.ask.request import Request, text_of
 from studies.ask.scene import has_contact
 from studies.ask.settings import MU, SLIDING, configured, rubbing, settings_of
 from studies.fuzz import state_laws
-from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
-from studies.fuzz.cases import Asked
+from studies.fuzz.attempt import CONVERGED, Asked, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, TOLERANCE, Answer, compared, error_of, unstable
 from studies.fuzz.values import generator
 from studies.scenes import SCENES

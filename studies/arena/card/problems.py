@@ -21,7 +21,7 @@ from contact.problem import ContactProblem, ContactSolution, Outcome, linear_mec
 from studies.arena.collected.candidates import candidates
 from studies.arena.collected.paths import Path
 from studies.arena.collected.rule import Rule, Taken
-from studies.fuzz import matrices
+from studies.fuzz.posed import made as random_matrices
 
 FROZEN, MADE, SCENE, HARD = "frozen", "made", "scene", "hard"
 GROUPS = {
@@ -122,9 +122,9 @@ def frozen() -> Iterator[Posed]:
 
 
 def made(epsilon: float) -> Iterator[Posed]:
-    """Random matrices, a number each; see :mod:`studies.fuzz.matrices`."""
+    """Random matrices, a number each; see :mod:`studies.fuzz.posed`."""
     for seed in CASES:
-        yield Posed(MADE, f"matrices {seed}", *matrices.made(seed, epsilon))
+        yield Posed(MADE, f"matrices {seed}", *random_matrices(seed, epsilon))
 
 
 def frozen_of(case: Posed) -> FrozenStep:

@@ -18,12 +18,11 @@ from contact.problem import Linearisation
 from studies.ask.scene import has_contact
 from studies.ask.settings import parameters_of
 from studies.cli import main
-from studies.fuzz import matrices, near, posed
-from studies.fuzz.attempt import CONVERGED, Broken, attempt
-from studies.fuzz.cases import FRICTION, KINDS, Asked, asked_of, first_asked, kind_of
+from studies.fuzz import posed
+from studies.fuzz.attempt import CONVERGED, Asked, Broken, attempt
+from studies.fuzz.cases import COMMANDS, FRICTION, KINDS, asked_of, changed, first_asked, kind_of, parsed, request_of
 from studies.fuzz.comparing import AGREES, Answer, compared, error_of, unstable
 from studies.fuzz.examine import BROKEN, command_of, examine, run
-from studies.fuzz.near import COMMANDS
 from studies.fuzz.state_laws import Slipped, mismatches
 from studies.fuzz.values import drawn
 from studies.scenes import SCENES
@@ -35,19 +34,19 @@ MANY = range(10_000, 10_080)  # none of a campaign
 @settings(derandomize=True, max_examples=40, deadline=None, database=None)
 @given(SEEDS)
 def test_drawn_matrices_keep_their_laws(seed: int) -> None:
-    matrices.check(seed)  # raises Broken
+    posed.check_matrices(seed)  # raises Broken
 
 
 def test_the_last_digit_of_loads_that_need_no_foundation_is_no_fault() -> None:
     """A residual of 1.4 last digits of the loads, which the rounding of K u alone does not explain."""
-    assert matrices.check(1914).word == CONVERGED
+    assert posed.check_matrices(1914).word == CONVERGED
 
 
 @pytest.mark.slow
 @settings(derandomize=True, max_examples=4, deadline=None, database=None)
 @given(SEEDS)
 def test_drawn_panels_keep_their_laws(seed: int) -> None:
-    posed.check(seed)
+    posed.check_panel(seed)
 
 
 @pytest.mark.slow
@@ -67,14 +66,14 @@ def test_every_kind_is_drawn_slender_grids_too_and_most_settings_are_changed_som
     """The values of a case do not depend on one another: what is drawn once stays as it is."""
     assert {kind_of(seed) for seed in range(60)} == set(KINDS)
     asked = [asked_of(seed) for seed in range(300) if kind_of(seed) == "scene"]
-    changed = {key for each in asked if each.scene == "panel" for key in each.settings}
-    assert len(changed) > 0.5 * len(SCENES["panel"].settings)
+    keys = {key for each in asked if each.scene == "panel" for key in each.settings}
+    assert len(keys) > 0.5 * len(SCENES["panel"].settings)
     grids = [[int(n) for n in each.options["mesh"].split("x")] for each in asked]
     assert sum(max(grid) >= 16 * min(grid) for grid in grids) > 1
 
 
 def test_a_case_replays_to_the_last_digit() -> None:
-    one, other = (matrices.made(5, np.inf) for _ in range(2))
+    one, other = (posed.made(5, np.inf) for _ in range(2))
     assert np.array_equal(one[1].u, other[1].u)
     assert asked_of(7) == asked_of(7)
     assert examine(4) == examine(4)
@@ -83,7 +82,7 @@ def test_a_case_replays_to_the_last_digit() -> None:
 def test_the_made_answer_is_an_answer() -> None:
     """By its own definition, with the weights and the gaps of the problem; and it is stable."""
     for seed in range(30):
-        problem, answer = matrices.made(seed, np.inf)
+        problem, answer = posed.made(seed, np.inf)
         lin = problem.linearise(answer.u, None)
         assert lin.residual == pytest.approx(problem.contact_force(answer.u, answer.pressure), abs=1e-10 * lin.scale)
         gap = problem.gap(answer.u)
@@ -93,7 +92,7 @@ def test_the_made_answer_is_an_answer() -> None:
 
 def test_a_difference_is_explained_only_where_it_is() -> None:
     """The answer of another problem has no explanation, the same one agrees, a loose one is as good as it claims."""
-    problem, answer = matrices.made(3, np.inf)
+    problem, answer = posed.made(3, np.inf)
     one = Answer(problem, answer, Semismooth())
     assert compared(one, one) == AGREES
     assert unstable(one) == 0
@@ -119,7 +118,7 @@ def test_friction_is_no_error_of_a_state() -> None:
 
 
 def test_a_wrong_derivative_is_seen() -> None:
-    problem, answer = matrices.made(3, np.inf)
+    problem, answer = posed.made(3, np.inf)
     rng = np.random.default_rng(0)
     assert mismatches(problem, answer.u, answer.pressure, rng) == {}
     signs = sparse.diags_array(np.append(-1.0, np.ones(len(answer.pressure) - 1)))
@@ -157,19 +156,19 @@ def test_friction_is_drawn_with_ways_that_turn_back() -> None:
 
 
 def test_a_hard_request_is_changed_in_one_thing() -> None:
-    parents = [near.parsed(command) for command in COMMANDS]
+    parents = [parsed(command) for command in COMMANDS]
     for seed in range(60):
         parent = parents[seed % len(parents)]
-        asked = near.changed(parent, seed)
+        asked = changed(parent, seed)
         mine, theirs = ({**each.options, **each.settings, "scene": each.scene} for each in (asked, parent))
-        assert asked == near.changed(parent, seed)
+        assert asked == changed(parent, seed)
         assert len(dict(mine.items() ^ theirs.items())) <= 1
-    assert any(near.request_of(seed, FRICTION) != asked_of(seed, FRICTION) for seed in range(20))
+    assert any(request_of(seed, FRICTION) != asked_of(seed, FRICTION) for seed in range(20))
 
 
 def test_every_hard_request_is_one_that_is_taken() -> None:
     for command in COMMANDS:
-        near.parsed(command).request(0)
+        parsed(command).request(0)
 
 
 def slipped(friction: float) -> Slipped:
@@ -203,7 +202,7 @@ def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 def test_parameters_of_an_algorithm_are_drawn_within_their_ranges() -> None:
     for seed in range(50):
-        contact, given = matrices.algorithm_of(seed)
+        contact, given = posed.algorithm_of(seed)
         for setting in parameters_of(contact):
             if setting.key in given:
                 setting.parse(given[setting.key])

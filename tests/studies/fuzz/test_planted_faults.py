@@ -9,7 +9,8 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.obstacles.drum_sphere import Sphere
-from studies.fuzz.cases import Asked, asked_of, kind_of
+from studies.fuzz.attempt import Asked
+from studies.fuzz.cases import asked_of, kind_of
 from studies.fuzz.examine import examine, minimised
 from studies.fuzz.planted_faults import FAULTS, MOST, found_after, too_large
 from studies.fuzz.planting import Fault
