@@ -16,8 +16,7 @@ WITHOUT = (
     *(
         "studies.fuzz",
         "studies.gate",
-        "studies.run.pool",
-        "studies.run.campaigns",
+        "studies.run",
         "studies.solving.friction_stages",
         "studies.solving.load_steps",
         "reports",

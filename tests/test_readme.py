@@ -21,7 +21,7 @@ from reports.chapter import listed
 from reports.contents import CHAPTERS
 from studies.cli import _parser
 from studies.experiments.conformance import conformance
-from studies.run.campaigns.file import names as campaigns
+from studies.run.campaign import names as campaigns
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.result import SOLVED

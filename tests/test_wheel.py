@@ -66,7 +66,7 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
     }
     assert ours - shipped == set()
     for place in (
-        "studies/run/campaigns/shipped/quick.toml",
+        "studies/run/shipped/quick.toml",
         "studies/scenes/data/",
         "studies/baseline/",
         "reports/assets/",

@@ -15,9 +15,9 @@ import pandas as pd
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.ask.declarations import Ladder
-from studies.run.campaigns.share_cells import COMPARED, LABEL, meshes_of, read_at
-from studies.run.cells.answers import Answer, Answers, number
-from studies.run.cells.rows import holds_from
+from studies.run.answers import Answer, Answers, number
+from studies.run.rows import holds_from
+from studies.run.scene_cells import COMPARED, SHARE_LABEL, meshes_of, read_at
 
 ENOUGH = 0.01  # the error that a mesh is wanted for
 EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart
@@ -129,7 +129,7 @@ def _path(answer: Answer, finer: Answer | None) -> dict[str, Any]:
 
 def _answers(answers: Answers, ladder: Ladder, mesh: str) -> Iterator[tuple[str, Answer]]:
     for share in THICKNESS_STRAINS:
-        found = answers.get(LABEL.format(ladder=ladder.name, mesh=mesh, share=share))
+        found = answers.get(SHARE_LABEL.format(ladder=ladder.name, mesh=mesh, share=share))
         if found is not None:
             yield share, found
 

@@ -40,10 +40,8 @@ from studies.ask.scene import UsageError
 from studies.catalogue.tables import catalogue_tables
 from studies.experiments.choices import measure_limits
 from studies.output.atomic import write_table
-from studies.run.cells.collect import collect
-from studies.run.cells.machines import machines
-from studies.run.cells.published import published
-from studies.run.cells.rows import reference_rows
+from studies.run.collect import collect, machines
+from studies.run.rows import published, reference_rows
 from studies.solving.refinement.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.solving.trials import PATIENCE
 

@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.run.cells.answers import Answers
+from studies.run.answers import Answers
 from studies.solving.result import SOLVED
 
 ANSWERS = "answers"  # the parameter of a function that reads solved cells, not a table

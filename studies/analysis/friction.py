@@ -13,7 +13,7 @@ import pandas as pd
 
 from studies.analysis.evidence import Tables
 from studies.experiments.friction.scenes import DELTA, MESH
-from studies.run.cells.rows import holds_from
+from studies.run.rows import holds_from
 from studies.solving.refinement.richardson import power_of
 from studies.solving.result import SOLVED, UNSUPPORTED
 

@@ -15,9 +15,9 @@ import pandas as pd
 
 from studies.ask.declarations import Ladder
 from studies.ask.scene import Reference
-from studies.run.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS
-from studies.run.cells.answers import Answer, Answers
-from studies.run.cells.rows import ladders
+from studies.run.answers import Answer, Answers
+from studies.run.rows import ladders
+from studies.run.scene_cells import BENCHMARKS, LADDER_LABEL, LADDERS
 from studies.scenes.references import STEP_KEYS, holding
 from studies.solving.refinement.richardson import MeshSequence, order_against
 
@@ -103,7 +103,7 @@ def _planned(answers: Answers) -> Iterator[Rungs]:
     for element, finest in ELEMENTS.items():
         for ladder in LADDERS:
             named = {"ladder": ladder.name, "element": element}
-            labels = {mesh: LABEL.format(mesh=mesh, **named) for mesh in ladder.climbed(finest=finest)}
+            labels = {mesh: LADDER_LABEL.format(mesh=mesh, **named) for mesh in ladder.climbed(finest=finest)}
             key, _, value = ladder.at.partition("=")
             at = [{key: float(value)} if key else {}]
             yield from _of_ladder(answers, ladder, element, labels, at)

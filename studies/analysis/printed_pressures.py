@@ -17,8 +17,8 @@ from scipy.ndimage import binary_erosion
 
 from formulations.element.strain_operator import area_factor
 from formulations.geometry.surfaces import torus
-from studies.run.campaigns.report_cells import READINGS, TYRE
-from studies.run.cells.answers import Answer, Answers
+from studies.run.answers import Answer, Answers
+from studies.run.lists import READINGS, TYRE
 from studies.scenes.data import read_reference
 from studies.scenes.tyre.readings import deviation
 

@@ -16,9 +16,9 @@ import pandas as pd
 
 from studies.analysis.evidence import Tables
 from studies.experiments.choices import measure_limits
-from studies.run.campaigns.report_cells import BUDGET_MESHES, BUDGETED, MODELS, SOLID, TYRE
-from studies.run.cells.answers import HERE, Answer, Answers
-from studies.run.cells.rows import holds_from
+from studies.run.answers import HERE, Answer, Answers
+from studies.run.lists import BUDGET_MESHES, BUDGETED, MODELS, SOLID, TYRE
+from studies.run.rows import holds_from
 from studies.scenes import SCENES
 from studies.scenes.data import read_reference
 from studies.solving.refinement.richardson import formal_limit, order_of

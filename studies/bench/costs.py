@@ -28,8 +28,8 @@ from contact.solvers.sparse import BACKWARD_ERROR, Factor, backward_error, facto
 from formulations.shell import ShellModel
 from studies.bench.newton import asked, tyre
 from studies.bench.rounds import NO_BAR, PART, Group, Line, in_rounds
-from studies.run.pool.process import ONE_THREAD
-from studies.run.store.source_hash import ROOT
+from studies.run.children import ONE_THREAD
+from studies.run.source_hash import ROOT
 from studies.scenes.complete import complete
 from studies.solving.result import Result
 from studies.solving.solve import solve

@@ -13,12 +13,12 @@ from pathlib import Path
 from studies.output.atomic import SCHEMA, as_text, write_json
 from studies.output.stopwatch import WALL, timed
 from studies.output.terminal import columns
-from studies.run.campaigns.file import Campaign
-from studies.run.campaigns.plan import identity, plan
-from studies.run.cells.collect import collect
-from studies.run.pool.process import Children
-from studies.run.pool.task import Limits, Task
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
+from studies.run.campaign import Campaign
+from studies.run.children import Children
+from studies.run.collect import collect
+from studies.run.plan import identity, plan
+from studies.run.task import Limits, Task
 from studies.scenes.complete import Cell
 
 TRIVIAL = Cell(

@@ -33,7 +33,7 @@ from studies.exchange.results import GROWTH, Found, read_results
 from studies.output.atomic import write_table_once
 from studies.output.stopwatch import WALL, timed
 from studies.output.terminal import columns
-from studies.run.store.source_hash import sources_hash
+from studies.run.source_hash import sources_hash
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.tyre.model import checked_wall

@@ -21,8 +21,8 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, SceneModel
 from studies.catalogue.words import arrows, middle_of
 from studies.output.vtu import CORNERS_8, PLACES_27, read_vtu
-from studies.run.campaigns.sheet_cells import GROUP, sheet_cell
-from studies.run.cells.answers import Answers
+from studies.run.answers import Answers
+from studies.run.scene_cells import SHEETS, sheet_cell
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.contact import crushed_ring
@@ -106,7 +106,7 @@ def drawn_bodies(answers: Answers) -> tuple[pd.DataFrame, pd.DataFrame]:
     """POINTS of the skin [mm, MPa], and QUADS of their numbers, of all cells of the sheets that have fields."""
     points, quads = [], []
     for label, row in answers.planned.items():
-        answer = answers.get(label) if row.get("group") == GROUP else None
+        answer = answers.get(label) if row.get("group") == SHEETS else None
         if answer is None or not (answer.files / "fields.vtu").exists():
             continue
         fields = read_vtu(answer.files / "fields.vtu")

@@ -22,8 +22,8 @@ from studies.catalogue.bodies import Built, built_models, drawn_bodies, marks
 from studies.catalogue.descriptions import describe, kinematics_of, law_text, meaning_of, paragraphs, plain_text
 from studies.catalogue.values import answered, values
 from studies.catalogue.words import loads, obstacle, shape_of, solid_supports, supports
-from studies.run.campaigns.sheet_cells import GROUP
-from studies.run.cells.answers import Answers
+from studies.run.answers import Answers
+from studies.run.scene_cells import SHEETS
 from studies.scenes import SCENES
 from studies.scenes.element import ShearCorrected
 
@@ -215,7 +215,7 @@ def catalogue_tables(
 ) -> dict[str, pd.DataFrame]:
     """By name; none for a campaign without such cells.  models: of all scenes, unless some are given."""
     answers = Answers.of(store, campaign)
-    if not any(row.get("group") == GROUP for row in answers.planned.values()):
+    if not any(row.get("group") == SHEETS for row in answers.planned.values()):
         return {}
     built = list(built_models() if models is None else models)
     points, quads = drawn_bodies(answers)

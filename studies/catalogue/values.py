@@ -12,8 +12,8 @@ import pandas as pd
 
 from studies.ask.request import text_of
 from studies.ask.scene import Reference, judged_of, ladders_of
-from studies.run.campaigns.sheet_cells import sheet_cell
-from studies.run.cells.answers import Answer, Answers, number
+from studies.run.answers import Answer, Answers, number
+from studies.run.scene_cells import sheet_cell
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.references import STEP_KEYS, holding

@@ -15,9 +15,9 @@ from studies.commands import FAILED, OK
 from studies.gate.baseline import HERE, Update, read_baseline
 from studies.gate.compare import NothingComparedError, check, failures, lines, update
 from studies.gate.times import compare_times, samples_of_both, time_lines
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run as run_campaign
-from studies.run.cells.collect import collect
+from studies.run.campaign import find
+from studies.run.collect import collect
+from studies.run.running import run as run_campaign
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

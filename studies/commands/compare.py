@@ -17,7 +17,7 @@ from studies.commands.options import reading
 from studies.gate.baseline import HERE, OUTCOME, TOLERANCES, Bound, read_bounds
 from studies.gate.compare import UNFINISHED, NothingComparedError, compared, measured, shortened
 from studies.gate.times import compare_times, samples_of_both
-from studies.run.cells.collect import collect
+from studies.run.collect import collect
 from studies.solving.result import CONVERGED
 
 MOST = 20  # rows a table: a comment is read, an archive is not

@@ -10,7 +10,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.catalogue.descriptions import meaning_of
 from studies.commands import OK
 from studies.output.terminal import columns
-from studies.run.campaigns.file import find, names
+from studies.run.campaign import find, names
 from studies.scenes import SCENES
 
 

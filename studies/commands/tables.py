@@ -31,7 +31,7 @@ from studies.experiments.friction import bars, brush, greco, klarbring, public_p
 from studies.experiments.shell_limits import ladder
 from studies.fuzz import planted_faults
 from studies.output.atomic import SCHEMA, write_table_once
-from studies.run.store.source_hash import data_of, sources_hash
+from studies.run.source_hash import data_of, sources_hash
 from studies.scenes.plugins import modules
 
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {

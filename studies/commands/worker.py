@@ -23,8 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.ask.request import PartError
-from studies.run.pool.limits import READY, end_with, limit
-from studies.run.pool.task import Limits, Order, Task
+from studies.run.task import READY, Limits, Order, Task, end_with, limit
 
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)  # they come without the name of a file, too
 
@@ -103,7 +102,7 @@ def _is_of_store(error: OSError, folder: Path | None) -> bool:
 
 
 def _record(task: Task, folder: Path | None) -> str:
-    from studies.run.store.record import record_of
+    from studies.run.record import record_of
     from studies.scenes.plugins import load
 
     load(task.use)
@@ -129,7 +128,7 @@ def _fuzz(task: Task, folder: Path | None) -> str:
 
 
 def _canary(task: Task, folder: Path | None) -> str:
-    from studies.run.canary import canary
+    from studies.run.times import canary
 
     return json.dumps({"seconds": canary()})
 

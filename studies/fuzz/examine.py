@@ -21,11 +21,11 @@ from studies.fuzz.attempt import Asked, Broken, Passed, place, quiet
 from studies.fuzz.cases import FRICTION, SCENE, kind_of, request_of
 from studies.fuzz.comparing import AGREES
 from studies.output.atomic import SCHEMA, as_text, write_table
-from studies.run.pool.engine import engine as engine_of
-from studies.run.pool.process import keeping_what_is_finished
-from studies.run.pool.task import Limits, Task
-from studies.run.store.layout import Archive, DamagedError
-from studies.run.store.source_hash import sources_hash
+from studies.run.archive import Archive, DamagedError
+from studies.run.children import keeping_what_is_finished
+from studies.run.running import engine_of
+from studies.run.source_hash import sources_hash
+from studies.run.task import Limits, Task
 from studies.solving.result import CONVERGED, CRASH, MEMORY, TIME, WRONG
 
 NAME = "fuzz"  # how the names of cases in a store begin

@@ -20,8 +20,8 @@ from typing import Any
 from contact.interchange.untrusted import MOST, parsed_json
 from studies.ask.request import UsageError
 from studies.output.atomic import SCHEMA
-from studies.run.store.layout import KEYS, Archive
-from studies.run.store.schema import RECORD, fault, shortened, word
+from studies.run.archive import KEYS, Archive
+from studies.run.schema import RECORD, fault, shortened, word
 from studies.scenes.complete import Cell
 from studies.solving.result import CLASSES
 

@@ -30,12 +30,12 @@ from studies.gate.claims import Verified, check_request, claims_success, verify
 from studies.gate.foreign import FIELDS, ClaimError, Foreign
 from studies.output.atomic import as_text, write_by, write_text
 from studies.output.provenance import provenance
-from studies.run.campaigns.file import Campaign
-from studies.run.campaigns.plan import Row, plan
-from studies.run.campaigns.run import Progress, write_plan
-from studies.run.pool.process import Children
-from studies.run.pool.task import Limits, Task
-from studies.run.store.layout import Archive, DamagedError
+from studies.run.archive import Archive, DamagedError
+from studies.run.campaign import Campaign
+from studies.run.children import Children
+from studies.run.plan import Row, plan
+from studies.run.running import Progress, write_plan
+from studies.run.task import Limits, Task
 from studies.scenes.complete import Cell
 from studies.scenes.plugins import used
 

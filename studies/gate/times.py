@@ -18,7 +18,7 @@ from scipy.stats import false_discovery_control, mannwhitneyu
 
 from studies.ask.scene import UsageError
 from studies.gate.compare import NothingComparedError
-from studies.run.store.times import DRIFT, read_times
+from studies.run.times import DRIFT, read_times
 
 FEWEST = 8  # samples a side: 1/C(16, 8) = 7.8e-5 is the first p that survives the control over a hundred cells
 SIGNIFICANT = 0.01  # of the adjusted p

@@ -23,12 +23,12 @@ import pandas as pd
 from studies.ask.scene import UsageError
 from studies.output.atomic import SCHEMA, write_json
 from studies.output.provenance import provenance
-from studies.run.campaigns.file import Campaign
-from studies.run.campaigns.plan import plan, solved_rows
-from studies.run.pool.process import Child
-from studies.run.pool.task import Limits, Task
-from studies.run.store.layout import Archive
-from studies.run.store.times import DRIFT, interval, read_times, times_path
+from studies.run.archive import Archive
+from studies.run.campaign import Campaign
+from studies.run.children import Child
+from studies.run.plan import plan, solved_rows
+from studies.run.task import Limits, Task
+from studies.run.times import DRIFT, interval, read_times, times_path
 from studies.scenes.plugins import used
 from studies.solving.result import SOLVED
 

@@ -9,7 +9,7 @@ import pytest
 
 from contact import rounding
 from contact.verify import Verdict
-from studies.run.store.source_hash import closure
+from studies.run.source_hash import closure
 from tests.test_imports import ROOT
 
 SEARCHES = ("contact.newton", "contact.algorithms", "contact.continuation", "contact.rounding")

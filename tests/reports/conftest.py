@@ -29,10 +29,9 @@ from studies.experiments.extreme_limits import limits_table
 from studies.experiments.false_success import COLUMNS as CLAIM_COLUMNS
 from studies.experiments.rotations import RUNS
 from studies.output.atomic import SCHEMA, plain, write_json, write_table, write_text
-from studies.run.campaigns.ladder_cells import LADDERS
-from studies.run.campaigns.plan import Row
-from studies.run.campaigns.report_cells import LISTS
-from studies.run.campaigns.sheet_cells import GROUP as SHEETS
+from studies.run.lists import LISTS
+from studies.run.plan import Row
+from studies.run.scene_cells import LADDERS, SHEETS
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve

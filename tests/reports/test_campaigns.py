@@ -29,9 +29,9 @@ from studies.analysis.everything import analyse, written
 from studies.analysis.outcomes import SUMMARY_COLUMNS, contact_summary, outcomes
 from studies.cli import main
 from studies.output.atomic import SCHEMA, write_json, write_table, write_text
-from studies.run.campaigns.file import read
-from studies.run.campaigns.plan import Row
-from studies.run.campaigns.run import run
+from studies.run.campaign import read
+from studies.run.plan import Row
+from studies.run.running import run
 from studies.scenes.complete import Cell
 from support.pages.changed import edit_json
 from support.pages.medians import bare_columns, unfounded

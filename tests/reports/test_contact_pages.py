@@ -21,7 +21,7 @@ from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.output.atomic import write_table
-from studies.run.campaigns.report_cells import agreement, enforcements
+from studies.run.lists import agreement, enforcements
 from support.pages.changed import edit_json, place
 from support.pages.rows import row
 from support.stores.friction import patch

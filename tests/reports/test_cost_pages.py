@@ -15,7 +15,7 @@ from reports.figures.drawing import drawn
 from reports.store import load_store
 from studies.analysis.tyre import BEHIND
 from studies.output.atomic import write_table
-from studies.run.campaigns.report_cells import MODELS
+from studies.run.lists import MODELS
 from support.pages.changed import edit_json, place
 from support.pages.rows import row
 from support.stores.made_up import analysed_again

@@ -25,7 +25,7 @@ from reports.chapters.shell_limits import ring_part
 from reports.markdown import Part
 from reports.store import Store
 from studies.analysis.everything import written
-from studies.run.campaigns.report_cells import MODELS, agreement
+from studies.run.lists import MODELS, agreement
 from support.pages.changed import edit_table, set_values
 from support.pages.rows import row
 

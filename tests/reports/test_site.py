@@ -28,7 +28,7 @@ from reports.reading import StoreError
 from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.store import Store, load_store
 from studies.output.atomic import write_text
-from studies.run.campaigns.report_cells import LISTS
+from studies.run.lists import LISTS
 from support.pages.changed import edit_json
 
 PAGES = ["index.md", *(each.file for each in CHAPTERS)]

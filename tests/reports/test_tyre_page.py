@@ -17,8 +17,8 @@ from reports.reading import StoreError
 from reports.store import load_store
 from studies.analysis.tyre import cancellation
 from studies.output.atomic import SCHEMA, plain, write_json, write_text
-from studies.run.campaigns.plan import Row
-from studies.run.campaigns.report_cells import LISTS
+from studies.run.lists import LISTS
+from studies.run.plan import Row
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve

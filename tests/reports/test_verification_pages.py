@@ -28,9 +28,9 @@ from studies.analysis.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
 from studies.analysis.verify import verified
 from studies.experiments.locking import MESHES, THINNESS
 from studies.output.atomic import write_json, write_table
-from studies.run.campaigns.ladder_cells import LADDERS
-from studies.run.cells.answers import Answers
-from studies.run.cells.collect import collect
+from studies.run.answers import Answers
+from studies.run.collect import collect
+from studies.run.scene_cells import LADDERS
 from support.pages.changed import edit_json, place
 from support.pages.sentences import sentence
 from support.stores.made_up import analysed_again

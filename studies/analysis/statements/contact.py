@@ -11,8 +11,8 @@ import pandas as pd
 from studies.analysis import ladders
 from studies.analysis.outcomes import DEFAULT
 from studies.analysis.statements.record import Values
-from studies.run.campaigns.report_cells import agreement
-from studies.run.cells.answers import Answer, Answers
+from studies.run.answers import Answer, Answers
+from studies.run.lists import agreement
 
 AGREE = 1e-7  # relative difference of forces up to which two algorithms agree
 CASE = ("load", "section")  # settings that change the problem

@@ -24,8 +24,8 @@ import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.solvers.base import Answer, Solver
-from studies.run.pool.limits import READY, end_with, limit, status_MB
-from studies.run.pool.process import Running
+from studies.run.children import Running
+from studies.run.task import READY, end_with, limit, status_MB
 
 STARTUP_S = 600.0  # on the clock, as on a machine that leaves it one part in a hundred (measured: 170 s for 0.7 s)
 PATIENCE = 20  # times as long may a solve sleep; one that only waits for a processor does not sleep

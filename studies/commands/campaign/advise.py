@@ -15,7 +15,7 @@ from studies.ask.request import Settings, text_of
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, add_settings, pairs, reading
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.refinement.error_control import parse_error
@@ -64,7 +64,7 @@ def _store(options: argparse.Namespace) -> Path | None:
 def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | None) -> Question:
     if store is None:
         return shipped_question(options.scene, options.quantity, given, options.cost)
-    from studies.run.cells.collect import collect  # takes as long to load as all else
+    from studies.run.collect import collect
 
     with reading(store):
         table = collect(store, options.campaign)

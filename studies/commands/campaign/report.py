@@ -10,7 +10,7 @@ from reports.site import check_pages, place_of, write_pages
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store
-from studies.run.store.layout import check_store
+from studies.run.archive import check_store
 
 PAGES = Path("reports/pages")
 

@@ -11,9 +11,9 @@ from studies.commands.options import add_store, add_trust, positive, progress_ba
 from studies.fuzz import examine as fuzz
 from studies.fuzz.cases import KINDS
 from studies.fuzz.examine import BROKEN, command_of
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run as run_campaign
-from studies.run.pool.task import Limits
+from studies.run.campaign import find
+from studies.run.running import run as run_campaign
+from studies.run.task import Limits
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from studies.ask.scene import UsageError
 from studies.commands import OK
 from studies.commands.options import add_store, reading
 from studies.output.atomic import write_table
-from studies.run.cells.collect import collect
+from studies.run.collect import collect
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,7 +10,7 @@ import sys
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, add_trust, count, progress_bar
-from studies.run.campaigns.file import find
+from studies.run.campaign import find
 from studies.run.timing_lane import time_campaign
 
 

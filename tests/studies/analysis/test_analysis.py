@@ -14,7 +14,7 @@ from studies.analysis.advice.questions import asked_question
 from studies.analysis.everything import analysed
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
-from studies.run.cells.rows import ladders
+from studies.run.rows import ladders
 from studies.scenes.complete import complete
 from support.stores.sweeps import EXACT, SIZES, cells
 

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.elements import confirmed, elements_for, limit_of, nearest, turns_at, verdict_of
-from studies.run.campaigns.ladder_cells import LADDERS
+from studies.run.scene_cells import LADDERS
 
 (ROOF,) = (ladder for ladder in LADDERS if ladder.name == "roof-a")
 

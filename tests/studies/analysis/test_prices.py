@@ -13,7 +13,7 @@ from studies.analysis.advice.choose import CELLS, QUESTIONS, advise, shipped_que
 from studies.analysis.advice.questions import COSTS, asked_question
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
-from studies.run.cells.rows import PRICES
+from studies.run.rows import PRICES
 from support.stores.sweeps import cells
 
 ROOT = Path(__file__).parents[3]

@@ -20,9 +20,9 @@ from studies.analysis.printed_pressures import (
 )
 from studies.analysis.tyre import tyre_budget
 from studies.output.atomic import SCHEMA, plain, write_json
-from studies.run.campaigns.plan import Row
-from studies.run.campaigns.report_cells import BUDGET, READINGS, ROBUSTNESS
-from studies.run.cells.answers import Answers
+from studies.run.answers import Answers
+from studies.run.lists import BUDGET, READINGS, ROBUSTNESS
+from studies.run.plan import Row
 from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
 

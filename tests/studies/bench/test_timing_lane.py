@@ -11,11 +11,10 @@ import pytest
 from studies.ask.scene import UsageError
 from studies.bench.overhead import harness, lines
 from studies.cli import main
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run
-from studies.run.canary import canary
-from studies.run.cells.collect import collect
-from studies.run.store.times import interval
+from studies.run.campaign import find
+from studies.run.collect import collect
+from studies.run.running import run
+from studies.run.times import canary, interval
 from studies.run.timing_lane import REPEATS, SHARE, Stopwatch, sample, shares, summary, time_campaign
 
 LABELS = ("a", "b", "c")

@@ -13,10 +13,10 @@ import pytest
 from studies.commands import tables
 from studies.commands.tables import TABLES, make_table
 from studies.output.atomic import write_table_once
-from studies.run.campaigns.ladder_cells import LADDERS, cells
-from studies.run.campaigns.plan import identity
-from studies.run.campaigns.report_cells import LISTS
-from studies.run.store.source_hash import data_of, hashed
+from studies.run.lists import LISTS
+from studies.run.plan import identity
+from studies.run.scene_cells import LADDERS, ladder_cells
+from studies.run.source_hash import data_of, hashed
 from studies.scenes import SCENES
 
 
@@ -60,7 +60,7 @@ def test_the_report_has_all_tables() -> None:
 
 
 def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
-    of_the_solid = {cell.scene for cell in LISTS["solid"].cells()}
+    of_the_solid = {cell.scene for cell in LISTS["solid"].ladder_cells()}
     # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes; the
     # errors of manufactured scenes are known, their orders a table of their own
     others = {"panel", "manufactured", "manufactured-contact"}
@@ -73,14 +73,14 @@ def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
 
 
 def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
-    made = cells({"element": "paper"}, "paper")
+    made = ladder_cells({"element": "paper"}, "paper")
     assert len({cell.label for cell in made}) == len(made) == sum(len(ladder.meshes) for ladder in LADDERS)
     assert len({identity(cell) for cell in made}) == len(made)
-    other = cells({"thickness_strain": "nodal"}, "other")
+    other = ladder_cells({"thickness_strain": "nodal"}, "other")
     hemisphere = next(cell for cell in other if cell.label == "convergence hemisphere 32x32 other")
     assert hemisphere.settings == {"load_fraction": "1", "lines": "edges", "thickness_strain": "nodal"}
     assert [cell.label.rsplit(" ", 1)[0] for cell in other] == [cell.label.rsplit(" ", 1)[0] for cell in made]
-    fewer = {cell.label for cell in cells({"element": "paper"}, "paper", finest=False)}
+    fewer = {cell.label for cell in ladder_cells({"element": "paper"}, "paper", finest=False)}
     left_out = {f"convergence {ladder.name} {ladder.meshes[-1]} paper" for ladder in LADDERS}
     instead = {f"convergence {ladder.name} {mesh} paper" for ladder in LADDERS for mesh in ladder.coarser}
     assert {cell.label for cell in made} - fewer == left_out

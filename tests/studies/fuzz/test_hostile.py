@@ -21,7 +21,7 @@ from reports.reading import as_words
 from studies.ask.scene import UsageError
 from studies.cli import main
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.run.campaigns.file import read
+from studies.run.campaign import read
 from support.stores import spoiling
 
 CAMPAIGN = """title = "t"

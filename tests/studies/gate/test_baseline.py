@@ -9,10 +9,10 @@ import pytest
 
 from studies.gate.baseline import BASELINE, COMMAND, OUTCOME, TOLERANCES, UPDATES, bound_of, read_baseline, read_bounds
 from studies.gate.compare import Finding, compared, failures, measured
-from studies.run.campaigns.file import Campaign, find
-from studies.run.campaigns.run import run
-from studies.run.cells.collect import collect
-from studies.run.cells.rows import ORDER
+from studies.run.campaign import Campaign, find
+from studies.run.collect import collect
+from studies.run.rows import ORDER
+from studies.run.running import run
 from studies.scenes.complete import Cell
 
 FEW = 8

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from studies.gate.merge import UNVERIFIED, VERIFIED, Summary, merge
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
 from support.stores.elsewhere import BEAM, CAP, FAILS, FINE, LINEAR, LOOSE, STRIP, TYRE, Elsewhere
 
 Plant = Callable[[Elsewhere], object]

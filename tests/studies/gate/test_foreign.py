@@ -18,7 +18,7 @@ import pytest
 from studies.gate import foreign as module
 from studies.gate.foreign import ClaimError, Foreign
 from studies.gate.merge import VERIFIED, merge
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
 from support.stores.elsewhere import BEAM, FINE, STRIP, Elsewhere
 
 pytestmark = pytest.mark.slow  # a store each

@@ -19,8 +19,8 @@ import pytest
 
 from studies.cli import main
 from studies.output.atomic import PART
-from studies.run.campaigns.plan import identity
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
+from studies.run.plan import identity
 from studies.scenes.complete import Cell
 from support.stores.elsewhere import Elsewhere, solved
 from support.stores.hostile import (

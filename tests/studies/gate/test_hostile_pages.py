@@ -13,7 +13,7 @@ from markdown_it import MarkdownIt
 
 from reports.reading import as_prose, as_words
 from studies.cli import main
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
 from support.stores.elsewhere import solved
 
 EVIL = "http://evil.example/"

@@ -10,7 +10,7 @@ import pytest
 from studies.ask.request import UsageError
 from studies.cli import main
 from studies.gate.merge import ALREADY, NOT_SOLVED, SOLVED_AGAIN, VERIFIED, merge
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
 from support.stores.elsewhere import BEAM, FINE, LINEAR, Elsewhere
 
 

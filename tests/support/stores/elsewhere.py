@@ -14,9 +14,9 @@ from contact.problem import ContactSolution
 from studies.ask.request import Request
 from studies.gate.recompute import Opened, arrays_of, as_written, state_of
 from studies.output.vtu import write_vtu
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
+from studies.run.campaign import find
+from studies.run.running import run
 
 BEAMS = """
 title = "beams"

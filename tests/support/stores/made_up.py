@@ -11,7 +11,7 @@ from pathlib import Path
 from studies.analysis.everything import compared, written
 from studies.analysis.statements.claims import claims_table
 from studies.analysis.statements.tables import statement_tables
-from studies.run.cells.collect import collect
+from studies.run.collect import collect
 
 
 def analysed_again(store: Path, campaign: str = "report") -> None:

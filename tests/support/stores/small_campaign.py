@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import Summary, run
+from studies.run.campaign import find
+from studies.run.running import Summary, run
 
 SMALL = """
 title = "small"

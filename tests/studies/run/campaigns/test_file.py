@@ -10,11 +10,11 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import UsageError, has_contact
-from studies.run.campaigns.file import SHIPPED, find, names
-from studies.run.campaigns.plan import plan
-from studies.run.campaigns.report_cells import LISTS
-from studies.run.campaigns.run import run
-from studies.run.cells.collect import COLUMNS, collect
+from studies.run.campaign import SHIPPED, find, names
+from studies.run.collect import COLUMNS, collect
+from studies.run.lists import LISTS
+from studies.run.plan import plan
+from studies.run.running import run
 from studies.scenes import SCENES
 
 

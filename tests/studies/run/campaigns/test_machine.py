@@ -21,12 +21,12 @@ import pytest
 from studies.cli import main
 from studies.commands import FAILED
 from studies.output.atomic import PART
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run
-from studies.run.cells.collect import collect
-from studies.run.pool.process import Child
-from studies.run.pool.task import Limits, Task
-from studies.run.store import layout as archive
+from studies.run import archive
+from studies.run.campaign import find
+from studies.run.children import Child
+from studies.run.collect import collect
+from studies.run.running import run
+from studies.run.task import Limits, Task
 from studies.scenes.complete import Cell
 from support.stores.small_campaign import again, content, small
 

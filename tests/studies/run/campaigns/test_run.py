@@ -13,11 +13,11 @@ import pytest
 
 from studies.ask.scene import UsageError
 from studies.cli import main
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run
-from studies.run.cells.collect import collect
-from studies.run.pool.task import Limits
-from studies.run.store.layout import Archive
+from studies.run.archive import Archive
+from studies.run.campaign import find
+from studies.run.collect import collect
+from studies.run.running import run
+from studies.run.task import Limits
 from support.stores.small_campaign import SMALL, again, content, small
 
 PLANTED = '''
@@ -171,7 +171,7 @@ def test_two_runs_of_one_store_are_one_and_a_refusal(
         assert main(["run", str(small(tmp_path)), "--store", str(store)]) == 2
         said = capsys.readouterr().err
         assert said == f"footprint: {store} is in use by another run; wait for it or choose another --store\n"
-    code = "from pathlib import Path; from studies.run.store.layout import Archive; import time\n"
+    code = "from pathlib import Path; from studies.run.archive import Archive; import time\n"
     code += f"with Archive(Path({str(store)!r})).claimed(): print('held', flush=True); time.sleep(60)"
     holder = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
     assert holder.stdout is not None

@@ -7,7 +7,7 @@ from itertools import groupby
 import pytest
 
 from formulations.element.mixed import THICKNESS_STRAINS
-from studies.run.campaigns.share_cells import COMPARED, meshes_of, read_at, share_cells
+from studies.run.scene_cells import COMPARED, meshes_of, read_at, share_cells
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 

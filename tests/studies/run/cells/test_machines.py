@@ -14,12 +14,11 @@ from reports.origin import machines as section
 from reports.store import load_store
 from studies.analysis.everything import analyse
 from studies.gate.merge import merge
-from studies.run.campaigns.file import find
-from studies.run.campaigns.run import run
-from studies.run.cells.collect import collect
-from studies.run.cells.machines import UNKNOWN, machine_of, of_one_machine
-from studies.run.store.layout import Archive
-from studies.run.store.times import times_path
+from studies.run.archive import Archive
+from studies.run.campaign import find
+from studies.run.collect import UNKNOWN, collect, machine_of, of_one_machine
+from studies.run.running import run
+from studies.run.times import times_path
 from support.stores.elsewhere import BEAM, BEAMS, FINE, STRIP, Elsewhere, solved
 
 FAST = "Other CPU"

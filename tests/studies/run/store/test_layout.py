@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from studies.ask.scene import UsageError
-from studies.run.store import layout
-from studies.run.store.layout import check_store
+from studies.run import archive as layout
+from studies.run.archive import check_store
 
 ROW = {"label": "a", "id": "a", "scene": "panel"}
 

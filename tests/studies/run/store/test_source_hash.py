@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from studies.commands.tables import TABLES
-from studies.run.campaigns import plan
-from studies.run.campaigns.plan import SOLVERS, identity
-from studies.run.store.source_hash import BESIDE_A_CELL, FRICTION, PACKAGES, ROOT, closure, hashed, sources_hash
+from studies.run import plan
+from studies.run.plan import SOLVERS, identity
+from studies.run.source_hash import BESIDE_A_CELL, FRICTION, PACKAGES, ROOT, closure, hashed, sources_hash
 from studies.scenes.complete import Cell
 
 TYRE = (*SOLVERS, "studies.scenes.tyre.scene", "contact.algorithms.lcp")
@@ -42,8 +42,8 @@ def copied(tmp_path: Path) -> Path:
         ("studies/scenes/element.py", True),
         ("studies/scenes/benchmarks/hemisphere.py", False),
         ("studies/scenes/__init__.py", False),
-        ("studies/run/campaigns/run.py", False),
-        ("studies/run/campaigns/report_cells.py", False),
+        ("studies/run/running.py", False),
+        ("studies/run/lists.py", False),
         ("studies/experiments/epsilon.py", False),
         ("studies/cli.py", False),
         ("studies/scenes/complete.py", False),
@@ -74,7 +74,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     rubs = {name for name in rubbed if any(fnmatchcase(name, each) for each in FRICTION)}
     assert rubs > {"contact.newton.friction_run", "studies.solving.friction_stages"}
     assert not smooth & rubs
-    code = "import sys; from studies.solving.solve import solve; import studies.run.store.record\n"
+    code = "import sys; from studies.solving.solve import solve; import studies.run.record\n"
     code += "from studies.scenes.complete import complete\n"
     code += "called = set()\n"
     code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
@@ -167,7 +167,7 @@ def test_our_modules_spell_out_the_data_beside_them() -> None:
 def test_a_table_depends_on_the_scenes_that_it_solves() -> None:
     modules = closure([TABLES["epsilon"].__module__])
     assert {"studies.experiments.epsilon", "studies.scenes.tyre.scene", "contact.newton.step"} <= modules
-    assert not {"studies.cli", "studies.run.campaigns.run", "studies.experiments.locking"} & modules
+    assert not {"studies.cli", "studies.run.running", "studies.experiments.locking"} & modules
 
 
 def test_imports_are_followed_wherever_they_stand(tmp_path: Path) -> None:

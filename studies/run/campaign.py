@@ -3,7 +3,7 @@
 ::
 
     title = "..."
-    lists = ["benchmarks"]        # of studies/run/campaigns/report_cells.py, with the tables that belong to them
+    lists = ["benchmarks"]        # of studies/run/lists.py, with the tables that belong to them
     pages = "all"                 # the pages of the report; without it, the short ones of any campaign
     modules = ["my_scenes"]       # beside the file, run with --trust: they put scenes and algorithms into catalogues
 
@@ -36,8 +36,8 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, text_of
 from studies.ask.scene import UsageError, has_contact
-from studies.run.campaigns.report_cells import LISTS
-from studies.run.store.schema import Each, Kind, Named, fault, scalar, setting, whole, word
+from studies.run.lists import LISTS
+from studies.run.schema import Each, Kind, Named, fault, scalar, setting, whole, word
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.plugins import load_file

@@ -12,9 +12,8 @@ from contact.catalogue import ALGORITHMS
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from studies.ask.request import text_of
-from studies.run.campaigns import ladder_cells as convergence_cells
-from studies.run.campaigns.share_cells import share_cells
-from studies.run.campaigns.sheet_cells import sheet_cells
+from studies.run.scene_cells import BENCHMARKS as BENCHMARK_LADDERS
+from studies.run.scene_cells import ladder_cells, share_cells, sheet_cells
 from studies.scenes.complete import Cell
 from studies.scenes.tyre.scene import ISOTROPIC
 
@@ -92,7 +91,7 @@ _WHOLE_LOAD = {"load_fraction": "1", **_PAPER}
 BENCHMARKS = (
     *(
         Cell(f"{ladder.name} {mesh.split('x')[0]}", ladder.scene, {"mesh": mesh}, _PAPER)
-        for ladder in convergence_cells.BENCHMARKS
+        for ladder in BENCHMARK_LADDERS
         for mesh in ladder.meshes
     ),
     Cell("hemisphere one step mixed", "hemisphere", {"newton": "mixed"}, _WHOLE_LOAD),
@@ -113,8 +112,8 @@ OPTIONS = tuple(
 
 
 CONVERGENCE = (
-    *convergence_cells.cells({"element": "refined"}, "refined"),
-    *convergence_cells.cells({"element": "paper"}, "paper", finest=False),
+    *ladder_cells({"element": "refined"}, "refined"),
+    *ladder_cells({"element": "paper"}, "paper", finest=False),
 )
 _WAYS: dict[str, tuple[str, dict[str, str]]] = {  # settings that change how an algorithm gets there
     "semismooth, settle 1": ("semismooth", {"settle": "1"}),

@@ -2,11 +2,16 @@
 
 The cells that compare shares of the thickness strain and those that are drawn on the sheets are held apart: their
 meshes are too coarse on purpose, and would be taken for rungs of the ladders of their scenes.
+
+Seconds of two machines are never in one table. Those of a table are of its home: the machine of the timing lane where
+the campaign was timed, else the one that solved most of the cells here. A merged cell brings no seconds that count:
+nobody can verify a time. What it claims stands by itself, beside its machine.
 """
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,15 +20,14 @@ import numpy as np
 import pandas as pd
 
 from studies.ask.request import Request, Settings
-from studies.run.campaigns import share_cells, sheet_cells
-from studies.run.cells.answers import Answers, number
-from studies.run.cells.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
-from studies.run.store.times import interval, read_times, times_path
+from studies.run.answers import Answers, number
+from studies.run.scene_cells import SHARES, SHEETS
+from studies.run.times import interval, read_times, times_path
 from studies.scenes.element import PRESETS
 from studies.solving.result import UNSUPPORTED, seen_in
 
 MISSING = "missing"
-APART = (share_cells.GROUP, sheet_cells.GROUP)
+APART = (SHARES, SHEETS)
 OPTIONS = ("measure", "contact", "newton", "model")
 SETTINGS = ("section", "load", "epsilon", "tolerance")
 COLUMNS = (
@@ -42,7 +46,7 @@ def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     t.seconds: processor time, the median of the timing lane with its interval t.seconds_low to t.seconds_high where the
     cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
     "moved" where the cell was timed in vain, nothing where it was not timed.  c.operations: of all kinds.
-    machine: that solved the cell; only the seconds of one count, see :mod:`studies.run.cells.machines`.
+    machine: that solved the cell; only the seconds of one count.
     merged: how far a cell of another store was verified, whose seconds as it claims them are seconds_there.
     request: what was asked, by whose key rows are compared.
     outcome: a class of :data:`studies.solving.result.CLASSES`, or "missing".  q: headline quantities and the numbers of
@@ -165,3 +169,54 @@ def _element(settings: Mapping[str, Any]) -> str:
 
 def _is_number(value: object) -> bool:
     return (isinstance(value, int | float) and not isinstance(value, bool)) or value in ("inf", "-inf", None)
+
+
+UNKNOWN = "not told"
+STATUSES = ("verified", "solved again", "unverified failure")  # of merged cells
+COUNTED = ("machine", "cells", *STATUSES, "seconds")
+
+
+def machine_of(origin: Mapping[str, Any]) -> str:
+    """What decides a time, of a record's provenance: processor, cores, system, BLAS and its threads."""
+    told, blas = origin.get("machine") or {}, origin.get("blas") or {}
+    cores = f"{told['cores']} cores" if told.get("cores") else ""
+    brought = ", ".join(dict.fromkeys(str(version) for name, version in blas.items() if name != "threads"))
+    threads = f"threads {blas['threads']}" if "threads" in blas else ""
+    names = (told.get("cpu"), cores, told.get("system"), told.get("processor"), brought, threads)
+    return ", ".join(str(name) for name in names if name) or UNKNOWN
+
+
+def of_record(record: Mapping[str, Any]) -> dict[str, Any]:
+    """machine; merged: how far the cell was verified, nothing where it was solved here; seconds_there: as claimed."""
+    mark = record.get("merged") or {}
+    found = {"machine": machine_of(record.get("provenance") or {}), "merged": mark.get("status", "")}
+    return {**found, "seconds_there": mark.get("timing_s", {}).get("cpu", np.nan)} if mark else found
+
+
+def home_of(table: pd.DataFrame, timed_on: str = "") -> str:
+    """The machine whose seconds count; nothing where no cell was solved here.  timed_on: that of the timing lane."""
+    if timed_on:
+        return timed_on
+    here = table.loc[(table["machine"] != "") & (table["merged"] == ""), "machine"]
+    return Counter(here).most_common(1)[0][0] if len(here) else ""
+
+
+def of_one_machine(table: pd.DataFrame, home: str) -> pd.DataFrame:
+    """The table without the seconds of any machine but its home."""
+    merged = table["merged"] != ""
+    if merged.any() and "t.seconds" not in table:  # all of them are
+        return table.assign(**{"t.seconds": np.nan})
+    times = [column for column in table.columns if str(column).startswith("t.")]
+    counts = (table["machine"] == home) & ~merged
+    return table.assign(**{name: table[name].where(counts) for name in times})
+
+
+def machines(table: pd.DataFrame) -> pd.DataFrame:
+    """COUNTED, a row a machine of a collected table: its cells, those merged by status, those whose seconds count."""
+    solved = table[table["machine"] != ""].drop_duplicates("id")
+    rows = []
+    for name, own in solved.groupby("machine", sort=False):
+        counts = own["merged"].value_counts()
+        seconds = int(own["t.seconds"].notna().sum()) if "t.seconds" in own else 0
+        rows.append([name, len(own), *(int(counts.get(status, 0)) for status in STATUSES), seconds])
+    return pd.DataFrame(rows, columns=list(COUNTED)).sort_values("seconds", ascending=False, kind="stable")

@@ -18,7 +18,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 PACKAGES = ("formulations", "contact", "studies")
 MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+")
 BESIDE_A_CELL = (

@@ -19,11 +19,10 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO, Any
 
-from studies.run.pool.limits import READY
-from studies.run.pool.task import KEPT, Limits, Task
-from studies.run.store.layout import Archive
-from studies.run.store.schema import as_line
-from studies.run.store.source_hash import ROOT
+from studies.run.archive import Archive
+from studies.run.schema import as_line
+from studies.run.source_hash import ROOT
+from studies.run.task import KEPT, READY, Limits, Task
 
 STARTUP_S = 120.0
 LAST_WORDS = 300  # characters of the last line that a process has printed before it died

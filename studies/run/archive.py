@@ -23,7 +23,7 @@ from typing import Any
 from contact.interchange.untrusted import MOST, read_bytes, read_json
 from studies.ask.scene import UsageError
 from studies.output.atomic import PART, SCHEMA, write_json, write_text
-from studies.run.store.schema import FAILURE, PLAN, RECORD, REFERENCE, Each, Kind, fault, plan_fault, shortened
+from studies.run.schema import FAILURE, PLAN, RECORD, REFERENCE, Each, Kind, fault, plan_fault, shortened
 
 KEYS = ("schema", "id", "scene", "settings", "class", "reason", "quantities", "steps", "counters", "timing_s", "files")
 FAILURE_KEYS = ("schema", "id", "class", "reason")

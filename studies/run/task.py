@@ -1,6 +1,6 @@
-"""What a process is held to that works for another one: it ends with it, and memory and time are limited.
+"""What is asked of a process that solves cells, and what it is held to: it ends with who asks, and keeps to limits.
 
-Of a process that solves cells (:mod:`.main`), and of any other that is begun by :class:`.process.Running`.
+Only what a warm process has loaded anyway enters here.
 """
 
 from __future__ import annotations
@@ -11,7 +11,43 @@ import os
 import resource
 import signal
 import sys
+from dataclasses import dataclass
 from pathlib import Path
+
+from studies.scenes.complete import Cell
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of one cell: seconds of wall time, and MB of private memory beyond an idle process."""
+
+    time_s: float = 900.0
+    memory_MB: float = 8192.0
+
+
+KEPT = ("cell", "fuzz")  # kinds of tasks whose answers are records
+
+
+@dataclass(frozen=True)
+class Task:
+    """A cell, a table of the whole store, a random case, or the canary, to be done; all that a worker has to know.
+
+    use: the files of plug-ins that are loaded before.
+    """
+
+    kind: str
+    id: str
+    cell: Cell | None = None
+    use: tuple[str, ...] = ()
+
+    @property
+    def label(self) -> str:
+        """For people."""
+        return f"{self.kind} {self.id}" if self.cell is None else self.cell.label
+
+
+Order = tuple[Task, Limits, Path | None]  # and the folder that the files of the task go to, if they are kept
+
 
 READY = "ready"
 LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does

@@ -16,13 +16,13 @@ from studies.ask.request import Request
 from studies.ask.scene import UsageError, has_contact
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
-from studies.run.campaigns.file import Campaign
-from studies.run.store.source_hash import BESIDE_A_CELL, FRICTION, sources_hash
+from studies.run.campaign import Campaign
+from studies.run.source_hash import BESIDE_A_CELL, FRICTION, sources_hash
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.plugins import modules_of
 
-SOLVERS = ("studies.solving.solve", "studies.run.store.record")  # what solves a cell, besides its own scene
+SOLVERS = ("studies.solving.solve", "studies.run.record")  # what solves a cell, besides its own scene
 
 
 @dataclass(frozen=True)

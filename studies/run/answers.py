@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from studies.ask.scene import UsageError
-from studies.run.store.layout import Archive, DamagedError
+from studies.run.archive import Archive, DamagedError
 from studies.scenes.complete import Cell
 
 HERE = 1e-9  # loads this close are one

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from studies.ask.scene import UsageError
 from studies.output.atomic import SCHEMA, as_text
-from studies.run.store.schema import as_line
+from studies.run.schema import as_line
 from studies.scenes.complete import Cell
 from studies.solving.result import Result
 from studies.solving.solve import solve
