@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from support.problems.frictional import Answer, balanced, in_units, manufactured
 STATES = np.array([State.OPEN, State.OPEN, State.STICK, State.STICK, State.SLIP, State.SLIP])
 OPEN, STICK, SLIP = 1, 3, 5  # the candidate that is spoilt
 ROUNDING = 1e-12
+SPRINGS = (0.1, 1e4)  # MPa/mm
 UNITS = [(1.0, 1.0), (4.0**10, 1.0), (4.0**-10, 1.0), (1.0, 4.0**10), (4.0**10, 4.0**-10)]  # a factor of 1.0e6
 
 
@@ -32,14 +34,14 @@ def turned(t: np.ndarray, degrees: float) -> np.ndarray:
     return t @ np.array([[c, s], [-s, c]])
 
 
-@pytest.mark.parametrize("seed", range(30))
-def test_the_right_answer_passes(seed) -> None:
-    rng = np.random.default_rng(seed)
-    verdict = judged(*manufactured(rng, int(rng.integers(1, 8))))
-    assert verdict.failures() == []
-    assert max(verdict.kkt.values()) <= ROUNDING / CHORD  # a direction known to ROUNDING
-    assert verdict.balances["work"] <= ROUNDING
-    assert verdict.certificate["failures"] == []
+def test_the_right_answer_passes() -> None:
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        verdict = judged(*manufactured(rng, int(rng.integers(1, 8))))
+        assert verdict.failures() == []
+        assert max(verdict.kkt.values()) <= ROUNDING / CHORD  # a direction known to ROUNDING
+        assert verdict.balances["work"] <= ROUNDING
+        assert verdict.certificate["failures"] == []
 
 
 # --- one candidate spoilt, and the load changed so that forces balance all the same: the law alone is broken ----------
@@ -83,18 +85,17 @@ MUTANTS = {
 }
 
 
-@pytest.mark.parametrize(("length", "force"), UNITS)
-@pytest.mark.parametrize(("spoil", "names"), MUTANTS.values(), ids=MUTANTS)
-def test_a_broken_law_is_named_in_any_units(spoil, names, length, force) -> None:
-    step, answer = spoil(*made())
-    if not np.isnan(answer.friction).any():
-        step = balanced(step, answer)
-    there = Answer(length * answer.u, force * answer.normal, force * answer.friction, answer.state)
-    failures = set(judged(in_units(step, length, force), there).failures())
-    if np.isnan(answer.friction).any():
-        assert names <= failures
-    else:
-        assert failures == names
+def test_a_broken_law_is_named_in_any_units() -> None:
+    for (spoil, names), (length, force) in product(MUTANTS.values(), UNITS):
+        step, answer = spoil(*made())
+        if not np.isnan(answer.friction).any():
+            step = balanced(step, answer)
+        there = Answer(length * answer.u, force * answer.normal, force * answer.friction, answer.state)
+        failures = set(judged(in_units(step, length, force), there).failures())
+        if np.isnan(answer.friction).any():
+            assert names <= failures
+        else:
+            assert failures == names
 
 
 def on_springs(step, answer, epsilon):
@@ -103,52 +104,47 @@ def on_springs(step, answer, epsilon):
     return replace(step, slip=step.slip - answer.friction / epsilon, gap=gap)
 
 
-@pytest.mark.parametrize("epsilon", [0.1, 1e4])
-@pytest.mark.parametrize(("spoil", "names"), MUTANTS.values(), ids=MUTANTS)
-def test_a_broken_law_is_named_on_springs(spoil, names, epsilon) -> None:
-    step, answer = spoil(*made())
-    if np.isnan(answer.friction).any():
-        assert names <= set(judged(on_springs(step, answer, epsilon), answer, epsilon=epsilon).failures())
-    else:
-        sprung = on_springs(balanced(step, answer), answer, epsilon)
-        assert set(judged(sprung, answer, epsilon=epsilon).failures()) == names
+def test_a_broken_law_is_named_on_springs() -> None:
+    for (spoil, names), epsilon in product(MUTANTS.values(), SPRINGS):
+        step, answer = spoil(*made())
+        if np.isnan(answer.friction).any():
+            assert names <= set(judged(on_springs(step, answer, epsilon), answer, epsilon=epsilon).failures())
+        else:
+            sprung = on_springs(balanced(step, answer), answer, epsilon)
+            assert set(judged(sprung, answer, epsilon=epsilon).failures()) == names
 
 
-@pytest.mark.parametrize("epsilon", [0.1, 1e4])
-def test_springs_are_judged_with_their_epsilon_alone(epsilon) -> None:
+def test_springs_are_judged_with_their_epsilon_alone() -> None:
+    for epsilon in SPRINGS:
+        step, answer = made()
+        sprung = on_springs(step, answer, epsilon)
+        assert judged(sprung, answer, epsilon=epsilon).failures() == []
+        for other in (1.01 * epsilon, math.inf):
+            assert {"complementarity", "stick"} <= set(judged(sprung, answer, epsilon=other).failures())
+        assert {"complementarity", "stick"} <= set(judged(step, answer, epsilon=epsilon).failures())
+
+
+def test_units_change_no_residual() -> None:
+    for length, force in UNITS:
+        step, answer = made()
+        spoilt = replace(answer, friction=1.1 * answer.friction)
+        there = Answer(length * spoilt.u, force * spoilt.normal, force * spoilt.friction, spoilt.state)
+        at_home, abroad = judged(step, spoilt), judged(in_units(step, length, force), there)
+        assert abroad.law.by_name == pytest.approx(at_home.law.by_name, rel=1e-9)
+        assert abroad.failures() == at_home.failures()
+        assert abroad.law.length == pytest.approx(length * at_home.law.length)
+        assert judged(in_units(step, length, force), replace(there, friction=there.friction / 1.1)).failures() == []
+
+
+def test_forces_out_of_balance_are_named() -> None:
     step, answer = made()
-    sprung = on_springs(step, answer, epsilon)
-    assert judged(sprung, answer, epsilon=epsilon).failures() == []
-    for other in (1.01 * epsilon, math.inf):
-        assert {"complementarity", "stick"} <= set(judged(sprung, answer, epsilon=other).failures())
-    assert {"complementarity", "stick"} <= set(judged(step, answer, epsilon=epsilon).failures())
-
-
-@pytest.mark.parametrize(("length", "force"), UNITS)
-def test_units_change_no_residual(length, force) -> None:
-    step, answer = made()
-    spoilt = replace(answer, friction=1.1 * answer.friction)
-    there = Answer(length * spoilt.u, force * spoilt.normal, force * spoilt.friction, spoilt.state)
-    at_home, abroad = judged(step, spoilt), judged(in_units(step, length, force), there)
-    assert abroad.law.by_name == pytest.approx(at_home.law.by_name, rel=1e-9)
-    assert abroad.failures() == at_home.failures()
-    assert abroad.law.length == pytest.approx(length * at_home.law.length)
-    assert judged(in_units(step, length, force), replace(there, friction=there.friction / 1.1)).failures() == []
-
-
-@pytest.mark.parametrize(
-    "spoil",
-    [
-        lambda a: replace(a, friction=-a.friction),
-        lambda a: replace(a, friction=0 * a.friction),
-        lambda a: replace(a, friction=(1 + 1e-6) * a.friction),
-        lambda a: replace(a, normal=(1 + 1e-6) * a.normal),
-        lambda a: replace(a, u=a.u + 1e-6),
-    ],
-)
-def test_forces_out_of_balance_are_named(spoil) -> None:
-    step, answer = made()
-    assert "equilibrium" in judged(step, spoil(answer)).failures()
+    for spoilt in (
+        replace(answer, friction=-answer.friction),
+        replace(answer, friction=(1 + 1e-6) * answer.friction),
+        replace(answer, normal=(1 + 1e-6) * answer.normal),
+        replace(answer, u=answer.u + 1e-6),
+    ):
+        assert "equilibrium" in judged(step, spoilt).failures()
 
 
 def test_contact_is_judged_as_without_friction() -> None:

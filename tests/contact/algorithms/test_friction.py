@@ -1,0 +1,307 @@
+"""What the six algorithms with friction have in common: their answers, their twins, and how they say there is none.
+
+The first exact algorithm: planted answers, its limits without friction and with an endless one, its tangent.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.algorithms.augmented_lagrangian import AugmentedLagrangian
+from contact.algorithms.base import NewtonAlgorithm, require_friction
+from contact.algorithms.lcp import Lcp
+from contact.algorithms.qp import Qp
+from contact.algorithms.regularised import Regularised
+from contact.algorithms.semismooth import Semismooth
+from contact.algorithms.trial_and_error import TrialAndError
+from contact.catalogue import ALGORITHMS, by_the_exact_law
+from contact.coulomb import State
+from contact.events import EventKind, events
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.verify import judge
+from support.problems.frictional import manufactured
+from support.problems.planted_friction import linear, planted, tied, with_mu
+
+EXACT: dict[str, ContactAlgorithm] = {
+    "semismooth": Semismooth(),
+    "augmented-lagrangian": AugmentedLagrangian(),
+    "qp": Qp(),
+    "qp on discs": Qp(backend="clarabel"),
+    "lcp": Lcp(),
+}
+HELD = ("trial-and-error", "semismooth", "qp", "lcp")  # need unknowns of a candidate's own
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20))]
+
+
+def solved(algorithm: ContactAlgorithm, problem: ContactProblem) -> ContactSolution:
+    """From rest."""
+    n = problem.coulomb.slip_jacobian(np.zeros(0)).shape[1]
+    return algorithm.solve(problem, ContactSolution.at_rest(n, len(problem.coulomb.mu)))
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", EXACT)
+def test_all_that_claim_the_exact_law_agree(name: str, seed: int, mu: float) -> None:
+    wanted = planted(seed, mu)
+    found = solved(EXACT[name], wanted.problem)
+    assert found.outcome is Outcome.CONVERGED
+    assert np.array_equal(found.rubbed.state, wanted.state)
+    for mine, built in ((found.u, wanted.u), (found.pressure, wanted.normal), (found.rubbed.force, wanted.friction)):
+        assert np.max(np.abs(mine - built)) < 1e-8
+    assert not judge(wanted.problem, found.u, found.pressure, found.rubbed.force).failures()
+
+
+def same(found: ContactSolution, wanted: ContactSolution, close: float = 1e-8) -> None:
+    """Converged, to the same states and fields."""
+    assert found.outcome is wanted.outcome is Outcome.CONVERGED
+    assert np.array_equal(found.rubbed.state, wanted.rubbed.state)
+    for mine, theirs in (
+        (found.u, wanted.u),
+        (found.pressure, wanted.pressure),
+        (found.rubbed.force, wanted.rubbed.force),
+    ):
+        assert np.max(np.abs(mine - theirs)) < close
+
+
+@pytest.mark.parametrize("epsilon", [10.0, 1e4, 1e8])
+def test_all_that_know_springs_agree_on_them(epsilon: float) -> None:
+    problem = planted(6, 0.4, components=1).problem  # where the naive set ends
+    wanted = solved(Regularised(epsilon=epsilon), problem)
+    for name in ("semismooth", "qp", "lcp", "trial-and-error"):
+        same(solved(ALGORITHMS[name](epsilon=epsilon), problem), wanted)
+
+
+def test_with_none_the_answer_is_that_without_friction() -> None:
+    for name in ALGORITHMS:
+        problem = planted(2, 0.0).problem
+        frictionless = ALGORITHMS[name](epsilon=1e4 if name == "regularised" else np.inf)
+        wanted = frictionless.solve(replace(problem, coulomb=None), ContactSolution.at_rest(26, 7))
+        found = solved(frictionless, problem)
+        assert wanted.outcome is found.outcome is Outcome.CONVERGED
+        assert np.array_equal(found.active, wanted.active)
+        assert np.max(np.abs(found.u - wanted.u)) < 1e-8
+        assert np.max(np.abs(found.pressure - wanted.pressure)) < 1e-8
+        assert not np.any(found.rubbed.force)
+
+
+def test_smooth_candidates_beside_rough_ones() -> None:
+    for name in EXACT:
+        problem = planted(4, 0.7).problem
+        mixed = with_mu(problem, np.where(np.arange(7) % 2, problem.coulomb.mu, 0.0))
+        wanted, found = solved(Semismooth(), mixed), solved(EXACT[name], mixed)
+        assert wanted.outcome is found.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(found.rubbed.force - wanted.rubbed.force)) < 1e-8
+        assert not np.any(found.rubbed.force[::2])
+        assert not judge(mixed, found.u, found.pressure, found.rubbed.force).failures()
+
+
+def test_an_endless_friction_ties() -> None:
+    for name in ("trial-and-error", "regularised", "augmented-lagrangian"):
+        problem = tied(3)
+        wanted, found = solved(Semismooth(), problem), solved(by_the_exact_law(1e8)[name], problem)
+        assert wanted.outcome is found.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(found.rubbed.force - wanted.rubbed.force)) < (1e-6 if name == "regularised" else 1e-8)
+        assert not np.any(found.rubbed.state == State.SLIP)
+
+
+def test_it_gives_programmes_no_bound() -> None:
+    for name in ("qp", "lcp"):
+        assert "infinite coefficient" in (ALGORITHMS[name]().supports(tied(3)) or "")
+
+
+def test_candidates_that_share_unknowns_need_springs() -> None:
+    """Every gap and slip depends on all unknowns: held by none of their own, but by springs."""
+    for seed in range(3):
+        step, wanted = manufactured(np.random.default_rng(seed), 4, np.array([0, 1, 2, 2]))
+        problem = step.problem()
+        for name in HELD:
+            found = by_the_exact_law()[name].solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
+            assert found.outcome is Outcome.REFUSED, name
+            assert "share an unknown" in str(events(found.history, EventKind.FAILED)[-1])
+        found = AugmentedLagrangian().solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
+        assert found.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(found.u - wanted.u)) < 1e-8
+        assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-8
+        assert np.array_equal(found.rubbed.state, wanted.state)
+
+
+def two_ways() -> ContactProblem:
+    """One candidate of two unknowns whose slips are the same, pressed and pulled to where it sticks."""
+    G, S = np.array([[0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 0.0]])
+    return linear(np.eye(2), np.array([0.2, -1.0]), G, S, np.zeros(1), np.zeros((1, 2)), np.ones(1))
+
+
+def test_a_candidate_with_less_ways_than_its_slip_is_refused() -> None:
+    for name in HELD:
+        found = solved(by_the_exact_law()[name], two_ways())
+        assert found.outcome is Outcome.REFUSED
+        assert "less ways than its slip has" in str(events(found.history, EventKind.FAILED)[-1])
+
+
+def test_all_of_the_catalogue_know_friction() -> None:
+    for name in ALGORITHMS:
+        algorithm = ALGORITHMS[name](tolerance=1e-7, epsilon=123.0)
+        require_friction(algorithm)
+        assert (algorithm.supports(two_ways()) is None) == (name != "augmented-lagrangian")
+        coupled = replace(two_ways(), coupling=sparse.eye_array(1, format="csr"))
+        assert "lumped" in ALGORITHMS[name]().supports(coupled)
+        with pytest.raises(ValueError, match="lumped"):
+            ALGORITHMS[name]().solve(coupled, ContactSolution.at_rest(2, 1))
+        with pytest.raises(ValueError, match="lumped"):
+            judge(coupled, np.zeros(2), np.zeros(1), np.zeros((1, 2)))
+
+
+def test_other_numbers_of_coefficients_than_candidates_are_refused() -> None:
+    for mu in (np.ones(2), np.ones((1, 1)), np.ones(())):
+        problem = two_ways()
+        other = replace(problem, coulomb=replace(problem.coulomb, mu=mu))
+        assert Semismooth().supports(other) == "mu must be 1 numbers in [0, inf]"
+        with pytest.raises(ValueError, match="mu must be 1 numbers"):
+            judge(other, np.zeros(2), np.zeros(1), np.zeros((1, 2)))
+
+
+def test_friction_of_a_problem_without_a_law_is_refused() -> None:
+    with pytest.raises(ValueError, match="has none"):
+        judge(replace(two_ways(), coulomb=None), np.zeros(2), np.zeros(1), np.zeros((1, 2)))
+
+
+def test_a_parameter_that_friction_does_not_have_is_refused() -> None:
+    for name, key, value in (("lcp", "method", "nnls"), ("semismooth", "c", 7.0), ("qp", "system", "full")):
+        with pytest.raises(ValueError, match=rf"{key} = {value}: with friction {name} has epsilon, tolerance, solver"):
+            require_friction(ALGORITHMS[name](**{key: value}))
+        assert f"{key} = {value}" in str(ALGORITHMS[name](**{key: value}).supports(two_ways()))
+
+
+def test_who_knows_no_friction_is_refused() -> None:
+    class Other(NewtonAlgorithm):
+        name = "other"
+
+    class Inherits(Semismooth):
+        name = "inherits"
+
+        def solve(self, problem, start):
+            raise NotImplementedError
+
+    class Says(Inherits):
+        friction = True
+
+    for algorithm in (Other(), Inherits()):
+        with pytest.raises(ValueError, match=f"'{algorithm.name}' knows no friction"):
+            require_friction(algorithm)
+        assert "knows no friction" in str(algorithm.supports(two_ways()))
+    require_friction(Says())
+
+
+@pytest.mark.parametrize("mu", [1.0, 3.0])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 12))])
+@pytest.mark.parametrize("name", EXACT)
+def test_what_strong_friction_is_said_to_be_obeys_the_law(name: str, seed: int, mu: float) -> None:
+    """Beyond what is known to have one answer, each finds one."""
+    wanted = planted(seed, mu, coupled=0.8, m=10)
+    found = solved(EXACT[name], wanted.problem)
+    assert found.outcome is Outcome.CONVERGED
+    assert not judge(wanted.problem, found.u, found.pressure, found.rubbed.force).failures()
+
+
+def by_semismooth(problem: ContactProblem, algorithm: Semismooth | TrialAndError | None = None) -> ContactSolution:
+    n = problem.coulomb.slip_jacobian(np.zeros(0)).shape[1]
+    return (algorithm or Semismooth()).solve(problem, ContactSolution.at_rest(n, len(problem.coulomb.mu)))
+
+
+def test_the_planted_answer_is_found() -> None:
+    """All three states are in each; with one component of slip the linearisation is exact and one iteration does."""
+    for seed, mu, components in product(range(4), (0.1, 0.4, 1.0), (1, 2)):
+        wanted = planted(seed, mu, components=components)
+        found = by_semismooth(wanted.problem)
+        assert found.outcome is Outcome.CONVERGED
+        assert np.array_equal(found.rubbed.state, wanted.state)
+        for mine, built in (
+            (found.u, wanted.u),
+            (found.pressure, wanted.normal),
+            (found.rubbed.force, wanted.friction),
+        ):
+            assert np.max(np.abs(mine - built)) < 1e-9
+        assert found.counters["newton_iterations"] <= (1 if components == 1 else 6)
+
+
+def test_semismooth_ties_who_touches_by_an_endless_friction() -> None:
+    """Against K du - J_A^T F_A = f, v_A = 0 of the candidates that touch."""
+    for seed in range(5):
+        problem = tied(seed)
+        found = by_semismooth(problem)
+        assert found.outcome is Outcome.CONVERGED
+        touch = found.rubbed.state == State.STICK
+        assert touch.any()
+        assert np.all(touch | (found.rubbed.state == State.OPEN))
+        u = np.zeros_like(found.u)
+        lin = problem.linearise(u, None)
+        slips = problem.coulomb.slip_jacobian(u)[np.repeat(touch, 2)]
+        J = sparse.vstack([problem.gap_jacobian(u)[touch], slips]).toarray()
+        v = np.append(problem.gap(u)[touch], problem.coulomb.slip(u)[touch].ravel())
+        zero = np.zeros((len(J), len(J)))
+        x = np.linalg.solve(np.block([[lin.tangent.toarray(), -J.T], [J, zero]]), np.append(-lin.residual, -v))
+        assert np.max(np.abs(found.u - x[: len(u)])) <= 1e-9 * np.max(np.abs(found.u))
+        assert np.all(problem.gap(found.u)[~touch] >= 0)
+        assert np.all(found.pressure[touch] >= 0)
+
+
+class TestKlarbring:
+    """Two springs: K = [[Ktt, Ktn], [Ktn, Knn]] of one candidate, u = (u_t, u_n), gap -u_n + g0, slip u_t.
+
+    A candidate that sticks, slips to either side, or is open: its candidate answers are worked out by hand, and which
+    of them are answers is looked up. Where mu |Knt| < Ktt there is one; beyond there may be several, and
+    the rate problem may have none.
+    Source: Klarbring, Ingenieur-Archiv 60 (1990) 529-541.
+    """
+
+    K = np.array([[1.0, 0.6], [0.6, 1.0]])
+
+    def problem(self, mu: float, load: tuple[float, float], slip0: float = 0.0) -> ContactProblem:
+        G, S = np.array([[0.0, -1.0]]), np.array([[1.0, 0.0], [0.0, 0.0]])
+        return linear(self.K, np.array(load), G, S, np.zeros(1), np.array([[slip0, 0.0]]), np.array([mu]))
+
+    def answers(self, mu: float, load: tuple[float, float], slip0: float = 0.0) -> list[tuple[float, float, str]]:
+        """(u_t, u_n, state) of all answers."""
+        Ft, Fn = load
+        found = []
+        u = np.linalg.solve(self.K, load)
+        if u[1] < 0:
+            found.append((float(u[0]), float(u[1]), "open"))
+        ut = -slip0
+        f, t = Fn - self.K[1, 0] * ut, self.K[0, 0] * ut - Ft
+        if f >= 0 and abs(t) <= mu * f:
+            found.append((ut, 0.0, "stick"))
+        for way in (1.0, -1.0):  # Ktt ut - Ft = -way mu f, f = Fn - Knt ut
+            slope = self.K[0, 0] - way * mu * self.K[1, 0]
+            ut = (Ft - way * mu * Fn) / slope
+            f = Fn - self.K[1, 0] * ut
+            if f >= 0 and way * (ut + slip0) > 0:
+                found.append((ut, 0.0, "slip"))
+        return found
+
+    def test_below_the_bound_there_is_one_answer_and_it_is_found(self) -> None:
+        for load in ((0.2, 1.0), (2.0, 1.0), (-2.0, 1.0), (0.3, -1.0), (5.0, 1.0)):
+            answers = self.answers(0.8, load)
+            assert len(answers) == 1
+            found = by_semismooth(self.problem(0.8, load))
+            assert found.outcome is Outcome.CONVERGED
+            assert found.u == pytest.approx(answers[0][:2], abs=1e-12)
+
+    def test_beyond_it_no_false_answer_is_claimed(self) -> None:
+        """One of several is found, or none is claimed; there is never none (Brouwer's theorem on Tresca's passes)."""
+        counts = set[int]()
+        for mu, force, slip0 in product((1.8, 2.5, 6.0), (-3.0, -1.0, 0.3, 1.5, 1.8, 2.5, 4.0), (-0.7, 0.0, 0.7)):
+            load = (force, 1.0)
+            answers, found = self.answers(mu, load, slip0), by_semismooth(self.problem(mu, load, slip0))
+            counts.add(len(answers))
+            if found.outcome is Outcome.CONVERGED:
+                assert any(np.allclose(found.u, each[:2], atol=1e-10) for each in answers), (found, answers)
+            else:
+                assert found.outcome in {Outcome.CYCLING, Outcome.SINGULAR, Outcome.ITERATION_LIMIT}
+        assert min(counts) == 1 < max(counts)
