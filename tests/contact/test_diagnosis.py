@@ -189,17 +189,16 @@ def test_a_sound_answer_has_no_findings(sound) -> None:
     assert judge(case.problem(), answer.u, answer.pressure, epsilon=case.epsilon).failures() == []
 
 
-def test_all_eight_are_planted() -> None:
+def test_all_are_planted() -> None:
     assert sorted(EIGHT.values()) == sorted(CORRUPTIONS)
-    assert len(CORRUPTIONS) == 8
 
 
-@pytest.mark.parametrize("spoil", EIGHT, ids=lambda f: f.__name__)
-def test_a_corruption_is_caught_and_named(sound, spoil) -> None:
-    case, *answers = sound
-    spoilt = spoil(case, *answers)
-    assert judge(*spoilt, epsilon=case.epsilon).failures()
-    assert names(diagnose(*spoilt, epsilon=case.epsilon)) == [EIGHT[spoil]]
+def test_a_corruption_is_caught_and_named(sound) -> None:
+    for spoil, name in EIGHT.items():
+        case, *answers = sound
+        spoilt = spoil(case, *answers)
+        assert judge(*spoilt, epsilon=case.epsilon).failures()
+        assert names(diagnose(*spoilt, epsilon=case.epsilon)) == [name]
 
 
 # --- details of the findings --------------------------------------------------------------------------------------
@@ -253,16 +252,16 @@ def test_what_fits_nothing_names_the_conditions(chain) -> None:
     assert diagnose(free, u, 0 * answer.pressure) == ["violated: penetration"]
 
 
-@pytest.mark.parametrize("bad", [math.nan, math.inf])
-def test_not_a_number_is_said(chain, bad) -> None:
-    case, answer = chain
-    p, u = answer.pressure.copy(), answer.u.copy()
-    p[0] = bad
-    with np.errstate(invalid="ignore"):
-        assert names(diagnose(case.problem(), answer.u, p)) == ["not a number in the answer; violated"]
-    u[0] = bad
-    with np.errstate(invalid="ignore"):
-        assert names(diagnose(case.problem(), u, answer.pressure)) == ["not a number in the answer; violated"]
+def test_not_a_number_is_said(chain) -> None:
+    for bad in (math.nan, math.inf):
+        case, answer = chain
+        p, u = answer.pressure.copy(), answer.u.copy()
+        p[0] = bad
+        with np.errstate(invalid="ignore"):
+            assert names(diagnose(case.problem(), answer.u, p)) == ["not a number in the answer; violated"]
+        u[0] = bad
+        with np.errstate(invalid="ignore"):
+            assert names(diagnose(case.problem(), u, answer.pressure)) == ["not a number in the answer; violated"]
 
 
 def test_wrong_unit_of_one_node_is_one_wrong_node(chain) -> None:
@@ -271,12 +270,12 @@ def test_wrong_unit_of_one_node_is_one_wrong_node(chain) -> None:
     assert names(diagnose(case.problem(), answer.u, p)) == ["one wrong node"]
 
 
-@pytest.mark.parametrize("size", [1e-4, 1e-5, 1e-6, 1e-7])
-def test_small_corruptions_keep_their_names(chain, size) -> None:
+def test_small_corruptions_keep_their_names(chain) -> None:
     """Down to ten times what the judge lets pass."""
-    case, answer = chain
-    problem, u, p = case.problem(), answer.u, answer.pressure
-    assert names(diagnose(case.problem(nearer=size), u, p)) == ["shifted gap"]
-    bent = u * (1 + size * np.sin(np.arange(len(u))))
-    assert names(diagnose(problem, bent, p)) == ["unconverged equilibrium"]
-    assert judge(problem, u, p).failures() == []
+    for size in (1e-4, 1e-5, 1e-6, 1e-7):
+        case, answer = chain
+        problem, u, p = case.problem(), answer.u, answer.pressure
+        assert names(diagnose(case.problem(nearer=size), u, p)) == ["shifted gap"]
+        bent = u * (1 + size * np.sin(np.arange(len(u))))
+        assert names(diagnose(problem, bent, p)) == ["unconverged equilibrium"]
+        assert judge(problem, u, p).failures() == []

@@ -1,8 +1,12 @@
-"""Candidates left out of a step: the answer is that with all of them, whoever turns out to touch."""
+"""Candidates left out of a step: the answer is that with all of them, whoever turns out to touch.
+
+Starts that are no states of a path: they save iterations, and change neither answers nor what a path remembers.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,10 +14,12 @@ from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.continuation.candidates import solve_within_reach
+from contact.continuation.candidates import Start, none_known, solve_within_reach
+from contact.continuation.load_stepping import follow
+from contact.coulomb import Friction
 from contact.events import EventKind, events
 from contact.obstacles.foundation import Candidates, RigidPlane, against
-from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, without_contact
 from studies.scenes.complete import complete as resolve
 from studies.solving.solve import solve
 from support.problems.contact_problems import linear_mechanics
@@ -47,21 +53,20 @@ def seesaw(arm: float, coupling: sparse.csr_matrix | None = None) -> ContactProb
     return against(linear_mechanics(K, np.zeros(2)), candidates, RigidPlane(DOWN, -1.0))
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
-@pytest.mark.parametrize("arm", [1.0, 5.0])
-def test_who_was_left_out_and_penetrates_is_taken_in(name, arm) -> None:
+def test_who_was_left_out_and_penetrates_is_taken_in() -> None:
     """The second point, twice as far off as the foundation has come, is lowered by more than that when arm = 5."""
-    problem, algorithm = seesaw(arm), Watched(ALGORITHMS[name]())
-    rest = ContactSolution.at_rest(2, 2)
-    near = solve_within_reach(algorithm, problem, rest)
-    every = ALGORITHMS[name]().solve(problem, rest)
-    assert algorithm.seen == ([1] if arm == 1.0 else [1, 2])
-    np.testing.assert_allclose(near.u, every.u, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(near.pressure, every.pressure, rtol=1e-9, atol=1e-12)
-    np.testing.assert_array_equal(near.active, every.active)
-    told = events(near.history, EventKind.TAKEN_IN)
-    assert len(told) == len(algorithm.seen) - 1
-    assert near.counters["factorisations"] >= every.counters["factorisations"]
+    for name, arm in product(ALGORITHMS, (1.0, 5.0)):
+        problem, algorithm = seesaw(arm), Watched(ALGORITHMS[name]())
+        rest = ContactSolution.at_rest(2, 2)
+        near = solve_within_reach(algorithm, problem, rest)
+        every = ALGORITHMS[name]().solve(problem, rest)
+        assert algorithm.seen == ([1] if arm == 1.0 else [1, 2])
+        np.testing.assert_allclose(near.u, every.u, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(near.pressure, every.pressure, rtol=1e-9, atol=1e-12)
+        np.testing.assert_array_equal(near.active, every.active)
+        told = events(near.history, EventKind.TAKEN_IN)
+        assert len(told) == len(algorithm.seen) - 1
+        assert near.counters["factorisations"] >= every.counters["factorisations"]
 
 
 def test_consistent_coupling_keeps_every_candidate() -> None:
@@ -105,3 +110,78 @@ def test_the_tyre_is_solved_with_the_nodes_near_its_patch(monkeypatch: pytest.Mo
     assert max(few) < all_of_them[0] / 3
     assert near.quantities["force_N"] == pytest.approx(every.quantities["force_N"], rel=1e-12)
     np.testing.assert_array_equal(near.last.active, every.last.active)
+
+
+REST = ContactSolution.at_rest(2, 0)
+
+
+def softening(t: float) -> ContactProblem:
+    """tanh u = t in both unknowns."""
+
+    def linearise(u: np.ndarray, memory: object) -> Linearisation:
+        with np.errstate(over="ignore"):  # far from the answer
+            slope = 1 / np.cosh(u) ** 2
+        return Linearisation(np.tanh(u) - t, sparse.csc_matrix(np.diag(slope)), 1.0)
+
+    return without_contact(linearise, 2)
+
+
+def at(u: float) -> Start:
+    return Start(np.full(2, u), np.zeros(0), np.zeros(0, bool))
+
+
+def test_a_start_near_the_answer_saves_iterations_and_moves_nothing() -> None:
+    (plain,) = follow(softening, 0.0, [0.5], Semismooth(), REST)
+    near = np.arctanh(0.5) + 1e-6
+    (from_near,) = follow(softening, 0.0, [0.5], Semismooth(), REST, starts=lambda index, last, t: at(near))
+    assert from_near.solution.u == pytest.approx(plain.solution.u, rel=1e-9)
+    assert from_near.solution.counters["newton_iterations"] < plain.solution.counters["newton_iterations"]
+
+
+def test_a_start_that_leads_nowhere_is_left_for_the_last_state_and_paid_for() -> None:
+    (plain,) = follow(softening, 0.0, [0.5], Semismooth(), REST)
+    (found,) = follow(softening, 0.0, [0.5], Semismooth(), REST, starts=lambda index, last, t: at(5.0))
+    assert found.outcome.converged
+    assert found.substeps == 1
+    assert np.array_equal(found.solution.u, plain.solution.u)
+    assert found.solution.counters["assemblies"] > plain.solution.counters["assemblies"]
+    (event,) = events(found.solution.history, EventKind.FAILED)
+    assert "not from the state of another grid" in str(event)
+
+
+def test_starts_are_asked_with_the_index_of_the_point_and_the_last_state() -> None:
+    asked = []
+
+    def starts(index: int, last: tuple[float, ContactSolution], t: float) -> None:
+        asked.append((index, last[0], t))
+
+    list(follow(softening, 0.0, [0.2, 0.4], Semismooth(), REST, 2, starts=starts))
+    assert np.array(asked) == pytest.approx(np.array([(0, 0.0, 0.1), (0, 0.1, 0.2), (1, 0.2, 0.3), (1, 0.3, 0.4)]))
+    assert none_known(0, (0.0, REST), 1.0) is None
+
+
+def test_its_memory_is_that_of_the_start_alone() -> None:
+    heard = []
+
+    def linearise(u: np.ndarray, memory: object) -> Linearisation:
+        heard.append(memory)
+        return Linearisation(u, sparse.csc_matrix(np.eye(2)), 1.0)
+
+    start = replace(at(1.0), memory="known")
+    problem = start.remembered(without_contact(linearise, 2))
+    for u, memory in ((start.u, None), (start.u, "own"), (start.u + 1, None)):
+        problem.linearise(u, memory)
+    assert heard == ["known", "own", None]
+
+
+def test_slips_are_counted_from_the_path_and_not_from_the_start() -> None:
+    places = np.arange(6.0).reshape(2, 3)
+    before = Friction(np.zeros((2, 2)), np.array([1, 0], np.int8), places, places + 1, dissipation=3.0)
+    last = replace(ContactSolution.at_rest(4, 2), friction=before)
+    traction, state = np.ones((2, 2)), np.array([2, 1], np.int8)
+    start = Start(np.ones(4), np.ones(2), np.ones(2, bool), None, traction, state)
+    found = start.instead_of(last, np.array([10.0, 20.0])).friction
+    assert found is not None
+    assert np.array_equal(found.force, [[10, 10], [20, 20]])
+    assert np.array_equal(found.state, state)
+    assert (found.since is before.since, found.anchors is before.anchors, found.dissipation) == (True, True, 3.0)

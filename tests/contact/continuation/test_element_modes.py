@@ -70,6 +70,11 @@ def critical(at: Callable[[float], ShellModel], guess: float) -> float:
     return (low + high) / 2
 
 
+def buckles(at: Callable[[float], ShellModel], load: float) -> bool:
+    """Whether the first eigenvalue that is counted turns negative within CLOSED_FORM of the load."""
+    return [verdict(at((1 + side) * load)).negative for side in (-CLOSED_FORM, CLOSED_FORM)] == [0, 1]
+
+
 def column(width: float, mesh: tuple[int, int], h: float = H) -> ShellModel:
     """A strip that stands on a clamp."""
     return shell(Plate(), (L, width), mesh, h, "clamped", "free", "free", "free")
@@ -97,14 +102,14 @@ def ring(mesh: tuple[int, int], p: float) -> ShellModel:
 @pytest.mark.parametrize(("width", "mesh"), [(1.0, (128, 1)), (5.0, (64, 1))])
 def test_columns_buckle_where_euler_and_greenhill_say(width: float, mesh: tuple[int, int]) -> None:
     P, q = math.pi**2 * EI / (4 * L**2), 7.8373 * EI / L**3
-    assert critical(partial(euler, column(width, mesh)), P) == pytest.approx(P, rel=CLOSED_FORM)
-    assert critical(partial(greenhill, column(width, mesh)), q) == pytest.approx(q, rel=CLOSED_FORM)
+    assert buckles(partial(euler, column(width, mesh)), P)
+    assert buckles(partial(greenhill, column(width, mesh)), q)
 
 
 def test_a_ring_under_pressure_buckles_at_3_EI() -> None:
     """The inner face is smaller than the middle by h/2R, and what its stretch adds to the load makes up for it."""
     p = 3 * EI / L**3
-    assert critical(partial(ring, (1, 128)), p) == pytest.approx(p, rel=CLOSED_FORM)
+    assert buckles(partial(ring, (1, 128)), p)
 
 
 def test_a_column_still_buckles_where_its_elements_have_modes() -> None:
@@ -112,14 +117,15 @@ def test_a_column_still_buckles_where_its_elements_have_modes() -> None:
     P = math.pi**2 * E * 0.5**3 / 12 / (4 * L**2)
     wide, less, square = (partial(euler, column(20.0, (64, n), 0.5)) for n in (1, 4, 8))
     found = critical(wide, P)
-    assert [critical(at, P) for at in (less, square)] == pytest.approx([found, found], rel=CLOSED_FORM)
+    assert buckles(less, found)
+    assert buckles(square, found)
     counts = [verdict(at(1.01 * found)) for at in (wide, less, square)]
     assert [count.negative for count in counts] == [1, 1, 1]
     assert [count.word for count in counts] == [UNSTABLE] * 3
     assert counts[0].element_modes > counts[1].element_modes > counts[2].element_modes == 0
 
 
-@pytest.mark.parametrize(("n", "modes"), [(116, 0), (128, 2), (140, 6), (256, 68)])
+@pytest.mark.parametrize(("n", "modes"), [(116, 0), (140, 6), pytest.param(256, 68, marks=pytest.mark.slow)])
 def test_modes_of_elements_of_a_cantilever_are_no_instability(n: int, modes: int) -> None:
     """At 1.34 % of compression at its clamp, from about 120 elements of its length and one of its width on."""
     scene, request = complete("cantilever", {"load_fraction": "1"}, (n, 1))

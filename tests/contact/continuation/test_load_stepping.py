@@ -213,9 +213,8 @@ def test_a_target_already_reached_costs_nothing(tracking) -> None:
     assert (point.outcome, point.substeps, point.solution.history) == (Outcome.CONVERGED, 0, ())
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
-@pytest.mark.parametrize("direct", [True, False])
-def test_a_path_that_newton_cannot_take_in_one_step(name, direct) -> None:
+@pytest.mark.parametrize("name", ["semismooth", "augmented-lagrangian"])
+def test_a_path_that_newton_cannot_take_in_one_step(name) -> None:
     """A softening spring P = atan u, unloaded from 1.4 to -1: Newton overshoots and diverges, cut steps arrive."""
 
     def at(load: float) -> ContactProblem:
@@ -226,9 +225,7 @@ def test_a_path_that_newton_cannot_take_in_one_step(name, direct) -> None:
 
     begin = ContactSolution(np.tan([1.4]), np.zeros(0), np.zeros(0, bool), Outcome.CONVERGED)
     algorithm = ALGORITHMS[name]()
-    if direct:
-        assert not algorithm.solve(at(-1.0), begin).outcome.converged
-        return
+    assert not algorithm.solve(at(-1.0), begin).outcome.converged
     points = list(follow(at, 1.4, [0.5, -1.0], algorithm, begin))
     assert [p.outcome for p in points] == [Outcome.CONVERGED] * 2
     assert [p.reached for p in points] == [0.5, -1.0]

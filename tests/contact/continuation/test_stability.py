@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -43,31 +44,30 @@ def projected(data: Quadratic, active: np.ndarray, epsilon: float) -> np.ndarray
     return data.K + epsilon * G.T @ np.diag(data.w[active]) @ G
 
 
-@pytest.mark.parametrize("epsilon", EPSILONS)
-@pytest.mark.parametrize("kind", ["obstacle", "definite", "inclined"])
-def test_negative_eigenvalues_are_those_of_dense_algebra(kind: str, epsilon: float) -> None:
-    seen = set()
-    for seed in range(12):
-        data, active = indefinite(seed, kind)
-        wanted = int(np.sum(np.linalg.eigvalsh(projected(data, active, epsilon)) < 0))
-        for ordered in (False, True):  # by SuperLU, by fronts
-            problem = replace(data.problem(), ordered=ordered)
-            found = stability(problem, on(active, len(data.f)), epsilon)
-            assert (found.negative, found.rounding) == (wanted, 0)
-            assert found.word == (UNSTABLE if wanted else STABLE)
-        seen.add(wanted)
-    assert len(seen) > 2
+def test_negative_eigenvalues_are_those_of_dense_algebra() -> None:
+    for kind, epsilon in product(("obstacle", "definite", "inclined"), EPSILONS):
+        seen = set()
+        for seed in range(12):
+            data, active = indefinite(seed, kind)
+            wanted = int(np.sum(np.linalg.eigvalsh(projected(data, active, epsilon)) < 0))
+            for ordered in (False, True):  # by SuperLU, by fronts
+                problem = replace(data.problem(), ordered=ordered)
+                found = stability(problem, on(active, len(data.f)), epsilon)
+                assert (found.negative, found.rounding) == (wanted, 0)
+                assert found.word == (UNSTABLE if wanted else STABLE)
+            seen.add(wanted)
+        assert len(seen) > 2
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
-def test_the_state_of_every_algorithm_is_judged_by_its_own_law(name: str) -> None:
-    algorithm = ALGORITHMS[name]()
-    data = random_quadratic(np.random.default_rng(3), "inclined")
-    problem = data.problem()
-    state = algorithm.solve(problem, ContactSolution.at_rest(len(data.f), len(data.w)))
-    assert state.outcome.converged
-    assert state.active.any()
-    assert stability(problem, state, algorithm.epsilon).word == STABLE
+def test_the_state_of_every_algorithm_is_judged_by_its_own_law() -> None:
+    for name in ALGORITHMS:
+        algorithm = ALGORITHMS[name]()
+        data = random_quadratic(np.random.default_rng(3), "inclined")
+        problem = data.problem()
+        state = algorithm.solve(problem, ContactSolution.at_rest(len(data.f), len(data.w)))
+        assert state.outcome.converged
+        assert state.active.any()
+        assert stability(problem, state, algorithm.epsilon).word == STABLE
 
 
 def test_a_tangent_that_is_not_symmetric_is_stable_unstable_or_not_counted() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -32,9 +33,9 @@ def agrees(seed: int) -> None:
     assert judge(step.problem(), found.du, found.normal, found.friction).failures() == []
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_it_finds_the_answer_that_is_built_in(seed) -> None:
-    agrees(seed)
+def test_it_finds_the_answer_that_is_built_in() -> None:
+    for seed in range(12):
+        agrees(seed)
 
 
 @pytest.mark.slow
@@ -43,21 +44,16 @@ def test_it_finds_each_of_many_answers(seed) -> None:
     agrees(seed)
 
 
-def test_every_state_is_among_them() -> None:
-    states = [manufactured(rng := np.random.default_rng(s), int(rng.integers(1, 7)))[1].state for s in range(20)]
-    assert min(np.bincount(np.concatenate(states), minlength=3)) > 10
-
-
-@pytest.mark.parametrize("load", [(1.0, -1.0), (0.1, -1.0), (-1.0, -1.0), (3.0, -1.0), (-3.0, -2.0)])
-@pytest.mark.parametrize("mu", [0.0, 0.2, 0.8])
-def test_klarbrings_springs_have_one_answer_at_small_mu(mu, load) -> None:
-    springs = klarbring(mu, load, 1.0)
-    (answer,) = all_answers(springs)
-    found = minimise(springs)
-    np.testing.assert_array_equal(found.state, answer.state)
-    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
-    assert judge(springs.problem(), answer.u, answer.normal, answer.friction).failures() == []
+def test_klarbrings_springs_have_one_answer_at_small_mu() -> None:
+    loads = (1.0, -1.0), (0.1, -1.0), (-1.0, -1.0), (3.0, -1.0), (-3.0, -2.0)
+    for mu, load in product((0.0, 0.2, 0.8), loads):
+        springs = klarbring(mu, load, 1.0)
+        (answer,) = all_answers(springs)
+        found = minimise(springs)
+        np.testing.assert_array_equal(found.state, answer.state)
+        np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
+        assert judge(springs.problem(), answer.u, answer.normal, answer.friction).failures() == []
 
 
 def test_klarbrings_springs_have_three_answers_at_large_mu() -> None:
@@ -71,13 +67,13 @@ def test_klarbrings_springs_have_three_answers_at_large_mu() -> None:
     assert min(np.max(np.abs(found.du - answer.u)) for answer in answers) <= EXACT
 
 
-@pytest.mark.parametrize(("length", "force"), [(4.0**10, 1.0), (4.0**-10, 1.0), (1.0, 4.0**10), (1.0, 4.0**-10)])
-def test_in_any_units(length, force) -> None:
-    step, answer = manufactured(np.random.default_rng(2), 5)
-    found = minimise(in_units(step, length, force))
-    np.testing.assert_array_equal(found.state, answer.state)
-    np.testing.assert_allclose(found.du / length, answer.u, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction / force, answer.friction, rtol=0, atol=EXACT)
+def test_in_any_units() -> None:
+    for length, force in ((4.0**10, 1.0), (4.0**-10, 1.0), (1.0, 4.0**10), (1.0, 4.0**-10)):
+        step, answer = manufactured(np.random.default_rng(2), 5)
+        found = minimise(in_units(step, length, force))
+        np.testing.assert_array_equal(found.state, answer.state)
+        np.testing.assert_allclose(found.du / length, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(found.friction / force, answer.friction, rtol=0, atol=EXACT)
 
 
 def test_a_spoilt_answer_is_contradicted() -> None:
@@ -100,34 +96,34 @@ def test_no_programme_no_answer() -> None:
         minimise(wrong)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_a_matrix_that_is_not_symmetric(seed) -> None:
+def test_a_matrix_that_is_not_symmetric() -> None:
     """The answer stays where the load makes up for what is added to K."""
-    step, answer = manufactured(np.random.default_rng(seed), 4)
-    n = len(step.r)
-    skew = 0.1 * np.triu(np.ones((n, n)), 1)
-    other = replace(step, K=sparse.csc_matrix(step.K + skew - skew.T))
-    found = minimise(balanced(other, answer))
-    np.testing.assert_array_equal(found.state, answer.state)
-    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
+    for seed in range(3):
+        step, answer = manufactured(np.random.default_rng(seed), 4)
+        n = len(step.r)
+        skew = 0.1 * np.triu(np.ones((n, n)), 1)
+        other = replace(step, K=sparse.csc_matrix(step.K + skew - skew.T))
+        found = minimise(balanced(other, answer))
+        np.testing.assert_array_equal(found.state, answer.state)
+        np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_an_endless_friction_ties_who_touches(seed) -> None:
+def test_an_endless_friction_ties_who_touches() -> None:
     """Against the equations of those that touch, all of their ways zero."""
-    problem = tied(seed)
-    step = freeze(problem, np.zeros(26), np.zeros(len(problem.weights)), {})
-    found = minimise(step)
-    touch = np.flatnonzero(found.state == State.STICK)
-    assert len(touch)
-    assert State.SLIP not in found.state
-    J = step.H.toarray()[:, (3 * touch[:, None] + np.arange(3)).ravel()]
-    K, ways = step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
-    A = np.block([[K, -J], [J.T, np.zeros((J.shape[1], J.shape[1]))]])
-    wanted = np.linalg.solve(A, np.concatenate([-step.r, -ways]))
-    np.testing.assert_allclose(found.du, wanted[: len(K)], rtol=0, atol=EXACT)
-    assert judge(problem, found.du, found.normal, found.friction).failures() == []
+    for seed in range(3):
+        problem = tied(seed)
+        step = freeze(problem, np.zeros(26), np.zeros(len(problem.weights)), {})
+        found = minimise(step)
+        touch = np.flatnonzero(found.state == State.STICK)
+        assert len(touch)
+        assert State.SLIP not in found.state
+        J = step.H.toarray()[:, (3 * touch[:, None] + np.arange(3)).ravel()]
+        K, ways = step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
+        A = np.block([[K, -J], [J.T, np.zeros((J.shape[1], J.shape[1]))]])
+        wanted = np.linalg.solve(A, np.concatenate([-step.r, -ways]))
+        np.testing.assert_allclose(found.du, wanted[: len(K)], rtol=0, atol=EXACT)
+        assert judge(problem, found.du, found.normal, found.friction).failures() == []
 
 
 def pulled(force: float) -> FrozenFrictionalStep:
@@ -146,17 +142,17 @@ def test_friction_alone_may_hold_a_body() -> None:
         minimise(pulled(1.1))
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_redundant_contacts_share_what_one_carries(seed) -> None:
+def test_redundant_contacts_share_what_one_carries() -> None:
     """Each candidate twice: the motion is that of each once, and so is the force of every pair."""
-    step, answer = manufactured(np.random.default_rng(seed), 4)
-    order = np.repeat(np.arange(4), 2)
-    rows = (2 * order[:, None] + np.arange(2)).ravel()
-    twice = replace(step, G=step.G[order], gap=step.gap[order], weights=step.weights[order])
-    found = minimise(replace(twice, S=step.S[rows], slip=step.slip[order], mu=step.mu[order]))
-    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
+    for seed in range(3):
+        step, answer = manufactured(np.random.default_rng(seed), 4)
+        order = np.repeat(np.arange(4), 2)
+        rows = (2 * order[:, None] + np.arange(2)).ravel()
+        twice = replace(step, G=step.G[order], gap=step.gap[order], weights=step.weights[order])
+        found = minimise(replace(twice, S=step.S[rows], slip=step.slip[order], mu=step.mu[order]))
+        np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
 
 
 def test_a_contact_that_just_touches_carries_nothing() -> None:

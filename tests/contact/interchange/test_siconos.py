@@ -1,13 +1,23 @@
-"""Siconos' text format: every storage read as its writers write it, the two kinds as steps, and other files refused."""
+"""Siconos' text format: every storage read as its writers write it, the two kinds as steps, and other files refused.
+
+Contacts with ways of their own: the same problem, whatever its matrix, in unknowns that none shares.
+"""
 
 from __future__ import annotations
 
+from functools import partial
+from itertools import product
+
 import numpy as np
 import pytest
+from scipy import sparse
 
+from contact.algorithms.semismooth import Semismooth
 from contact.coulomb import State
 from contact.interchange.friction_oracle import minimise
-from contact.interchange.siconos import SiconosError, parse, read
+from contact.interchange.own_ways import with_own_ways
+from contact.interchange.siconos import SiconosError, SiconosProblem, parse, read
+from contact.problem import ContactSolution
 from contact.verify import judge
 
 EXACT = 1e-10
@@ -154,14 +164,14 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize(("text", "said"), REFUSED.values(), ids=REFUSED)
-def test_other_texts_are_refused_in_one_line(text, said, tmp_path) -> None:
-    path = tmp_path / "problem.dat"
-    path.write_text(text)
-    with pytest.raises(SiconosError, match=said) as caught:
-        read(path)
-    assert "\n" not in str(caught.value)
-    assert str(path) in str(caught.value)
+def test_other_texts_are_refused_in_one_line(tmp_path) -> None:
+    for text, said in REFUSED.values():
+        path = tmp_path / "problem.dat"
+        path.write_text(text)
+        with pytest.raises(SiconosError, match=said) as caught:
+            read(path)
+        assert "\n" not in str(caught.value)
+        assert str(path) in str(caught.value)
 
 
 def test_hdf5_is_refused_and_so_is_what_is_no_step(tmp_path) -> None:
@@ -175,3 +185,65 @@ def test_hdf5_is_refused_and_so_is_what_is_no_step(tmp_path) -> None:
     nilpotent = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     with pytest.raises(SiconosError, match="another space"):
         parse(f"3 1 {dense(nilpotent)} 0 0 0 0.1").step()
+
+
+CLOSE = 1e-9
+COEFFICIENTS = np.array([0.2, 0.3, 0.1])
+
+
+def local(rng: np.random.Generator, rank: int = 9, skew: float = 0.0) -> SiconosProblem:
+    root, turn = rng.standard_normal((9, rank)), rng.standard_normal((9, 9))
+    W = root @ root.T / 9 + np.eye(9) * (rank == 9) + skew * (turn - turn.T)
+    return SiconosProblem(3, COEFFICIENTS, rng.standard_normal(9), W=sparse.csc_matrix(W))
+
+
+def whole(rng: np.random.Generator) -> SiconosProblem:
+    root, H = rng.standard_normal((11, 11)), rng.standard_normal((11, 9))
+    M = sparse.csc_matrix(root @ root.T / 11 + np.eye(11))
+    return SiconosProblem(
+        3, COEFFICIENTS, rng.standard_normal(9), M=M, H=sparse.csc_matrix(H), q=rng.standard_normal(11)
+    )
+
+
+def ways(problem: SiconosProblem, forces: np.ndarray) -> np.ndarray:
+    """u (9,) of forces (9,), by the problem's own equations."""
+    if problem.W is not None:
+        return problem.W @ forces + problem.offset
+    v = np.linalg.solve(problem.M.toarray(), problem.H @ forces + problem.q)
+    return problem.H.T @ v + problem.offset
+
+
+def indefinite(rng: np.random.Generator) -> SiconosProblem:
+    return SiconosProblem(3, COEFFICIENTS, rng.standard_normal(9), W=sparse.diags_array(np.arange(9.0) - 4))
+
+
+def test_any_forces_make_the_ways_of_the_problem() -> None:
+    """Of definite, singular and unsymmetric matrices, of one that is not positive, and of a global problem."""
+    kinds = local, partial(local, rank=5), partial(local, skew=0.5), indefinite, whole
+    for make, seed in product(kinds, range(3)):
+        rng = np.random.default_rng(seed)
+        problem = make(rng)
+        step, forces = with_own_ways(problem), rng.standard_normal(9)
+        x = np.linalg.solve(step.K.toarray(), step.H @ forces - step.r)
+        np.testing.assert_allclose(step.H.T @ x + step.w, ways(problem, forces), rtol=0, atol=CLOSE)
+
+
+@pytest.mark.parametrize("make", [local, whole])
+def test_an_active_set_has_the_answer_of_the_oracle(make) -> None:
+    problem = make(np.random.default_rng(3))
+    step, wanted = with_own_ways(problem), minimise(problem.step())
+    found = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 3))
+    assert found.outcome.converged
+    assert judge(step.problem(), found.u, found.pressure, found.rubbed.force).failures() == []
+    np.testing.assert_allclose(found.pressure, wanted.normal, rtol=0, atol=CLOSE)
+    np.testing.assert_allclose(found.rubbed.force, wanted.friction, rtol=0, atol=CLOSE)
+
+
+def test_in_a_plane_the_second_slip_of_its_own_way_is_none() -> None:
+    W = sparse.csc_matrix(np.diag([1.0, 2.0, 3.0, 4.0]))
+    step = with_own_ways(SiconosProblem(2, COEFFICIENTS[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W))
+    assert np.diff(step.S.indptr).tolist() == [1, 0, 1, 0]
+    found = minimise(SiconosProblem(2, COEFFICIENTS[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W).step())
+    own = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 2))
+    np.testing.assert_allclose(own.pressure, [1.0, 2 / 3], rtol=0, atol=CLOSE)  # W is diagonal: each alone
+    np.testing.assert_allclose(own.rubbed.force, found.friction, rtol=0, atol=CLOSE)

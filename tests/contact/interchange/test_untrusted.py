@@ -62,12 +62,11 @@ WRONG: dict[str, tuple[Callable[[Path], Path], str]] = {
 }
 
 
-@pytest.mark.parametrize("name", WRONG)
-def test_an_array_that_is_not_what_it_says_is_refused(name: str, tmp_path: Path) -> None:
-    make, said = WRONG[name]
-    with pytest.raises(ValueError, match=said) as caught:
-        read_arrays(make(tmp_path / "a.npz"), ["a"])
-    assert "\n" not in str(caught.value)
+def test_an_array_that_is_not_what_it_says_is_refused(tmp_path: Path) -> None:
+    for name, (make, said) in WRONG.items():
+        with pytest.raises(ValueError, match=said) as caught:
+            read_arrays(make(tmp_path / f"{name}.npz"), ["a"])
+        assert "\n" not in str(caught.value)
 
 
 def test_what_is_not_asked_for_is_not_unpacked(tmp_path: Path) -> None:

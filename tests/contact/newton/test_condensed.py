@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -39,43 +40,43 @@ def example(kind: str, symmetric: bool, seed: int) -> tuple[Quadratic, np.ndarra
     return data, rng.normal(size=len(data.f)), rng
 
 
-@pytest.mark.parametrize("solver", ["multifrontal", "splu"])
-@pytest.mark.parametrize("epsilon", [1e-2, 1e4, 1e14, math.inf])
-@pytest.mark.parametrize(("kind", "symmetric"), KINDS)
-def test_the_step_on_any_set_is_that_of_the_dense_saddle_point(kind, symmetric, epsilon, solver) -> None:
+def test_the_step_on_any_set_is_that_of_the_dense_saddle_point() -> None:
     """Sets near the one that was factorised, its complement, all and none, by one factorisation."""
-    for seed in range(3):
-        data, u, rng = example(kind, symmetric, seed)
-        base = rng.random(6) < 0.5
-        problem = replace(data.problem(), ordered=True)
-        linear = linearised(problem, u, base, epsilon, solver)
-        for active in (base ^ (np.arange(6) == 2), ~base, np.ones(6, bool), np.zeros(6, bool), base):
-            du, pressure = linear.step(active)
-            exact_du, exact_pressure = dense_step(data, np.diag(data.w), u, active, epsilon)
-            np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * (1 + np.max(np.abs(exact_du))))
-            size = 1 + np.max(np.abs(exact_pressure))
-            np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
-            gap, foreseen = linear.foreseen(active)
-            np.testing.assert_allclose(gap, data.g0 + data.G @ (u + du), rtol=0, atol=DENSE * (1 + np.max(np.abs(du))))
-            np.testing.assert_allclose(foreseen, pressure, rtol=0, atol=DENSE * size)
-            closed = (data.g0 + data.G @ (u + du) + pressure / epsilon)[active]
-            assert np.all(np.abs(closed) <= 1e-14 * (1 + np.abs(data.G) @ (np.abs(u) + np.abs(du)))[active])
+    springs = 1e-2, 1e4, 1e14, math.inf
+    for (kind, symmetric), epsilon, solver in product(KINDS, springs, ("multifrontal", "splu")):
+        for seed in range(3):
+            data, u, rng = example(kind, symmetric, seed)
+            base = rng.random(6) < 0.5
+            problem = replace(data.problem(), ordered=True)
+            linear = linearised(problem, u, base, epsilon, solver)
+            for active in (base ^ (np.arange(6) == 2), ~base, np.ones(6, bool), np.zeros(6, bool), base):
+                du, pressure = linear.step(active)
+                exact_du, exact_pressure = dense_step(data, np.diag(data.w), u, active, epsilon)
+                np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * (1 + np.max(np.abs(exact_du))))
+                size = 1 + np.max(np.abs(exact_pressure))
+                np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
+                gap, foreseen = linear.foreseen(active)
+                np.testing.assert_allclose(
+                    gap, data.g0 + data.G @ (u + du), rtol=0, atol=DENSE * (1 + np.max(np.abs(du)))
+                )
+                np.testing.assert_allclose(foreseen, pressure, rtol=0, atol=DENSE * size)
+                closed = (data.g0 + data.G @ (u + du) + pressure / epsilon)[active]
+                assert np.all(np.abs(closed) <= 1e-14 * (1 + np.abs(data.G) @ (np.abs(u) + np.abs(du)))[active])
 
 
-@pytest.mark.parametrize("epsilon", [1e2, math.inf])
-@pytest.mark.parametrize(("kind", "symmetric"), KINDS)
-def test_the_matrix_is_the_principal_pivot_transform_of_the_delassus_matrix(kind, symmetric, epsilon) -> None:
+def test_the_matrix_is_the_principal_pivot_transform_of_the_delassus_matrix() -> None:
     """w = M z + q of all candidates, and exchanged back: compliance and gaps without any contact."""
-    data, u, rng = example(kind, symmetric, 0)
-    base = rng.random(6) < 0.5
-    M, q = linearised(data.problem(), u, base, epsilon, AUTO).block(np.arange(6))
-    compliance = data.G @ np.linalg.solve(data.K, data.G.T) + np.diag(1 / (epsilon * data.w))
-    free = data.g0 + data.G @ np.linalg.solve(data.K, data.f)
-    back, gap = lcp_pivoting.principal_pivot(M, q, base)
-    np.testing.assert_allclose(back, compliance, rtol=0, atol=DENSE * np.max(np.abs(compliance)))
-    np.testing.assert_allclose(gap, free, rtol=0, atol=DENSE)
-    if symmetric:
-        np.testing.assert_allclose(M[np.ix_(base, ~base)], -M[np.ix_(~base, base)].T, rtol=0, atol=DENSE)
+    for (kind, symmetric), epsilon in product(KINDS, (1e2, math.inf)):
+        data, u, rng = example(kind, symmetric, 0)
+        base = rng.random(6) < 0.5
+        M, q = linearised(data.problem(), u, base, epsilon, AUTO).block(np.arange(6))
+        compliance = data.G @ np.linalg.solve(data.K, data.G.T) + np.diag(1 / (epsilon * data.w))
+        free = data.g0 + data.G @ np.linalg.solve(data.K, data.f)
+        back, gap = lcp_pivoting.principal_pivot(M, q, base)
+        np.testing.assert_allclose(back, compliance, rtol=0, atol=DENSE * np.max(np.abs(compliance)))
+        np.testing.assert_allclose(gap, free, rtol=0, atol=DENSE)
+        if symmetric:
+            np.testing.assert_allclose(M[np.ix_(base, ~base)], -M[np.ix_(~base, base)].T, rtol=0, atol=DENSE)
 
 
 def test_two_bounds_on_one_unknown_are_exchanged() -> None:

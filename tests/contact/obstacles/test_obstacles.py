@@ -172,21 +172,21 @@ def test_gradient_and_curvature_by_differences(name, rng) -> None:
         assert {-1, 0, 1} == set(np.sign(np.round(np.trace(H, axis1=1, axis2=2), 9)))
 
 
-@each_foundation
-def test_the_gap_never_changes_faster_than_the_point(name, rng) -> None:
+def test_the_gap_never_changes_faster_than_the_point(rng) -> None:
     """What the choice of candidates rests on, near and far, also where the gradient jumps."""
-    foundation = FOUNDATIONS[name]
-    x, y = (CENTRE + 3 * rng.normal(size=(4000, 3)) for _ in range(2))
-    change = np.abs(foundation.gap(x) - foundation.gap(y))
-    assert np.all(change <= np.linalg.norm(x - y, axis=1) + ROUNDING)
+    for name in FOUNDATIONS:
+        foundation = FOUNDATIONS[name]
+        x, y = (CENTRE + 3 * rng.normal(size=(4000, 3)) for _ in range(2))
+        change = np.abs(foundation.gap(x) - foundation.gap(y))
+        assert np.all(change <= np.linalg.norm(x - y, axis=1) + ROUNDING)
 
 
-@each_foundation
-def test_a_moved_foundation_sees_the_points_moved_back(name, rng) -> None:
-    foundation, by, x = FOUNDATIONS[name], rng.normal(size=3), CENTRE + rng.normal(size=(50, 3))
-    for quantity in ("gap", "gradient", "curvature"):
-        there, here = getattr(foundation.moved(by), quantity)(x), getattr(foundation, quantity)(x - by)
-        np.testing.assert_allclose(there, here, rtol=0, atol=1e-10)
+def test_a_moved_foundation_sees_the_points_moved_back(rng) -> None:
+    for name in FOUNDATIONS:
+        foundation, by, x = FOUNDATIONS[name], rng.normal(size=3), CENTRE + rng.normal(size=(50, 3))
+        for quantity in ("gap", "gradient", "curvature"):
+            there, here = getattr(foundation.moved(by), quantity)(x), getattr(foundation, quantity)(x - by)
+            np.testing.assert_allclose(there, here, rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("hollow", [False, True])
@@ -198,26 +198,26 @@ def test_the_axis_has_a_distance_and_some_direction(make, hollow) -> None:
     assert np.all(foundation.curvature(x) == 0)
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: Drum(CENTRE, 2 * AXIS, 1.0), "unit vector"),
-        (lambda: Drum(CENTRE, AXIS, 0.0), "radius"),
-        (lambda: Sphere(CENTRE, math.nan), "radius"),
-        (lambda: Sphere(CENTRE, math.inf), "radius"),
-        (lambda: Profile(NORMAL, 0.0, NORMAL, 0.0, step(1, 45, 0.1)), "base plane"),
-        (lambda: cleat(0.0, 1.0, 45, 0.1), "height"),
-        (lambda: cleat(1.0, 1.0, 100, 0.1), "flank_deg"),
-        (lambda: cleat(1.0, -1.0, 45, 0.1), "top"),
-        (lambda: cleat(1.0, 1.0, 90, 0.6), "rounding of 0.6"),
-        (lambda: cleat(4.0, 0.2, 90, 0.5), "needs 1 mm of a line that has 0.2"),
-        (lambda: rounded([(0, 0), (-1, 1)], 0.1), "advance"),
-        (lambda: rounded([(0, 0), (1, 0)], 0.1), "turn"),
-    ],
+IMPOSSIBLE = (
+    (lambda: Drum(CENTRE, 2 * AXIS, 1.0), "unit vector"),
+    (lambda: Drum(CENTRE, AXIS, 0.0), "radius"),
+    (lambda: Sphere(CENTRE, math.nan), "radius"),
+    (lambda: Sphere(CENTRE, math.inf), "radius"),
+    (lambda: Profile(NORMAL, 0.0, NORMAL, 0.0, step(1, 45, 0.1)), "base plane"),
+    (lambda: cleat(0.0, 1.0, 45, 0.1), "height"),
+    (lambda: cleat(1.0, 1.0, 100, 0.1), "flank_deg"),
+    (lambda: cleat(1.0, -1.0, 45, 0.1), "top"),
+    (lambda: cleat(1.0, 1.0, 90, 0.6), "rounding of 0.6"),
+    (lambda: cleat(4.0, 0.2, 90, 0.5), "needs 1 mm of a line that has 0.2"),
+    (lambda: rounded([(0, 0), (-1, 1)], 0.1), "advance"),
+    (lambda: rounded([(0, 0), (1, 0)], 0.1), "turn"),
 )
-def test_impossible_foundations_are_refused(make, message) -> None:
-    with pytest.raises(ValueError, match=message):
-        make()
+
+
+def test_impossible_foundations_are_refused() -> None:
+    for make, message in IMPOSSIBLE:
+        with pytest.raises(ValueError, match=message):
+            make()
 
 
 def test_pieces_meet_with_one_tangent() -> None:
@@ -235,8 +235,9 @@ def test_pieces_meet_with_one_tangent() -> None:
 # --- the contact problem ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [name for name in FOUNDATIONS if name != "plane"])
-@pytest.mark.parametrize("coupling", [False, True])
+@pytest.mark.parametrize(
+    ("name", "coupling"), [*((name, False) for name in FOUNDATIONS if name != "plane"), ("sphere", True)]
+)
 def test_tangent_of_a_whole_problem(name, coupling, rng) -> None:
     """d(r - G^T W p)/du = K - gap_curvature(u, W p) at arbitrary pressures, by differences."""
     foundation = FOUNDATIONS[name]

@@ -23,25 +23,26 @@ def backward_error(A: np.ndarray, x: np.ndarray, b: np.ndarray) -> float:
     return np.max(np.abs(b - A @ x)) / (np.abs(A).sum(axis=1).max() * np.max(np.abs(x)) + np.max(np.abs(b)))
 
 
-@pytest.mark.parametrize("kind", ["definite", "nonsymmetric", "saddle", "tiny diagonal", "scaled over 1e12"])
-def test_regular_systems_are_solved_to_a_small_backward_error(rng, solver, kind) -> None:
-    n = 40
-    A = rng.normal(size=(n, n)) * (rng.random((n, n)) < 0.2) + 4 * np.eye(n)
-    if kind in ("definite", "scaled over 1e12"):
-        A = A @ A.T
-    if kind == "scaled over 1e12":
-        scale = 10 ** np.linspace(-3, 3, n)
-        A = scale[:, None] * A * scale
-    if kind == "saddle":
-        A = np.block([[A @ A.T, np.eye(n, 5)], [np.eye(5, n), np.zeros((5, 5))]])
-    if kind == "tiny diagonal":
-        A = np.block([[1e-18 * np.eye(n), A], [A.T, np.eye(n)]])  # pivots on the diagonal alone would lose everything
-    exact = rng.normal(size=len(A))
-    matrix, b = sparse.csc_matrix(A), A @ exact
-    x = checked_solve(factorise(matrix, solver), matrix, b)
-    assert backward_error(A, x, b) <= BACKWARD
-    if kind != "scaled over 1e12":
-        np.testing.assert_allclose(x, exact, rtol=0, atol=1e-10)
+def test_regular_systems_are_solved_to_a_small_backward_error(rng, solver) -> None:
+    kinds = "definite", "nonsymmetric", "saddle", "tiny diagonal", "scaled over 1e12"
+    for kind in kinds:
+        n = 40
+        A = rng.normal(size=(n, n)) * (rng.random((n, n)) < 0.2) + 4 * np.eye(n)
+        if kind in ("definite", "scaled over 1e12"):
+            A = A @ A.T
+        if kind == "scaled over 1e12":
+            scale = 10 ** np.linspace(-3, 3, n)
+            A = scale[:, None] * A * scale
+        if kind == "saddle":
+            A = np.block([[A @ A.T, np.eye(n, 5)], [np.eye(5, n), np.zeros((5, 5))]])
+        if kind == "tiny diagonal":
+            A = np.block([[1e-18 * np.eye(n), A], [A.T, np.eye(n)]])  # no pivots on its diagonal
+        exact = rng.normal(size=len(A))
+        matrix, b = sparse.csc_matrix(A), A @ exact
+        x = checked_solve(factorise(matrix, solver), matrix, b)
+        assert backward_error(A, x, b) <= BACKWARD
+        if kind != "scaled over 1e12":
+            np.testing.assert_allclose(x, exact, rtol=0, atol=1e-10)
 
 
 def test_a_poor_factor_is_improved_by_one_refinement_or_refused(rng) -> None:
@@ -64,15 +65,12 @@ def test_a_poor_factor_is_improved_by_one_refinement_or_refused(rng) -> None:
         checked_solve(Poor(math.nan), matrix, b)
 
 
-@pytest.mark.parametrize(
-    "A",
-    [np.zeros((3, 3)), np.diag([1.0, 0.0, 2.0]), np.array([[1.0, -1.0], [-1.0, 1.0]]), np.ones((4, 4))],
-    ids=["zero", "empty row", "floating spring", "rank one"],
-)
-def test_exactly_singular_systems_are_refused(solver, A) -> None:
-    matrix = sparse.csc_matrix(A)
-    with pytest.raises(SingularMatrixError):
-        checked_solve(factorise(matrix, solver), matrix, np.arange(1.0, len(A) + 1))
+def test_exactly_singular_systems_are_refused(solver) -> None:
+    singular = np.zeros((3, 3)), np.diag([1.0, 0.0, 2.0]), np.array([[1.0, -1.0], [-1.0, 1.0]]), np.ones((4, 4))
+    for A in singular:
+        matrix = sparse.csc_matrix(A)
+        with pytest.raises(SingularMatrixError):
+            checked_solve(factorise(matrix, solver), matrix, np.arange(1.0, len(A) + 1))
 
 
 def test_singular_to_working_precision_is_refused(solver) -> None:
