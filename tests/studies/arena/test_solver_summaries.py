@@ -96,34 +96,19 @@ def test_shifted_means_by_hand() -> None:
     assert at(found, "C")["mean_s"].item() == pytest.approx(by_hand)
 
 
-def test_performance_profiles_by_hand() -> None:
-    """Ratios to the quickest: A 1 2 1 1, B 2 1 - 2, C 10 - - -."""
+def test_profiles_by_hand() -> None:
+    """Ratios to the quickest: A 1 2 1 1, B 2 1 - 2, C 10 - - -; in factorisations: A 2 2 3 2, B 4 1 - 4, C 20 - - -."""
     found = performance_profiles(made_up(), (1.0, 2.0, 5.0, 10.0))
     shares = {solver: at(found, solver)["share"].tolist() for solver in "ABC"}
     assert shares == {"A": [0.75, 1, 1, 1], "B": [0.25, 0.75, 0.75, 0.75], "C": [0, 0, 0, 0.25]}
-
-
-def test_data_profiles_by_hand() -> None:
-    """In factorisations: A 2 2 3 2, B 4 1 - 4, C 20 - - -."""
+    sizes = {size: rows["problems"].iloc[0] for size, rows in found.groupby("size")}
+    assert sizes == {"all": 4, "small": 2, "medium": 1, "large": 1}
     found = data_profiles(made_up(), (1.0, 2.0, 3.0, 4.0, 20.0))
     shares = {solver: at(found, solver)["share"].tolist() for solver in "ABC"}
     assert shares == {"A": [0, 0.75, 1, 1, 1], "B": [0.25, 0.25, 0.25, 0.75, 0.75], "C": [0, 0, 0, 0, 0.25]}
-
-
-def test_what_nobody_solves_counts_against_all() -> None:
+    # what nobody solves counts against all
     found = performance_profiles(made_up({"A": (1.0, None), "B": (2.0, None)}), (1.0, 100.0))
-    assert at(found, "A")["share"].tolist() == [0.5, 0.5]
-    assert at(found, "B")["share"].tolist() == [0.0, 0.5]
-
-
-def test_sizes_are_classes_of_unknowns() -> None:
-    found = performance_profiles(made_up(), (1.0,))
-    assert {size: rows["problems"].iloc[0] for size, rows in found.groupby("size")} == {
-        "all": 4,
-        "small": 2,
-        "medium": 1,
-        "large": 1,
-    }
+    assert {solver: at(found, solver)["share"].tolist() for solver in "AB"} == {"A": [0.5, 0.5], "B": [0.0, 0.5]}
 
 
 def test_ranks_and_their_correlation() -> None:
