@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -118,32 +119,19 @@ def _counted(linearise: Linearise, left: list[int]) -> Linearise:
     return counted
 
 
-@dataclass
-class Watched:
-    """A scene whose problems are watched; otherwise the scene."""
+def watched_scene(scene: Scene) -> Any:
+    """The scene, whose problems are all watched together."""
+    left = [MOST]
 
-    scene: Scene
-    left: list[int] = field(default_factory=lambda: [MOST])
-
-    @property
-    def name(self) -> str:
-        """Of the scene."""
-        return self.scene.name
-
-    def build(self, request: Request) -> SceneModel:
-        """The model, watched."""
-        model: Any = _Model(self.scene.build(request), self._stage)
-        return model
-
-    def _stage(self, stage: Stage) -> Stage:
+    def changed(stage: Stage) -> Stage:
         def begin(previous: Any) -> Begun:
             problem_at, start = stage.begin(previous)
-            return lambda t: watched(problem_at(t), self.left), start
+            return lambda t: watched(problem_at(t), left), start
 
-        more: dict[str, Any] = (
-            {"linearise": _counted(stage.linearise, self.left)} if isinstance(stage, ArcStage) else {}
-        )
-        return replace(stage, begin=begin, **more)
+        found = replace(stage, begin=begin)
+        return replace(found, linearise=_counted(found.linearise, left)) if isinstance(found, ArcStage) else found
+
+    return SimpleNamespace(name=scene.name, build=lambda request: _Model(scene.build(request), changed))
 
 
 class _Model:
@@ -232,8 +220,7 @@ def attempt(asked: Asked, seed: int) -> Attempt:
     with no_traceback():
         try:
             scene, request = asked.request(seed)
-            model: Any = Watched(scene)
-            result = solve(model, request)
+            result = solve(watched_scene(scene), request)
         except UsageError as error:
             return Attempt(asked, REFUSED, one_line(str(error)))
         result.as_json()
