@@ -13,8 +13,7 @@ import pandas as pd
 
 from studies.analysis.evidence import Tables
 from studies.experiments.friction.scenes import DELTA, MESH
-from studies.run.rows import holds_from
-from studies.solving.refinement.richardson import power_of
+from studies.solving.refinement.richardson import holds_from, power_of
 from studies.solving.result import SOLVED, UNSUPPORTED
 
 FULL = 0.01  # a force or a torque is full once it is so near to its bound, and stays so

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from studies.bench.problems import problems
-from studies.run.rows import holds_from
+from studies.solving.refinement.richardson import holds_from
 
 OURS = "footprint"
 PARTS = ("start", "assembly", "factorisation")

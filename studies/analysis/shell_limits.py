@@ -5,16 +5,15 @@ sign between them, two powers work against each other, and it is interpolated as
 is not passed on the way is infinite, what is passed from the start is 0.
 
 A scene declares the case of studies.experiments.shell_limits that it is, or that comes nearest to it, and its thickness
-in the terms of that case. Outside the thicknesses of its table nothing is said, but that a
-thicker wall is at least as far off as the thickest known. The table is shipped without its costs, as it was when the
-sources were last published: advice has it where no campaign has been run.
+in the terms of that case. Outside the thicknesses of its table nothing is said, but that a thicker wall is at least as
+far off as the thickest known. The table is shipped to six digits without its costs, which are of one machine, as it was
+when the sources were last published: advice has it where no campaign has been run.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,9 @@ from studies.experiments.shell_limits.bodies import DEFAULT, MIDDLE, REISSNER
 from studies.scenes import SCENES
 from studies.solving.refinement.richardson import power_of
 
+SHIPPED = Path(__file__).parent / "advice" / "shell_limits.csv"
+SHIPPED_COLUMNS = ("case", "quantity", "thickness", "ratio", "variant", "error", "known_to")
+TABLE = "shell_limits"
 LEVELS = (0.01, 0.05)
 TOLD = 3.0  # times what it is known to: an error smaller than that is not told from zero
 ASYMPTOTIC = 1e-4, 0.05  # errors between which the order shows: below is rounding in thin walls, above the next term
@@ -88,10 +90,7 @@ def boundary(ratio: Sequence[float] | np.ndarray, error: Sequence[float] | np.nd
         return math.inf
     if after == 0:
         return 0.0
-    (before, there), around = (
-        np.asarray(error, float)[after - 1 : after + 1],
-        np.asarray(ratio, float)[after - 1 : after + 1],
-    )
+    (before, there), around = (np.asarray(each, float)[after - 1 : after + 1] for each in (error, ratio))
     if before * there < 0:
         return float(np.interp(level, [-abs(before), abs(there)], around))
     (x0, x1), (y0, y1) = np.log(around), np.log(_positive(size)[after - 1 : after + 1])
@@ -138,53 +137,8 @@ def order(ratio: np.ndarray, error: np.ndarray, known: np.ndarray) -> float:
     return power_of(ratio[own], size[own])
 
 
-SHIPPED = Path(__file__).parent / "advice" / "shell_limits.csv"
-SHIPPED_COLUMNS = ("case", "quantity", "thickness", "ratio", "variant", "error", "known_to")
-TABLE = "shell_limits"
-
-
-@dataclass(frozen=True)
-class Beyond:
-    """A scene at a thickness where the error of the shell's kinematics exceeds what is asked for.
-
-    ratio: its thickness, in terms of ``thickness``.  error: there.  at_least: it is thicker than any that is known.
-    boundary: thickness at which the error passes the tolerance, 0 where it does from the thinnest on.  own: whether
-    that is known of the very case, not of the nearest.
-    """
-
-    scene: str
-    kind: ShellLimit
-    quantity: str
-    variant: str
-    thickness: str
-    ratio: float
-    tolerance: float
-    error: float
-    boundary: float
-    at_least: bool
-    own: bool
-
-    @property
-    def line(self) -> str:
-        """For a terminal."""
-        known = self.kind.case if self.own else f"the nearest kind known, {self.kind.case}"
-        option = "" if self.variant == DEFAULT else f", {self.variant}"
-        size = f"{'at least ' if self.at_least else ''}{100 * self.error:.2g} %"
-        passed = f"passed at {self.boundary:.2g}" if self.boundary else "passed in the thinnest wall known"
-        told = f"shell not enough: at {self.thickness} = {self.ratio:.3g} its kinematics are {size} off a solid"
-        told += f" ({self.quantity} of {known}{option}); {100 * self.tolerance:.3g} % is {passed}"
-        solved = (
-            f"footprint solve {self.kind.solid}, as it is set"
-            if self.kind.solid
-            else "a solid, of which there is no scene"
-        )
-        return f"{told}; solve instead: {solved}"
-
-
-def beyond(
-    scene: str, settings: Settings, quantity: str | None, tolerance: float, table: pd.DataFrame
-) -> Beyond | None:
-    """What is beyond the tolerance, or None: within it, or nothing is known of such a scene or wall.
+def beyond(scene: str, settings: Settings, quantity: str | None, tolerance: float, table: pd.DataFrame) -> str | None:
+    """What is beyond the tolerance, in a line for a terminal; None within it, or where nothing is known of such a wall.
 
     table: rows of SHIPPED_COLUMNS. Options of the shell that the scene sets and the table knows count: the law through
     the thickness, the shear correction, the pressure's area; of several the one that is farthest off. An error must
@@ -198,17 +152,30 @@ def beyond(
     judged = str(next(named, case["quantity"].iloc[0]))
     of_case = case[case["quantity"] == judged].sort_values("ratio")
     asked = [name for name in _options(settings) if (of_case["variant"] == name).any()]
-    own_case = kind.same and (not kind.only_with or kind.only_with in settings)
-    found = []
+    ratio = kind.ratio(settings)
+    solid = f"footprint solve {kind.solid}, as it is set" if kind.solid else "a solid, of which there is no scene"
+    worst, line = tolerance, None
     for variant in asked or [DEFAULT]:
         own = of_case[of_case["variant"] == variant]
         x, errors, known = (own[name].to_numpy(float) for name in ("ratio", "error", "known_to"))
-        ratio = kind.ratio(settings)
         error = error_at(x, errors, ratio)
-        if error - float(np.interp(ratio, x, known)) > tolerance:  # nothing is that is not known: NaN is not beyond
-            named_at = (scene, kind, judged, variant, str(own["thickness"].iloc[0]), ratio, tolerance)
-            found.append(Beyond(*named_at, error, boundary(x, errors, tolerance), ratio > x[-1] * (1 + 1e-9), own_case))
-    return max(found, key=lambda each: each.error, default=None)
+        if error <= worst or not error - float(np.interp(ratio, x, known)) > tolerance:  # NaN is not beyond
+            continue
+        limit = boundary(x, errors, tolerance)
+        size = f"{'at least ' if ratio > x[-1] * (1 + 1e-9) else ''}{100 * error:.2g} %"
+        option = "" if variant == DEFAULT else f", {variant}"
+        passed = f"passed at {limit:.2g}" if limit else "passed in the thinnest wall known"
+        worst = error
+        line = f"shell not enough: at {own['thickness'].iloc[0]} = {ratio:.3g} its kinematics are {size} off a solid"
+        line += f" ({judged} of {_known_as(kind, settings)}{option}); {100 * tolerance:.3g} % is {passed}; "
+        line += f"solve instead: {solid}"
+    return line
+
+
+def _known_as(kind: ShellLimit, settings: Settings) -> str:
+    """The case of the table that a scene is of, or that comes nearest to it."""
+    same = kind.same and (not kind.only_with or kind.only_with in settings)
+    return kind.case if same else f"the nearest kind known, {kind.case}"
 
 
 def _options(settings: Settings) -> tuple[str, ...]:
@@ -227,11 +194,3 @@ def known_limits(store: Path) -> pd.DataFrame:
     """The table of a store, or the one that is shipped where it has none."""
     own = store / "tables" / f"{TABLE}.csv"
     return pd.read_csv(own if own.exists() else SHIPPED)
-
-
-def shipped(table: pd.DataFrame) -> pd.DataFrame:
-    """What is shipped of a table: no costs, which are of one machine, and six digits."""
-    kept = table[list(SHIPPED_COLUMNS)].copy()
-    for name in ("error", "known_to"):
-        kept[name] = kept[name].map(lambda value: float(f"{value:.6g}"))
-    return kept

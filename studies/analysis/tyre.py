@@ -18,10 +18,9 @@ from studies.analysis.evidence import Tables
 from studies.experiments.choices import measure_limits
 from studies.run.answers import HERE, Answer, Answers
 from studies.run.lists import BUDGET_MESHES, BUDGETED, MODELS, SOLID, TYRE
-from studies.run.rows import holds_from
 from studies.scenes import SCENES
 from studies.scenes.data import read_reference
-from studies.solving.refinement.richardson import formal_limit, order_of
+from studies.solving.refinement.richardson import formal_limit, holds_from, order_of
 
 DELTA, EARLY = 20.0, 5.0  # mm; measures are stated at both
 PAPER = "one step semismooth {mesh}"  # the cell of the paper's load and section

@@ -25,7 +25,7 @@ from studies.ask.scene import Scene
 from studies.experiments import Row, tabulated
 from studies.solving.refinement.cascade import answer
 from studies.solving.refinement.grids import coarsest, first_grid
-from studies.solving.refinement.richardson import correction
+from studies.solving.refinement.richardson import correction, holds_from
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -132,13 +132,10 @@ def cheapest(grids: Sequence[Grid], quantity: str, error: float, truth: Truth | 
     """
     if truth is None:
         return math.inf
-    seconds = math.inf
-    for grid in sorted(grids, key=lambda each: -each.unknowns):
-        off = abs(grid.quantities.get(quantity, math.nan) / truth.limit - 1)
-        if not off + truth.known <= error:
-            break
-        seconds = min(seconds, grid.seconds)
-    return seconds
+    finer = sorted(grids, key=lambda each: each.unknowns)
+    off = [abs(grid.quantities.get(quantity, math.nan) / truth.limit - 1) for grid in finer]
+    enough = finer[holds_from([each + truth.known <= error for each in off]) :]
+    return min((grid.seconds for grid in enough), default=math.inf)
 
 
 def _cold(scene: Scene, request: Request) -> Grid:

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from studies.ask.request import Value
@@ -61,15 +60,6 @@ def _apart(sizes: Sequence[float]) -> list[bool]:
         stays[i] = sizes[i] >= REFINED * finer
         finer = sizes[i] if stays[i] else finer
     return stays
-
-
-def holds_from(holds: Sequence[bool] | np.ndarray | pd.Series) -> int:
-    """The index of the first from which on something holds of all; as many as there are where it does not of the last.
-
-    The one rule of what reaches an accuracy: a mesh that is within it counts with all finer ones, one may be by luck.
-    """
-    broken = np.flatnonzero(~np.asarray(holds, bool))
-    return int(broken[-1]) + 1 if len(broken) else 0
 
 
 def quantities(table: pd.DataFrame) -> list[str]:

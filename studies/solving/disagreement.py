@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-LOAD_STEPS, BEYOND = "load steps", "beyond uniqueness"
-UNSTABLE, SYMMETRY, BRANCHES = "not both are stable", "broken symmetry", "two stable branches"
-MEANINGS = {
-    LOAD_STEPS: "with friction the path decides, and it was followed in other steps",
-    BEYOND: "with friction and in as many steps: its law alone does not leave one answer",
-    UNSTABLE: "one is an equilibrium that nothing can stand in, or was reached through one",
-    SYMMETRY: "a part by symmetry cannot leave the symmetry that the whole has left",
-    BRANCHES: "without friction, both stable, both by the same model",
-}
+LOAD_STEPS = "load steps"  # with friction the path decides, and it was followed in other steps
+BEYOND = "beyond uniqueness"  # with friction and in as many steps: its law alone does not leave one answer
+UNSTABLE = "not both are stable"  # one is an equilibrium that nothing can stand in, or was reached through one
+SYMMETRY = "broken symmetry"  # a part by symmetry cannot leave the symmetry that the whole has left
+BRANCHES = "two stable branches"  # without friction, both stable, both by the same model
 ASYMMETRIES = ("central", "mirror")
 SYMMETRIC = 1e-6  # of the largest pressure: less is no broken symmetry
 
@@ -32,7 +28,7 @@ class Facts:
 
 
 def why(one: Facts, other: Facts) -> str:
-    """A key of MEANINGS: why two certified states of one problem differ."""
+    """Why two certified states of one problem differ, in one of the words above."""
     if one.friction and one.steps != other.steps:
         return LOAD_STEPS
     if not (one.stable and other.stable):

@@ -44,13 +44,13 @@ SUMMARY_COLUMNS = (
 )
 
 
-def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> pd.DataFrame:
+def held_out(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     """One row a scene, quantity and tolerance that its reference can decide, with COLUMNS; empty names for none."""
     known: list[tuple[str, str, bool, pd.DataFrame]] = []
     for scene in dict.fromkeys(table["scene"]):
         first = headline(table, scene)
         for name in judged(table, scene):
-            for question in questions(table, verified, scene, name, cost)[:1]:
+            for question in questions(table, verified, scene, name, COST)[:1]:
                 known.append((scene, name, name == first, estimated(question)))
     rows: list[list[object]] = []
     for scene, name, leads, cells in known:

@@ -98,12 +98,12 @@ def cheapest_of(good: pd.DataFrame, error: str, price: str = "price") -> pd.Seri
     return tied.sort_values([error, price], kind="stable").iloc[0]
 
 
-def all_questions(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> Iterator[Question]:
+def all_questions(table: pd.DataFrame, verified: pd.DataFrame) -> Iterator[Question]:
     """Of every scene and quantity that is judged, the headline of the scene first."""
     for scene in dict.fromkeys(table["scene"]):
         first = headline(table, scene)
         for name in dict.fromkeys([*([first] if first else []), *judged(table, scene)]):
-            yield from questions(table, verified, scene, name, cost)
+            yield from questions(table, verified, scene, name, COST)
 
 
 def asked_question(

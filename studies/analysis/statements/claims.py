@@ -21,6 +21,7 @@ import pandas as pd
 from studies.analysis.evidence import Evidence, NothingError, Tables, Value, given_to, read_declarations, read_values
 from studies.analysis.friction import public_answers
 from studies.analysis.statements.record import Values
+from studies.solving.refinement.richardson import holds_from
 
 CONFIRMED, QUALIFIED, REFUTED, UNTESTED = "confirmed", "qualified", "refuted", "untested"
 CLOSE = 0.002  # of a published value
@@ -174,9 +175,8 @@ def _uniform_errors(work_precision: pd.DataFrame) -> list[float]:
 def one_grid(work_precision: pd.DataFrame) -> Values:
     """Is a grid that is within 1 % followed by one that is not?"""
     errors = _uniform_errors(work_precision)
-    near = [n for n, error in enumerate(errors) if error <= WITHIN]
-    lost = sum(any(error > WITHIN for error in errors[n + 1 :]) for n in near)
-    return {"exceptions": lost, "of": len(near), "within": WITHIN}
+    near = [error <= WITHIN for error in errors]
+    return {"exceptions": sum(near[: holds_from(near)]), "of": sum(near), "within": WITHIN}
 
 
 def finer_is_better(work_precision: pd.DataFrame) -> Values:

@@ -94,4 +94,4 @@ def _choose(options: argparse.Namespace, given: dict[str, str]) -> str:
 def _say_limit(options: argparse.Namespace, settings: Settings, tolerance: float) -> None:
     limit = beyond(options.scene, settings, options.quantity, tolerance, known_limits(options.store or STORE))
     if limit is not None:
-        print(limit.line)
+        print(limit)

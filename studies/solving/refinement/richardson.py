@@ -150,6 +150,15 @@ def order_against(sizes: Sequence[float], values: Sequence[float], reference: fl
     return math.log(e1 / e2) / math.log(sizes[0] / sizes[1])
 
 
+def holds_from(holds: Sequence[bool] | np.ndarray | pd.Series) -> int:
+    """The index of the first from which on something holds of all; as many as there are where it does not of the last.
+
+    The one rule of what reaches an accuracy: a mesh that is within it counts with all finer ones, one may be by luck.
+    """
+    broken = np.flatnonzero(~np.asarray(holds, bool))
+    return int(broken[-1]) + 1 if len(broken) else 0
+
+
 def limit_of(sizes: Sequence[float], values: Sequence[float]) -> Limit:
     """What three or more solved meshes say of the limit, in every case.
 

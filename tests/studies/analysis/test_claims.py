@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
 import shlex
-from inspect import signature
 from pathlib import Path
 
 import pandas as pd
@@ -13,7 +11,6 @@ import pytest
 
 from studies.analysis.statements.claims import (
     CONFIRMED,
-    JUDGES,
     QUALIFIED,
     REFUTED,
     UNTESTED,
@@ -27,7 +24,6 @@ from studies.analysis.statements.claims import (
 )
 from studies.cli import _parser
 from studies.output.atomic import write_table
-from support.sentences import tables_of
 
 CLAIMS = read_claims()
 
@@ -64,24 +60,13 @@ def test_a_missing_table_leaves_its_claims_untested_alone(tmp_path: Path) -> Non
     assert found.loc["any-start", "high"] == 1.0
 
 
-@pytest.mark.parametrize("name", [name for name, claim in CLAIMS.items() if claim["command"]])
-def test_commands_can_be_typed(name: str) -> None:
-    words = shlex.split(CLAIMS[name]["command"])
-    assert words.pop(0) == "footprint"
-    _parser(words).parse_args(words)
-
-
-def test_judges_read_tables_that_a_campaign_writes() -> None:
-    """A name that nobody writes would leave a claim untested for ever."""
-    written = Path("studies").rglob("*.py")
-    known = set().union(
-        *(re.findall(r'"([a-z0-9_]+)"', path.read_text()) for path in written if "claims" not in str(path))
-    )
-    asked = {name for claim in CLAIMS.values() for name in tables_of(claim)}
-    named = [claim["judge"] for claim in CLAIMS.values() if "judge" in claim]
-    asked |= {name for judge in named for name in signature(JUDGES[judge]).parameters}
-    assert len(asked) > 30
-    assert asked <= known
+def test_commands_can_be_typed() -> None:
+    commands = {claim["command"] for claim in CLAIMS.values()} - {""}
+    assert len(commands) > 5
+    for command in commands:
+        program, *words = shlex.split(command)
+        assert program == "footprint"
+        _parser(words).parse_args(words)
 
 
 def test_sentences_that_claims_rest_on_are_said_by_somebody() -> None:
