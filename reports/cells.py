@@ -141,11 +141,11 @@ def planned_cell(path: Path, row: Mapping[str, Any]) -> Cell:
     return Cell(*named, result, ending["class"], ending["reason"], asked, **about)
 
 
-def load_cell(directory: Path, label: str, command: str = "") -> Cell:
+def load_cell(directory: Path) -> Cell:
     """Read and check one solved request; raises StoreError."""
     result = read_record(directory / "result.json", RESULT_KEYS)
     _require_steps(result, directory / "result.json")
-    return Cell(label, result["scene"], command, directory, result, result["class"], result["reason"])
+    return Cell(directory.name, result["scene"], "", directory, result, result["class"], result["reason"])
 
 
 def _require_steps(result: Mapping[str, Any], path: Path) -> None:

@@ -146,9 +146,9 @@ def _read(store: Store) -> Iterator[Said]:
         yield Said(name, page, role, text, int(row["problems"]), scope, bool(row["machine"]), own)
 
 
-def of_page(store: Store, page: str, role: str = OPENING) -> str:
-    """The statements of a page that have a role, each a paragraph."""
-    return "\n\n".join(each.block for each in statements(store) if (each.page, each.role) == (page, role))
+def of_page(store: Store, page: str) -> str:
+    """The statements that a page opens with, each a paragraph."""
+    return "\n\n".join(each.block for each in statements(store) if (each.page, each.role) == (page, OPENING))
 
 
 def conclusions(store: Store, page: str) -> Part:

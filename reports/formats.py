@@ -22,14 +22,14 @@ def formatted(value: float | None, form: str) -> str:
     return (text.lstrip("+-") if float(text.rstrip("%")) == 0.0 else text).replace("%", " %")
 
 
-def fixed(value: float | None, decimals: int = 0, sign: bool = False) -> str:
+def fixed(value: float | None, decimals: int = 0) -> str:
     """``decimals`` places."""
-    return formatted(value, f"{'+' if sign else ''}.{decimals}f")
+    return formatted(value, f".{decimals}f")
 
 
-def percent(fraction: float | None, decimals: int = 2) -> str:
+def percent(fraction: float | None) -> str:
     """A change in per cent, with its sign."""
-    return formatted(fraction, f"+.{decimals}%")
+    return formatted(fraction, "+.2%")
 
 
 def share(fraction: float | None, decimals: int = 2) -> str:
@@ -72,11 +72,6 @@ def said(words: object) -> str:
     return str(words) if words and words == words else NOTHING
 
 
-def interval(ends: Iterable[float], decimals: int = 2) -> str:
-    """Two ends in brackets."""
-    return f"[{', '.join(fixed(end, decimals) for end in ends)}]"
-
-
 def quantity(name: str) -> str:
     """The name of a quantity in words, with its unit: "limit_w_C_mm" is "w at C at the limit [mm]"."""
     bare, unit = next(((name.removesuffix(end), word) for end, word in UNITS.items() if name.endswith(end)), (name, ""))
@@ -116,11 +111,7 @@ class Line(Formatter):
 
     def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
         self.named: dict[str, Callable[[Any], str]] = {
-            "bound": bound,
-            "code": code,
-            "codes": codes,
-            "said": said,
-            "quantity": quantity,
+            **{each.__name__: each for each in (bound, code, codes, said, quantity)},
             **named,
         }
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from textwrap import dedent
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,19 +22,6 @@ FRAME = "sheet tyre at "  # how the labels of the filmstrip begin
 KINDS = {"scene": "Scene", "measure": "Strain measure", "algorithm": "Contact algorithm"}
 
 
-class Sheet(NamedTuple):
-    """A row of the table of parts, with the name and the title of its page."""
-
-    kind: str
-    part: str
-    meaning: str
-    about: str
-    source: str
-    module: str
-    name: str
-    title: str
-
-
 @dataclass(frozen=True, eq=False)
 class Catalogue:
     """The tables of the sheets by their short names; bodies by the labels of their cells."""
@@ -43,25 +31,23 @@ class Catalogue:
     bodies: dict[str, Body] = field(repr=False)
 
     @classmethod
+    @lru_cache(maxsize=8)
     def of(cls, store: Store) -> Catalogue:
-        """Reads them all."""
+        """Of a store, read once."""
         tables = {name: store.table(f"sheet_{name}") for name in TABLES}
         quads = dict(iter(tables["quads"].groupby("label", sort=False)))
-        scenes = tables["parts"][
-            (tables["parts"]["kind"] == "scene") & ("up" in tables["parts"])
-        ]  # not in older stores
+        parts = tables["parts"]
+        seen = parts[parts["kind"] == "scene"] if "up" in parts else parts.iloc[:0]  # older stores have no views
         views = {
             each["part"]: View.of(each["up"], each["azimuth_deg"], each["elevation_deg"])
-            for each in scenes.to_dict("records")
+            for each in seen.to_dict("records")
         }
         bodies = {}
         for label, own in tables["points"].groupby("label", sort=False):
-            rest, u, pressure = (
-                own[each].to_numpy(float) for each in (["x", "y", "z"], ["ux", "uy", "uz"], "pressure")
-            )
+            columns = (["x", "y", "z"], ["ux", "uy", "uz"], "pressure")
+            rest, u, pressure = (own[each].to_numpy(float) for each in columns)
             corners = quads[label][["a", "b", "c", "d"]].to_numpy(int)
-            view = views.get(own["scene"].iloc[0], View.of())
-            bodies[str(label)] = Body(rest, u, pressure, corners, view)
+            bodies[str(label)] = Body(rest, u, pressure, corners, views.get(own["scene"].iloc[0], View.of()))
         return cls(store, tables, bodies)
 
     def own(self, table: str, **where: str) -> pd.DataFrame:
@@ -70,14 +56,14 @@ class Catalogue:
         keep = np.logical_and.reduce([found[key] == value for key, value in where.items()])
         return found[keep]
 
-    def sheets(self, *kinds: str) -> Iterator[Sheet]:
-        """The parts of some kinds, in the order of their catalogues."""
-        columns = ["kind", "part", "meaning", "about", "source", "module"]
-        parts = self.tables["parts"][columns].fillna("")
-        for row in parts[parts["kind"].isin(kinds)].to_dict("records"):
-            own = {name: str(row[name]) for name in columns}
-            title = f"{KINDS[own['kind']]}: {own['part']}"
-            yield Sheet(**own, name=f"sheets/{own['kind']}-{own['part']}", title=title)
+    def sheets(self, *kinds: str) -> Iterator[Any]:
+        """The parts of some kinds in the order of their catalogues, each with the name and the title of its page."""
+        parts = self.tables["parts"][["kind", "part", "meaning", "about", "source", "module"]].fillna("").astype(str)
+        named = parts.assign(
+            name="sheets/" + parts["kind"] + "-" + parts["part"],
+            title=parts["kind"].map(KINDS) + ": " + parts["part"],
+        )
+        return named[named["kind"].isin(kinds)].itertuples(index=False, name="Sheet")
 
     def body(self, scene: str) -> Body | None:
         """That of the sheet of a scene, None where its cell has no fields."""

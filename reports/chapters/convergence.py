@@ -220,7 +220,7 @@ def _finished(axes: Axes, data: pd.DataFrame, norm: str, slope: int) -> None:
     first = data[data["n"] == n[0]][f"error_{norm}"].min()
     axes.plot(n, 0.5 * first * (n[0] / n) ** slope, color=BLACK, linewidth=1, linestyle=":")
     axes.set(xscale="log", yscale="log", xlabel="elements along a side", title=f"error: {norm}; dotted: order {slope}")
-    ticks(axes, n, [f"{each:g}" for each in n])
+    ticks(axes, n)
 
 
 CHAPTER = chapter(

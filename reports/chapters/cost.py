@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -145,7 +145,7 @@ def held_out(cases: pd.DataFrame) -> Figure:
     left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
     left.scatter([], [], s=16, color=BLUE, marker="o", label="tolerance met")
     left.scatter([], [], s=16, color=VERMILION, marker="s", label="tolerance missed")
-    _factors(left, set(100 * given["tolerance"]))
+    ticks(left, sorted(set(100 * given["tolerance"])))
     _regret(right, np.sort(given["regret"].dropna().to_numpy(float)))
     left.legend(loc="lower left", fontsize=8)
     return figure
@@ -166,15 +166,10 @@ def _regret(axes: Axes, regret: np.ndarray) -> None:
             fontsize=9,
         )
     axes.set(xscale="log", xlabel="cost of the advice over that of the best", ylabel="share of cases", ylim=(0, 1.03))
-    _factors(axes, (0.5, 1, 2, 5, 10, 20, 50, 100))
+    ticks(axes, (0.5, 1, 2, 5, 10, 20, 50, 100))
     low, high = (min(0.9, regret[0]), 1.2 * regret[-1]) if len(regret) else (0.9, 10.0)
     axes.set_xlim(low, max(high, 10.0))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-
-
-def _factors(axes: Axes, places: Iterable[float]) -> None:
-    places = sorted(places)
-    ticks(axes, places, [f"{place:g}" for place in places])
 
 
 CHAPTER = chapter(

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from functools import partial
+from typing import Any
 
 import pandas as pd
 
 from reports.chapter import Chapter, relative
-from reports.chapters.catalogue import NEEDS, TEXT, Catalogue, Sheet, about
+from reports.chapters.catalogue import NEEDS, TEXT, Catalogue, about
 from reports.chapters.measures import limit_error, problem
 from reports.figures.sheets import filmstrip, sheet_picture, thumbnails
 from reports.formats import number, percent
@@ -47,7 +48,7 @@ def sheets(store: Store) -> list[Chapter]:
     ]
 
 
-def _rendered(catalogue: Catalogue, sheet: Sheet, store: Store) -> Part:
+def _rendered(catalogue: Catalogue, sheet: Any, store: Store) -> Part:
     """Of the store whose tables these are."""
     return RENDERED[sheet.kind](catalogue, sheet)
 
@@ -66,7 +67,7 @@ def with_appearances(texts: Mapping[str, str], chapters: Iterable[Chapter]) -> d
     return found
 
 
-def scene_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
+def scene_sheet(catalogue: Catalogue, sheet: Any) -> Part:
     """Sketch and picture, what it is made of, what is asked, and what is known of the answer."""
     name = sheet.part
     answer = catalogue.own("answers", scene=name).iloc[0]
@@ -143,7 +144,7 @@ def pressed(catalogue: Catalogue) -> Part:
     return joined("## The tyre pressed", filmstrip_of(catalogue)) if catalogue.frames else Part()
 
 
-def measure_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
+def measure_sheet(catalogue: Catalogue, sheet: Any) -> Part:
     """Its terms and what it drops, what rigid motions leave, where it is enough."""
     terms = catalogue.own("terms", measure=sheet.part).fillna("")
     laws = catalogue.own("laws", measure=sheet.part)
@@ -164,7 +165,7 @@ def _formulation(store: Store, name: str) -> Part:
     return TEXT("measure-limits", rows=rows) if rows else Part()
 
 
-def algorithm_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
+def algorithm_sheet(catalogue: Catalogue, sheet: Any) -> Part:
     """What it solves, its parameters, what it solved, refused and cost, its limits."""
     store, name = catalogue.store, sheet.part
     summary = store.rows("contact_summary", algorithm=name).iloc[:1]

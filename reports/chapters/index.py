@@ -63,7 +63,7 @@ def _tyre(store: Store) -> Part:
     return strip if strip.text else patch_picture(store)
 
 
-def campaign_page(store: Store, contents: str = "") -> Part:
+def campaign_page(store: Store, contents: str) -> Part:
     """The whole page; contents: the list of the other pages. Times are those of its last block."""
     parts = {"origin": origin(store), "refusals": refusals(store), "completeness": completeness(store)}
     found = [each for each in store.planned if each.ended in ("wrong", "not-converged", "cap-hit")]

@@ -157,9 +157,10 @@ def legend_above(figure: Figure, axes: Axes, columns: int = 4) -> None:
     figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
 
 
-def ticks(axes: Axes, places: Iterable[float], names: Iterable[str]) -> None:
-    """Ticks along x at these places and at no others."""
-    axes.set_xticks(list(places), list(names))
+def ticks(axes: Axes, places: Iterable[float], names: Iterable[str] | None = None) -> None:
+    """Ticks along x at these places and at no others, named by their numbers unless they have names."""
+    at = list(places)
+    axes.set_xticks(at, [f"{each:g}" for each in at] if names is None else list(names))
     axes.set_xticks([], minor=True)
 
 

@@ -187,11 +187,10 @@ def path_errors(table: pd.DataFrame) -> Figure:
         line = finest * float(table["steps"].iloc[-1]) / table["steps"]
         left.plot(table["steps"], line, color=GREY, linestyle="--", linewidth=1.0, label="first order" if n else None)
     left.set(xscale="log", yscale="log", xlabel="load steps of press and of drag", ylabel="error, of the limit")
-    ticks(left, table["steps"], [f"{steps:g}" for steps in table["steps"]])
+    ticks(left, table["steps"])
     right.set(xscale="log", xlabel="operations [10⁹]")
     spent = table["operations"] / 1e9
     round_ones = [n * 10.0**k for k in range(-6, 7) for n in (1, 2, 5)]
-    near = [each for each in round_ones if spent.min() <= each <= spent.max()]
-    ticks(right, near, [f"{each:g}" for each in near])
+    ticks(right, [each for each in round_ones if spent.min() <= each <= spent.max()])
     legend_above(figure, left)
     return figure

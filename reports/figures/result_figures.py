@@ -25,14 +25,14 @@ UNITS = ("mm", "MPa", "N", "deg")
 
 def draw_result(directory: Path) -> list[Path]:
     """Draw what ``directory`` holds into its folder ``figures``; raises StoreError when there is no result."""
-    pictures = _pictures(load_cell(directory, directory.name))
+    pictures = _pictures(load_cell(directory))
     return write_texts(directory / "figures", {name: picture() for name, picture in pictures.items()})
 
 
 def figures_of(directory: Path) -> list[Figure]:
     """The same pictures as figures; raises StoreError when there is no result."""
     with drawn() as figures:
-        for picture in _pictures(load_cell(directory, directory.name)).values():
+        for picture in _pictures(load_cell(directory)).values():
             picture()
     return figures
 

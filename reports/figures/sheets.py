@@ -16,7 +16,7 @@ from reports.formats import formatted
 
 P = ParamSpec("P")
 WIDE, HIGH, TOP, FOOT = 470, 330, 24, 64  # points: of a panel, above and below it
-BAR, STEPS = 170, 2  # points: length of the colour bar; and its ticks
+BAR, STEPS, LENGTH = 170, 2, 24.0  # points: length of the colour bar, its ticks; length of an axis
 GREY, LOWER = 0.86, 0.4  # of what bears no value; share of the tyre's points that the filmstrip shows
 FONT = "DejaVu Sans,Verdana,sans-serif"
 MOST = 36  # of one kind
@@ -127,18 +127,18 @@ def bar(words: str, largest: float, at: tuple[float, float]) -> Iterator[str]:
     yield text(words, x + BAR + 26, y + 10, 12)
 
 
-def axes(view: View, at: tuple[float, float], length: float = 24.0) -> Iterator[str]:
+def axes(view: View, at: tuple[float, float]) -> Iterator[str]:
     """The directions x, y and z."""
     for name, way in zip("xyz", view.of_points(np.eye(3)), strict=True):
-        x, y = at[0] + length * way[0], at[1] - length * way[1]
+        x, y = at[0] + LENGTH * way[0], at[1] - LENGTH * way[1]
         yield f'<path d="M{at[0]:.1f} {at[1]:.1f}L{x:.1f} {y:.1f}" stroke="#444444" stroke-width="1"/>'
-        yield text(name, at[0] + 1.35 * length * way[0], at[1] - 1.35 * length * way[1] + 4, 11, "middle")
+        yield text(name, at[0] + 1.35 * LENGTH * way[0], at[1] - 1.35 * LENGTH * way[1] + 4, 11, "middle")
 
 
 @later
-def filmstrip(bodies: Sequence[tuple[str, Body]], columns: int = 3) -> str:
+def filmstrip(bodies: Sequence[tuple[str, Body]]) -> str:
     """Bodies under their words with the contact pressure on them, all at one scale and with one bar."""
-    width, height = 320, 250
+    width, height, columns = 320, 250, 3
     largest = max(float(body.pressure.max()) for _, body in bodies)
     seen = [FROM_BELOW.of_points(body.rest + body.u) for _, body in bodies]
     every = np.concatenate(seen)
@@ -158,9 +158,9 @@ def filmstrip(bodies: Sequence[tuple[str, Body]], columns: int = 3) -> str:
 
 
 @later
-def thumbnails(bodies: Sequence[tuple[str, Body]], columns: int = 4) -> str:
+def thumbnails(bodies: Sequence[tuple[str, Body]]) -> str:
     """Small pictures of deformed bodies over the names of their scenes."""
-    width, height = 240, 170
+    width, height, columns = 240, 170, 4
     parts = []
     for number, (scene, body) in enumerate(bodies):
         x, y = width * (number % columns), (height + 26) * (number // columns)

@@ -185,7 +185,7 @@ def small(tmp_path: Path) -> Path:
 
 def test_every_class_is_counted_and_counters_are_sums_over_what_has_converged(small: Path) -> None:
     loaded = load_store(small)
-    text = campaign_page(loaded).text
+    text = campaign_page(loaded, "").text
     classes = ", ".join(f"{3 if each == 'converged' else 1} {each}" for each in dict.fromkeys(CLASSES[:-1]))
     assert completeness_line(loaded) == f"made-up: 11 cells planned: {classes}, 1 unsupported, 1 missing"
     assert text.index("## Completeness") > text.index("## Orders")
@@ -199,7 +199,7 @@ def test_every_class_is_counted_and_counters_are_sums_over_what_has_converged(sm
 
 def test_orders_limits_and_errors_are_those_that_were_put_in(small: Path) -> None:
     analysed_again(small, "made-up")
-    text = campaign_page(load_store(small)).text
+    text = campaign_page(load_store(small), "").text
     line = next(line for line in text.splitlines() if line.startswith("| cantilever | exact | tip_deflection_mm |"))
     words = [word.strip() for word in line.split("|")[1:-1]]
     assert words[3] == "8x1, 16x1, 32x1"  # those that are wrong or did not converge are no part of it
@@ -238,7 +238,7 @@ def test_where_the_numbers_were_made_is_told_of_all_cells(small: Path) -> None:
     for n, more in enumerate(({}, {"modified": False}, {"modified": True})):
         told = record(f"{n:x}", 2 ** (n + 3), provenance={**made, **more}, timing_s={"total": 2.0, "cpu": 1.5})
         write_json(small / "cells" / f"{n:x}.json", told)
-    text = campaign_page(load_store(small)).text
+    text = campaign_page(load_store(small), "").text
     assert "| commit | abc: 2 cells; abc (modified): 1 cells |" in text
     assert "| time on the clock, processor time of all cells [s] | 6.00, 4.50 |" in text
     assert text.index("<!-- machine -->\n\n**Where the numbers were made**") > text.index("## Machine")

@@ -292,7 +292,7 @@ def test_inserted_and_lost_lines_are_differences_of_their_own() -> None:
 
 
 def test_zero_has_no_sign_in_any_format() -> None:
-    assert fixed(-0.0004, 2) == fixed(-0.0004, 2, sign=True) == "0.00"
+    assert fixed(-0.0004, 2) == "0.00"
     assert percent(-1e-9) == "0.00 %"
     assert (percent(-0.0123), percent(0.0123), share(-0.0123)) == ("-1.23 %", "+1.23 %", "-1.23 %")
     assert digits(-0.0, 3) == "0.00"

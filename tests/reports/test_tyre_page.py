@@ -133,5 +133,5 @@ def test_a_solved_solid_is_drawn_as_a_tyre(tmp_path: Path) -> None:
     from studies.solving.solve import solve
 
     solve(*resolve("tyre-solid", {"delta_mm": "10"}, "8x10")).write(tmp_path)
-    assert load_cell(tmp_path, "solid").converged
+    assert load_cell(tmp_path).converged
     assert len(draw_result(tmp_path)) == 4
