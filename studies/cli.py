@@ -21,33 +21,28 @@ from studies.output.terminal import Escaping
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 
-COMMANDS = {
-    "list": "what there is",
-    "show": "what a scene, a measure or an algorithm is, and its settings",
-    "solve": "solve one scene into a directory",
-    "choose": "which measure, algorithm, element and mesh is enough on a scene of yours, and its price",
-    "resolve": "solve one frozen contact problem again, alone, and judge it",
-    "export": "a scene as a deck, a mesh or a neutral sheet for another program",
-    "problems": "frozen contact problems for other programs, and what their answers are worth",
-    "judge-field": "hold what another program has found for a scene against it",
-    "run": "solve the missing cells of a campaign",
-    "merge": "take the cells of another store, recomputed before they are believed",
-    "table": "the cells of a campaign, what was asked and what became of them",
-    "time": "time the converged cells of a campaign, one at a time",
-    "analyse": "the tables that the pages are made of",
-    "report": "write the pages of a store",
-    "advise": "the cheapest configuration of a scene that meets a tolerance",
-    "check": "compare a fresh campaign with the committed baseline",
-    "compare": "two stores side by side, as a comment for a review",
-    "card": "what a part of yours keeps, claims and costs, on one page",
-    "extremes": "solve and judge one point of a map of extremes",
-    "fuzz": "solve one random case again and hold it against its laws",
-    "bench": "what all that a solve does costs, its growth, the harness, peers, and solvers",
-}
-FOLDERS = {  # of studies.commands, and their commands; the others lie beside them
-    "bench": {"bench"},
-    "campaign": {"run", "merge", "table", "time", "analyse", "report", "advise"},
-    "exchange": {"export", "problems", "judge-field", "resolve", "card"},
+COMMANDS = {  # the module of each, below studies.commands, and its help
+    "list": ("parts", "what there is"),
+    "show": ("parts", "what a scene, a measure or an algorithm is, and its settings"),
+    "solve": ("solve", "solve one scene into a directory"),
+    "choose": ("choose", "which measure, algorithm, element and mesh is enough on a scene of yours, and its price"),
+    "resolve": ("problems", "solve one frozen contact problem again, alone, and judge it"),
+    "export": ("exchange", "a scene as a deck, a mesh or a neutral sheet for another program"),
+    "problems": ("problems", "frozen contact problems for other programs, and what their answers are worth"),
+    "judge-field": ("exchange", "hold what another program has found for a scene against it"),
+    "run": ("campaigns", "solve the missing cells of a campaign"),
+    "merge": ("campaigns", "take the cells of another store, recomputed before they are believed"),
+    "table": ("campaigns", "the cells of a campaign, what was asked and what became of them"),
+    "time": ("campaigns", "time the converged cells of a campaign, one at a time"),
+    "analyse": ("campaigns", "the tables that the pages are made of"),
+    "report": ("campaigns", "write the pages of a store"),
+    "advise": ("advise", "the cheapest configuration of a scene that meets a tolerance"),
+    "check": ("gate", "compare a fresh campaign with the committed baseline"),
+    "compare": ("gate", "two stores side by side, as a comment for a review"),
+    "card": ("parts", "what a part of yours keeps, claims and costs, on one page"),
+    "extremes": ("cases", "solve and judge one point of a map of extremes"),
+    "fuzz": ("cases", "solve one random case again and hold it against its laws"),
+    "bench": ("bench", "what all that a solve does costs, its growth, the harness, peers, and solvers"),
 }
 ENOUGH = 141  # as the shell has it of a process that a closed pipe ends
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
@@ -150,20 +145,15 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser = _Parser(prog="footprint", description="Compare shell strain measures and contact algorithms.")
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(required=True, parser_class=_Parser, metavar="COMMAND")
-    for name, text in COMMANDS.items():
+    for name, (place, text) in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
         if name == next(iter(arguments), None):
-            module = importlib.import_module(f"studies.commands.{_module(name)}")
-            module.add_arguments(command)
+            module = importlib.import_module(f"studies.commands.{place}")
+            function = name.replace("-", "_")
+            getattr(module, f"add_{function}")(command)
             command.add_argument("--use", action="append", metavar="FILE.py", help="parts of your own, from a file")
-            command.set_defaults(run=module.run)
+            command.set_defaults(run=getattr(module, f"run_{function}"))
     return parser
-
-
-def _module(command: str) -> str:
-    """Name of the module of a command, below ``studies.commands``."""
-    folder = next((f"{name}." for name, commands in FOLDERS.items() if command in commands), "")
-    return f"{folder}{command.replace('-', '_')}"
 
 
 if __name__ == "__main__":

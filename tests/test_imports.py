@@ -25,9 +25,9 @@ ALLOWED = {
     "studies": {"studies", "formulations", "contact"},
 }
 MORE = {
-    "studies/commands/campaign/report.py": {"reports"},  # the command line hands the tables over
-    "studies/commands/compare.py": {"reports"},  # and how words stand in Markdown
-    "studies/commands/exchange/card.py": {"reports"},
+    "studies/commands/campaigns.py": {"reports"},  # the command line hands the tables over
+    "studies/commands/gate.py": {"reports"},  # and how words stand in Markdown
+    "studies/commands/parts.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
     "studies/notebook.py": {"reports"},  # as does that of a notebook, and a choice
     "studies/cli.py": {"?"},  # the module of the command that is asked for
@@ -90,7 +90,7 @@ def test_the_packages_are_there() -> None:
         ("reports/site.py", "from studies import store", {"studies"}),
         ("studies/solving/solve.py", "import reports", {"reports"}),
         ("studies/cli.py", "import reports", {"reports"}),
-        ("studies/commands/campaign/report.py", "import reports", set()),
+        ("studies/commands/campaigns.py", "import reports", set()),
         ("studies/solving/solve.py", "from contact import judge\nimport formulations\nimport numpy", set()),
         ("studies/solving/solve.py", "import tests.conftest", {"tests"}),
     ],

@@ -20,7 +20,7 @@ from studies.solving.refinement.cascade import parse_budget
 from studies.solving.refinement.error_control import parse_error
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_choose(parser: argparse.ArgumentParser) -> None:
     """The scene, the error, the budget, and where the answer goes."""
     parser.add_argument("scene", help="footprint list scenes")
     parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative, by default {ERROR}%")
@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the answer goes")
 
 
-def run(options: argparse.Namespace) -> int:
+def run_choose(options: argparse.Namespace) -> int:
     """Choose, write and print; 3 where nothing is surely within the error. What is interrupted writes nothing."""
     check_directory(options.out)
     error, budget = parse_error(options.error), parse_budget(options.budget)

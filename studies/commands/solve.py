@@ -35,7 +35,7 @@ START_HELP = "of the path: nested, from its states on coarser grids, the default
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_solve(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
     parser.add_argument("scene", help="footprint list scenes")
     parser.add_argument("--measure", default="exact", help="of strain, footprint list measures; by default exact")
@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
 
 
-def run(options: argparse.Namespace) -> int:
+def run_solve(options: argparse.Namespace) -> int:
     """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
     with np.errstate(over="ignore", invalid="ignore"):
         return _run(options)

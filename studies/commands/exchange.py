@@ -1,21 +1,31 @@
-"""``footprint export``: one scene as a file for another program."""
+"""``footprint export``: a scene as a file for another program; ``footprint judge-field``: what that has found for it.
+
+Formats and their judges are in :mod:`studies.exchange`; nothing is read or judged here.
+"""
 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from studies.ask.scene import UsageError
-from studies.commands import OK
+from studies.ask.request import UsageError
+from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import add_model, add_settings, check_file, named, pairs
 from studies.exchange.deck import AUTO, INTEGRATIONS, deck
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.sheet import write_body, write_sheet
 from studies.output.atomic import write_by
+from studies.output.terminal import columns
+
+if TYPE_CHECKING:
+    from studies.exchange.judging import Comparison
+
 
 FORMATS = ("inp", "vtu", "json")
 ALIGNED = np.deg2rad(1.0)  # cords of 500 MPa in rubber of G = 2 MPa are 6 % softer 1 degree off their wall
@@ -37,7 +47,7 @@ def problem_asked(options: argparse.Namespace) -> Problem:
     return problem_of(options.scene, pairs(options.settings), options.mesh, options.through, **how)
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_export(parser: argparse.ArgumentParser) -> None:
     """The problem, the format and the file."""
     add_problem(parser)
     parser.add_argument("--format", required=True, help="inp: a deck of CalculiX; vtu; json: a neutral sheet")
@@ -46,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="FILE")
 
 
-def run(options: argparse.Namespace) -> int:
+def run_export(options: argparse.Namespace) -> int:
     """Write the file, whole or not at all."""
     if options.format not in FORMATS:
         raise UsageError(f"format {options.format!r} must be one of {', '.join(FORMATS)}")
@@ -73,3 +83,42 @@ def _writer(options: argparse.Namespace) -> Callable[[Path, Problem], object]:
             file.writelines(f"{line}\n" for line in lines)
 
     return write
+
+
+HEAD = ("load", "quantity", "found", "against", "value", "difference", "allowed", "")
+
+
+def add_judge_field(parser: argparse.ArgumentParser) -> None:
+    """The problem as it was exported, the file, our mesh and the tolerance."""
+    add_problem(parser)
+    parser.add_argument("results", type=Path, metavar="FILE", help="CSV of a field or of a curve, or .dat of CalculiX")
+    parser.add_argument("--ours", metavar="N1xN2", help="mesh of our solution; default that of the bricks")
+    parser.add_argument("--tolerance", default="1%", help="relative difference that is allowed, default 1%%")
+
+
+def run_judge_field(options: argparse.Namespace) -> int:
+    """Compare and print; 1 where a difference is larger than allowed."""
+    from studies.exchange.judging import compared, our_solution
+    from studies.exchange.results import read_results
+    from studies.solving.refinement.error_control import parse_error
+
+    tolerance = parse_error(options.tolerance)
+    problem = problem_asked(options)
+    found = read_results(options.results, problem)
+    how = named(options, "measure", "model")
+    ours = our_solution(problem, [each.load for each in found], pairs(options.settings), options.ours, **how)
+    if not ours.outcome.converged:
+        print(f"footprint: our solution did not converge: {ours.reason}", file=sys.stderr)
+        return NOT_CONVERGED
+    rows = compared(problem, found, ours, tolerance)
+    if not rows:
+        raise UsageError(f"{options.results} has no quantity of {options.scene}, no field of all its nodes, no balance")
+    print("\n".join(columns([HEAD, *map(_words, rows)])))
+    beyond = sum(not row.within for row in rows)
+    print(f"{len(rows) - beyond} of {len(rows)} within what is allowed")
+    return FAILED if beyond else OK
+
+
+def _words(row: Comparison) -> tuple[str, ...]:
+    numbers = f"{row.found:.6g}", row.against, f"{row.value:.6g}", f"{100 * row.difference:+.3f} %"
+    return (f"{row.load:g}", row.quantity, *numbers, f"{100 * row.allowed:.3g} %", "" if row.within else "beyond")

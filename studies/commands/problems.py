@@ -1,4 +1,7 @@
-"""``footprint problems``: the collection of frozen contact problems, for other programs and their answers."""
+"""``footprint problems``: the collection of frozen contact problems, for other programs and their answers.
+
+``footprint resolve``: one of them again, alone, judged.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
 from studies.ask.request import UsageError
-from studies.commands import FAILED, OK
+from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import check_directory, check_file, positive, progress_bar
 from studies.output.terminal import columns
 
@@ -18,7 +21,7 @@ RUBBED = ("name", "unknowns", "candidates", "open", "sticking", "slipping", "mu"
 SHOWN = ("name", "unknowns", "candidates", "pressed", "touching", "kind", "coupling", "adds")
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_problems(parser: argparse.ArgumentParser) -> None:
     """One subcommand each."""
     parts = parser.add_subparsers(
         required=True, metavar="list|make|check|export|import|judge", parser_class=type(parser)
@@ -61,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     judging.set_defaults(part=_judge)
 
 
-def run(options: argparse.Namespace) -> int:
+def run_problems(options: argparse.Namespace) -> int:
     """Run the part."""
     return int(options.part(options))
 
@@ -185,4 +188,28 @@ def _judge(options: argparse.Namespace) -> int:
         asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
         found = judge_answer(step, read_answer(options.answer), asked)
     print("\n".join(found.lines()))
+    return OK if found.sound else FAILED
+
+
+def add_resolve(parser: argparse.ArgumentParser) -> None:
+    """The file and how it is solved."""
+    parser.add_argument("file", type=Path, metavar="FILE")
+    parser.add_argument("--contact", default="semismooth")
+    parser.add_argument("--epsilon", type=float, help="regularisation, MPa/mm; default that of the algorithm")
+    parser.add_argument("--oracle", action="store_true", help="compare with a quadratic programme by cvxpy")
+
+
+def run_resolve(options: argparse.Namespace) -> int:
+    """Solve the step and print what the judge says."""
+    from studies.arena.replay import algorithm_of, read_step, resolve_step
+    from studies.scenes.plugins import blamed
+
+    if options.epsilon is not None and not options.epsilon > 0:
+        raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
+    algorithm, step = algorithm_of(options.contact, options.epsilon), read_step(options.file)
+    with blamed(options.contact):
+        found = resolve_step(step, algorithm, ask_oracle=options.oracle)
+    print("\n".join(found.lines()))
+    if not found.solution.outcome.converged:
+        return NOT_CONVERGED
     return OK if found.sound else FAILED

@@ -23,7 +23,7 @@ from studies.solving.refinement.error_control import parse_error
 SHIPPED = "standard"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_advise(parser: argparse.ArgumentParser) -> None:
     """The question and the campaign that answers it."""
     parser.add_argument("scene")
     parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings(parser)
 
 
-def run(options: argparse.Namespace) -> int:
+def run_advise(options: argparse.Namespace) -> int:
     """Print the advice; 1 where nothing meets the tolerance.
 
     Whether a shell is enough at all is said first: that takes no campaign, so it is known of a scene without one, too.

@@ -1,20 +1,60 @@
-"""``footprint card``: what a newcomer adds, which laws it keeps, what it claims and what it costs, on one page."""
+"""``footprint list`` and ``show``: what there is, and what it means; ``footprint card``: one part on a page.
+
+The card of a part says which laws it keeps, what it claims and what it costs.
+"""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from studies.arena.card.card import Card, card_of
-from studies.arena.card.page import drawn, page
-from studies.arena.card.runs import subjects, write_layout
-from studies.ask.scene import UsageError
+from contact.catalogue import ALGORITHMS
+from formulations.strains.catalogue import MEASURES
+from studies.ask.request import UsageError
+from studies.catalogue.descriptions import describe, meaning_of
 from studies.commands import FAILED, OK
 from studies.commands.options import progress_bar
 from studies.output.atomic import write_text
+from studies.output.terminal import columns
+from studies.scenes import SCENES
+
+if TYPE_CHECKING:
+    from studies.arena.card.card import Card
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
+def add_list(parser: argparse.ArgumentParser) -> None:
+    """Which catalogue."""
+    parser.add_argument("what", nargs="?", choices=("scenes", "measures", "algorithms", "campaigns"))
+
+
+def run_list(options: argparse.Namespace) -> int:
+    """Print one catalogue, or all."""
+    from studies.run.campaign import find, names
+
+    catalogues: dict[str, Iterable[str]] = {"scenes": SCENES, "measures": MEASURES, "algorithms": ALGORITHMS}
+    lists = {what: [(name, meaning_of(name)) for name in catalogue] for what, catalogue in catalogues.items()}
+    lists["campaigns"] = [(name, find(name).title) for name in names()]
+    for what in [options.what] if options.what else lists:
+        if not options.what:
+            print(f"{what}:")
+        print("\n".join(columns(lists[what], "" if options.what else "  ")))
+    return OK
+
+
+def add_show(parser: argparse.ArgumentParser) -> None:
+    """The name."""
+    parser.add_argument("name", metavar="SCENE|MEASURE|ALGORITHM")
+
+
+def run_show(options: argparse.Namespace) -> int:
+    """Print its description."""
+    print(describe(options.name).text)
+    return OK
+
+
+def add_card(parser: argparse.ArgumentParser) -> None:
     """The file, or a part of ours, and where its page goes."""
     parser.add_argument("part", nargs="?", metavar="FILE.py", help="a file with parts, or the name of a part of ours")
     parser.add_argument("--of", metavar="NAME", help="a part of ours by its name")
@@ -23,8 +63,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--template", type=Path, metavar="DIR", help="write the layout of a repository that has one")
 
 
-def run(options: argparse.Namespace) -> int:
+def run_card(options: argparse.Namespace) -> int:
     """Write the page and its picture, and print the verdict."""
+    from studies.arena.card.card import card_of
+    from studies.arena.card.page import page
+    from studies.arena.card.runs import subjects, write_layout
+
     if sum(given is not None for given in (options.part, options.of, options.template)) != 1:
         raise UsageError("card takes one of FILE.py, --of NAME and --template DIR")
     if options.template is not None:
@@ -55,6 +99,7 @@ def _target(out: Path, name: str) -> Path:
 def _picture(card: Card, page_file: Path) -> str:
     """Of the first part, beside the page; its name."""
     from reports.figures.comparisons import cost_ratios
+    from studies.arena.card.page import drawn
 
     path = page_file.with_suffix(".svg")
     write_text(path, cost_ratios(drawn(card), card.subject.name, card.reference)())
