@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -117,12 +118,8 @@ def _rows(found: Choice) -> Iterator[dict[str, Any]]:
     if not found.offers:
         yield {"row": OFFER, "said": found.reason}
     yield from ({"row": OFFER, **_offer(offer)} for offer in found.offers[:OFFERS])
-    for each in found.variants:
-        seconds = each.pop("path_seconds")
-        yield {"row": VARIANT, **each, "seconds": seconds}
-    for each in found.grids:
-        seconds = each.pop("path_seconds")
-        yield {"row": GRID, **each, "seconds": seconds}
+    for kind, each in chain(product((VARIANT,), found.variants), product((GRID,), found.grids)):
+        yield {"row": kind, **each, "seconds": each["path_seconds"]}
     for each in found.trials:
         names = {"contact": each["name"], "iterations": each["newton_iterations"], "verdict": each["ended"]}
         yield {"row": ALGORITHM, "axis": ALGORITHM, **each, **names}

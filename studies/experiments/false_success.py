@@ -40,33 +40,18 @@ PAPER = {"element": "paper", "delta_mm": "15,20"}  # the tyre's element whose ta
 class Linearised:
     """K du - f = G^T W p with g + G du >= 0, in the unknowns du (n,) of one Newton step; no published answer.
 
+    K (n, n): the tangent, curvature of the gap included; f (n,): what is out of balance without the foundation.
     before: the converged state that the step sets out from.
     """
 
     name: str
     step: FrozenStep
     before: ContactSolution
-    answer: np.ndarray | None = None
-
-    @property
-    def K(self) -> sparse.csc_matrix:
-        """The tangent (n, n), curvature of the gap included."""
-        return self.step.K
-
-    @property
-    def f(self) -> np.ndarray:
-        """What is out of balance without the foundation (n,)."""
-        return -self.step.r
-
-    @property
-    def start(self) -> np.ndarray:
-        """No displacement (n,)."""
-        return np.zeros_like(self.step.r)
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether there is an energy to minimise."""
-        return symmetric(self.K)
+    K: sparse.csc_matrix
+    f: np.ndarray
+    start: np.ndarray
+    symmetric: bool
+    answer: None = None
 
     def problem(self) -> ContactProblem:
         """The contact problem in du."""
@@ -81,9 +66,9 @@ def last_step(scene_name: str, mesh: str, **settings: str) -> Linearised:
     """The step to the last target of the last stage of a scene, linearised at the state before."""
     scene, request = complete(scene_name, settings, mesh)
     *_, last = walk(scene.build(request).stages(), ALGORITHMS[request.contact](epsilon=math.inf))
-    before = last.before
     name = ", ".join([f"{scene_name} {mesh}", *(f"{key} {value}" for key, value in settings.items())])
-    return Linearised(name, freeze(last.problem, before.u, before.pressure, {}), before)
+    step = freeze(last.problem, last.before.u, last.before.pressure, {})
+    return Linearised(name, step, last.before, step.K, -step.r, np.zeros_like(step.r), symmetric(step.K))
 
 
 def linearised_steps() -> list[Linearised]:

@@ -52,7 +52,7 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def displacements(surface: str, motion: str, theta: float, slide: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """v (1, 6) of both faces of a sample, dv/da1 and dv/da2 at its point: the same for every measure."""
     shape, point, _ = SAMPLES[surface]

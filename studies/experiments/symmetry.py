@@ -33,7 +33,7 @@ from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.parts import settle_model
 from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
-from studies.scenes.walk import walk
+from studies.scenes.walk import Visited, walk
 
 EXACT, ROUNDING, TOLERANCE = "exactly zero", "rounding", "solver tolerance"
 DESIGN, ACCIDENT, REFUSED = "broken by design", "broken by accident", "does not apply"
@@ -95,8 +95,9 @@ def classified(deviation: float, rounding: float, tolerance: float, by_design: s
     return TOLERANCE if deviation <= tolerance else ACCIDENT  # NaN is an accident
 
 
-def _row(check: str, one: Answer, other: Answer, deviation: float, by_design: str = "") -> Row:
-    """One check: ``one`` is the yardstick."""
+def against(check: str, one: Answer, other: Answer, by_design: str = "", deviation: float | None = None) -> Row:
+    """The row of a check, its yardstick ``one``; deviation: by default, how far the answers are apart."""
+    deviation = difference(one.seen, other.seen) if deviation is None else deviation
     wrong = one.wrong or other.wrong
     verdict = classified(deviation, one.rounding, one.tolerance, by_design)
     reason = by_design
@@ -180,11 +181,6 @@ def solved(posed: Posed, algorithm: ContactAlgorithm, steps: int = 1) -> Answer:
     return _answer(problem, state, outcome, own, posed.seen)
 
 
-def against(check: str, one: Answer, other: Answer, by_design: str = "") -> Row:
-    """The row of a check: deviation, yardsticks, class and reason."""
-    return _row(check, one, other, difference(one.seen, other.seen), by_design)
-
-
 def _turned_plate(measure: StrainMeasure) -> str:
     """Why a turn must be noticed: the laws of the measure on a plate."""
     if claims_objectivity(measure):
@@ -204,17 +200,8 @@ def _turned_cylinder(measure: StrainMeasure) -> str:
 # --- tyres ----------------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class Inflated:
+def _inflated(measure: StrainMeasure, gamma: float) -> tuple[TyreModel, Visited]:
     """A whole tyre at one cord angle, inflated by a measure."""
-
-    gamma: float
-    model: TyreModel
-    state: ContactSolution
-    outcome: Outcome
-
-
-def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     settings = {"gamma_deg": f"{gamma:g}", "delta_mm": f"{TYRE_TRAVEL:g}", "element": "paper"}
     _, request = complete("tyre", settings, TYRE_MESH, model="full")
     model = TyreModel.on(request, *Tyre().lines(request))
@@ -222,25 +209,24 @@ def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     model = replace(model, shell=shell, body=shell)
     inflation, _ = model.stages()
     *_, last = walk([inflation], Semismooth())
-    return Inflated(gamma, model, last.state, last.point.outcome)
+    return model, last
 
 
-def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iterator[Row]:
+def _tyres(tyres: Mapping[float, tuple[TyreModel, Visited]], algorithm: ContactAlgorithm) -> Iterator[Row]:
     """The pressure of a whole tyre against its images: a turn by 180 degrees about the normal, and two mirrors."""
-    for gamma, tyre in tyres.items():
-        _, press = tyre.model.stages()
-        *_, last = walk([press], algorithm, previous=tyre.state)
-        shape = tyre.model.wall.part.shape
+    for gamma, (model, inflated) in tyres.items():
+        _, press = model.stages()
+        *_, last = walk([press], algorithm, previous=inflated.state)
 
-        def seen(state: ContactSolution, tyre: Inflated = tyre) -> Seen:
-            return Seen(np.zeros((2, 0, 3)), tyre.model.wall.spread(state.pressure))
+        def seen(state: ContactSolution, model: TyreModel = model) -> Seen:
+            return Seen(np.zeros((2, 0, 3)), model.wall.spread(state.pressure))
 
-        outcome = tyre.outcome if not tyre.outcome.converged else last.point.outcome
+        outcome = last.point.outcome if inflated.converged else inflated.point.outcome
         answer = _answer(last.problem, last.state, outcome, algorithm, seen)
-        p = answer.seen.pressure.reshape(shape)
+        p = answer.seen.pressure.reshape(model.wall.part.shape)
         peak = float(np.max(p)) or math.nan
         what = f"cords at {gamma:g} deg"
-        yield _row(f"tyre turned about its normal, {what}", answer, answer, central_asymmetry(p) / peak)
+        yield against(f"tyre turned about its normal, {what}", answer, answer, "", central_asymmetry(p) / peak)
         mirrored = gamma in (0.0, 90.0)
         why = "" if mirrored else settle_model("auto", {"gamma_deg": gamma})[1]
-        yield _row(f"tyre mirrored, {what}", answer, answer, mirror_asymmetry(p) / peak, why)
+        yield against(f"tyre mirrored, {what}", answer, answer, why, mirror_asymmetry(p) / peak)

@@ -204,8 +204,7 @@ def _steps(stages: Iterable[Stage], algorithm: ContactAlgorithm, *, rubbed: bool
         spent, clock = sum(SPENT.values()), time.process_time()
 
 
-AGREED = 1e-8  # of the largest force
-TOLERANCE = 1e-11  # of the residual: that of the comparison is beyond what it leaves
+AGREED, TOLERANCE = 1e-8, 1e-11  # of the largest force; of the residual, of which far less than AGREED is left
 ACROSS = {"drag_deg": 90.0}
 CASES: dict[str, tuple[str, str, Mapping[str, object]]] = {
     "tyre dragged and back": ("tyre", "14x12", {"delta_mm": 8.0, "mu": 0.5, "drag_mm": (0.5, 2.0, 8.0, 0.0), **ACROSS}),

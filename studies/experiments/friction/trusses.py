@@ -140,22 +140,20 @@ def joint_motion_table() -> Iterator[Row]:
     for name in LOADS:
         standing = replace(ContactSolution.at_rest(truss.nodes.size, len(FEET)), active=np.ones(len(FEET), bool))
         was, at = Motion.none(), PathState(0.0, standing, FEET)
-        steps = [("loaded", was), *(("together", motion) for motion in MOTIONS), ("alone", ALONE)]
+        together = [("together", motion, motion) for motion in MOTIONS]
         first = standing
-        for index, (step, motion) in enumerate(steps):
-            start, body = at.solution, motion
+        for index, (step, body, ground) in enumerate([("loaded", was, was), *together, ("alone", MOTIONS[-1], ALONE)]):
+            start = at.solution
             if step == "together":
-                x = motion.out(was.into(truss.nodes + start.u.reshape(-1, 3)))
+                x = body.out(was.into(truss.nodes + start.u.reshape(-1, 3)))
                 start = replace(start, u=(x - truss.nodes).ravel() + rng.uniform(-BENT, BENT, truss.nodes.size))
-            elif step == "alone":
-                body = was
-            stage = stage_at(truss, LOADS[name], body, motion, at.anchors)
+            stage = stage_at(truss, LOADS[name], body, ground, at.anchors)
             found = Semismooth().solve(stage.problem, start)
             at, was = PathState(0.0, found, stage.anchored(found.u), dissipation(stage.problem, found)), body
             first = found if step == "loaded" else first
             yield (
                 {"load": name, "index": index, "step": step, "outcome": found.outcome.word}
-                | {"turn_rad": float(np.linalg.norm(motion.turn)), "way_mm": float(np.linalg.norm(motion.translation))}
+                | {"turn_rad": float(np.linalg.norm(ground.turn)), "way_mm": float(np.linalg.norm(ground.translation))}
                 | {"iterations": found.counters["newton_iterations"]}
                 | {"friction_N": float(np.sum(np.linalg.norm(found.rubbed.force, axis=1)))}
                 | {"change_N": float(np.max(np.abs(found.rubbed.force - first.rubbed.force)))}
@@ -165,7 +163,7 @@ def joint_motion_table() -> Iterator[Row]:
             )
 
 
-RADIUS, RIM, SPOKE = 50.0, 1e4, 1e4  # mm, N, N
+RADIUS = 50.0  # mm
 SQUEEZE, NODES = 3.0, 24  # mm; of the rim of the table
 DOWN, UP = np.array([0.0, 0.0, -1.0]), np.array([0.0, 0.0, 1.0])
 
@@ -188,8 +186,7 @@ class Wheel:
         spokes = np.column_stack([np.arange(self.n), np.full(self.n, self.n)])
         held = np.zeros_like(nodes)
         held[:, 1] = 1.0
-        stiffness = np.repeat([RIM, SPOKE], self.n)
-        return Truss(nodes, np.vstack([around, spokes]), stiffness, held)
+        return Truss(nodes, np.vstack([around, spokes]), np.full(2 * self.n, EA), held)
 
     def stage_at(self, load: float, anchors: np.ndarray) -> Stage:
         """Squeezed by so much of ``squeeze`` up to load 0, from -1 on; then the upper plate moved by ``load`` [mm].
@@ -207,22 +204,19 @@ class Wheel:
         ]
         nothing, start = np.zeros(size), np.zeros((n + 1, 3))
         along = sparse.csr_matrix(sparse.vstack([slip.jacobian(nothing) for slip in slips]))
-        columns = 3 * np.arange(n) + 2
-        signs = np.repeat([1.0, -1.0], n)
-        across = sparse.csr_matrix((signs, np.tile(columns, 2), np.arange(2 * n + 1)), shape=(2 * n, size))
-        law = Coulomb(
-            np.full(2 * n, self.mu),
-            lambda u: np.concatenate([slip(u) for slip in slips]),
-            lambda u: along,
-            RADIUS + abs(load),
-        )
+        columns, signs = np.tile(3 * np.arange(n) + 2, 2), np.repeat([1.0, -1.0], n)
+        across = sparse.csr_matrix((signs, columns, np.arange(2 * n + 1)), shape=(2 * n, size))
+
+        def slipped(u: np.ndarray) -> np.ndarray:
+            return np.concatenate([slip(u) for slip in slips])
+
         problem = ContactProblem(
             lambda u, memory: truss.linearise(u, start, nothing),
             lambda u: np.concatenate([plane.gap(candidates.positions(u)) for plane in (lower, upper)]),
             lambda u: across,
             np.ones(2 * n),
             gap_size=RADIUS,
-            coulomb=law,
+            coulomb=Coulomb(np.full(2 * n, self.mu), slipped, lambda u: along, RADIUS + abs(load)),
         )
         return Stage(problem, lambda u: np.concatenate([slip.places(u) for slip in slips]))
 
@@ -253,15 +247,17 @@ class Wheel:
 def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
     """Squeezed in two steps, then state by state up to ``way`` [mm] by ``step`` [mm].
 
-    hub_error_mm: of the hub from s/2; middle_error_mm: from the middle between the plates.  turn_rad: of the rim, in
-    the mean.  bar_mm: mean length of the bars of the rim that lie on a plate, both ends sticking; else NaN.  press_N,
-    drag_N: of the lower plate.  dissipation_N_mm: of the step.
+    hub_error_mm: of the hub from s/2; middle_error_mm: from the middle between the plates.  turn_rad: of the rim
+    about the hub, forward positive, in the mean.  bar_mm: mean length of the bars of the rim that lie on a plate, both
+    ends sticking; else NaN.  press_N, drag_N: of the lower plate.  dissipation_N_mm: of the step.
     """
     truss, n = wheel.truss, wheel.n
     for state in wheel.follow([-0.5, 0.0, *(step * k for k in range(1, round(way / step) + 1))]):
         found, s = state.solution, max(state.load, 0.0)
         x = truss.nodes + found.u.reshape(-1, 3)
         friction = found.rubbed
+        was, now = ((each[:-1] - each[-1]) @ np.array([1.0, 0.0, 1.0j]) for each in (truss.nodes, x))
+        turn = float(np.mean(np.angle(was / now)))
         sticks = (friction.state == State.STICK).reshape(2, n)
         lies = (sticks & np.roll(sticks, -1, axis=1)).any(axis=0)
         bars = np.linalg.norm(np.roll(x[:n], -1, axis=0) - x[:n], axis=1)[lies]
@@ -269,7 +265,7 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
             {"way_mm": s, "outcome": found.outcome.word, "iterations": found.counters["newton_iterations"]}
             | {"hub_mm": float(x[-1, 0]), "hub_error_mm": float(x[-1, 0] - s / 2)}
             | {"middle_error_mm": float(x[-1, 2] + wheel.squeeze * (1 + min(state.load, 0.0)) / 2)}
-            | {"turn_rad": _turn(truss.nodes, x), "bar_mm": float(np.mean(bars)) if len(bars) else math.nan}
+            | {"turn_rad": turn, "bar_mm": float(np.mean(bars)) if len(bars) else math.nan}
             | {"press_N": float(found.pressure[:n].sum()), "drag_N": float(friction.force[:n, 0].sum())}
             | {"sticking": int(sticks.sum()), "slipping": int(np.sum(friction.state == State.SLIP))}
             | {"dissipation_N_mm": state.dissipation}
@@ -300,9 +296,3 @@ def rolling_table(
             | {"dissipated_N_mm": float(path["dissipation_N_mm"][rolls].sum())}
             | {"radius_mm": radius, "bars_mm": bars, "radius_error": radius / bars - 1}
         )
-
-
-def _turn(before: np.ndarray, now: np.ndarray) -> float:
-    """Mean angle [rad] by which the rim has turned about the hub, forward positive."""
-    was, at = ((x[:-1] - x[-1]) @ np.array([1.0, 0.0, 1.0j]) for x in (before, now))
-    return float(np.mean(np.angle(was / at)))

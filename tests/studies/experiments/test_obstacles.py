@@ -98,19 +98,6 @@ def test_bounds_as_candidates_of_their_own_do_not_cycle() -> None:
             assert not events(solution.history, EventKind.CYCLE)
 
 
-@pytest.mark.slow
-def test_nobody_of_ours_claims_falsely_and_osqp_alone_does() -> None:
-    problems = [obstacle("OBSTCLBL", 10), torsion(5.0, 10), classic("Fathi", 8), classic("Murty", 5)]
-    found = table(problems, contenders()).set_index("contender")
-    ours = found[~found.index.str.contains("alone")]
-    assert (ours["false"] == 0).all()
-    assert (found["claimed"] + found["refused"] >= 2).all()
-    assert found.loc["osqp alone, defaults", "claimed"] == 3
-    assert found.loc["osqp alone, defaults", "false"] == 2
-    assert found.loc["osqp alone, defaults", "false_own"] == 0
-    assert found.loc["qp, osqp defaults", "largest_error"] <= EXACT
-
-
 @pytest.fixture(scope="module")
 def steps() -> dict[str, Linearised]:
     return {body.name: body for body in linearised_steps()}

@@ -13,7 +13,7 @@ from contact.catalogue import ALGORITHMS, by_the_exact_law
 from contact.continuation.friction_path import follow
 from contact.coulomb import Coulomb, State
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
-from studies.experiments.friction.bars import EA, LENGTH, MU, N0, N1, PULL, RADIUS, TAU, Bar
+from studies.experiments.friction.bars import LENGTH, PULL, STRIP_END, TAU, Bar
 from studies.experiments.friction.greco import GrecoPlate
 from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
 
@@ -61,10 +61,9 @@ def test_a_claimed_answer_is_one_of_them_and_below_the_bound_all_find_it() -> No
     assert set(pulled[pulled != "converged"]) == {"cycling"}
 
 
-@pytest.mark.parametrize("n", [8, pytest.param(16, marks=pytest.mark.slow)])
-def test_the_greco_plate_in_all_hands(n: int) -> None:
+def test_the_greco_plate_in_all_hands() -> None:
     """The naive set alone cycles; the others agree to the last digits, on springs to the inverse of their stiffness."""
-    plate = GrecoPlate("Q2", n)
+    plate = GrecoPlate("Q2", 8)
     wanted = plate.solve(algorithm("semismooth"), 1.0)
     assert wanted.outcome.converged
     largest = np.max(plate.weights * wanted.pressure)
@@ -80,21 +79,13 @@ def test_the_greco_plate_in_all_hands(n: int) -> None:
     assert np.max(np.abs(sprung.rubbed.force - wanted.rubbed.force)) < 1e-4 * largest
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
-def test_bars_in_all_hands(name: str) -> None:
-    """A strip is dragged there and back, its end in closed form up to the mesh; another slips in part on a drum."""
-    bar, end = Bar(10, LENGTH, 1.0, press=TAU), PULL**2 / (2 * EA * TAU)
-    states = list(follow(bar.stage_at, [PULL, 0.0], algorithm(name), bar.rest))
-    assert [state.solution.outcome.word for state in states] == ["converged", "converged"]
+def test_trial_and_error_on_bars() -> None:
+    """As semismooth Newton there and back; what the others do is written down among the golden answers."""
+    bar = Bar(10, LENGTH, 1.0, press=TAU)
+    states = list(follow(bar.stage_at, [PULL, 0.0], algorithm("trial-and-error"), bar.rest))
     for found, known in zip(states, bar.follow([PULL, 0.0]), strict=True):
-        assert np.max(np.abs(found.solution.u - known.solution.u)) < (1e-5 if name == "regularised" else 1e-8) * end
-    assert states[0].solution.u[-2] == pytest.approx(end, rel=2e-2)
-    assert states[1].solution.u[-2] == pytest.approx(end / 2, rel=2e-2)
-    bar = Bar(10, 2 * RADIUS, MU, curvature=1 / RADIUS, tension=N0, held=True)
-    (state,) = follow(bar.stage_at, [N1 - N0], algorithm(name), bar.rest)
-    assert state.solution.outcome.converged
-    exact = RADIUS / (EA * MU) * (N1 - N0 - N0 * math.log(N1 / N0))
-    assert state.solution.u[-2] == pytest.approx(exact, rel=1e-3)
+        assert found.solution.outcome.converged
+        assert np.max(np.abs(found.solution.u - known.solution.u)) < 1e-8 * STRIP_END
 
 
 def on_slope(slope: float, mu: float, push: float) -> ContactProblem:
