@@ -24,7 +24,6 @@ from studies.experiments import (
     rotations,
     solid_laws,
     symmetry,
-    tyre_mirror,
     work_precision,
 )
 from studies.experiments.friction import bars, brush, greco, klarbring, public_problems, scenes, trusses
@@ -49,7 +48,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "membrane": membrane.membrane_table,
     "greco_plate": greco.greco_table,
     "symmetry": symmetry.symmetry_table,
-    "mirror": tyre_mirror.mirror_table,
+    "mirror": symmetry.mirror_table,
     "extremes": extremes.extremes_table,
     "extremes_maps": extremes.axes_table,
     "extremes_check": extremes.check_table,

@@ -5,18 +5,27 @@ difference of pressures over the peak, or of displacements over the largest, whi
 five classes: exactly zero; what rounding explains; what the tolerance of the solver allows; broken by design, when the
 measure or the structure declares that it must be; and broken by accident, which is a failure. What is declared to be
 broken and is not is an accident, too, and so is a state that the judge of contact does not certify.
+
+How far the pressure under a tyre is from its mirror image is swept over the cord angle: zero at 0 and 90 degrees only.
+Plies at +-gamma have no mirror plane, but a half turn about the normal, so both mirrors are off alike. Near 0 and 90
+degrees the inflated tyre is not stable: its tangent has negative eigenvalues before anything touches it, and which of
+several states a solver then finds is a matter of its steps. Such angles are told by their number of negative
+eigenvalues. The maximum is searched for in one dimension among the stable ones, around the largest value on the grid.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
+from scipy.optimize import minimize_scalar
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
+from contact.continuation.critical_points import negative_eigenvalues
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.newton.step import ROUNDING_MARGIN
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -24,11 +33,12 @@ from contact.rounding import rounding_floor
 from contact.verify import judge
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
+from studies.ask.settings import configured
 from studies.experiments import Row, tabulated
 from studies.experiments.conformance import NOTICED, claims_objectivity
 from studies.experiments.rigid_body import rotation
 from studies.experiments.specimens import CYLINDER, FIRST, PLATE, TORUS, Element, Motion, Posed, Seen, Way, renumbered
-from studies.scenes.complete import complete
+from studies.scenes.complete import Cell, complete
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.parts import settle_model
 from studies.scenes.tyre.readings import central_asymmetry, mirror_asymmetry
@@ -81,9 +91,6 @@ def symmetry_table(
             yield from ({"measure": name, "algorithm": algorithm_name, **check} for check in checks)
 
 
-# --- classes --------------------------------------------------------------------------------------------------------
-
-
 def classified(deviation: float, rounding: float, tolerance: float, by_design: str = "") -> str:
     """The class of a deviation; ``by_design``: why it must be there, if it must."""
     if by_design:
@@ -99,8 +106,7 @@ def against(check: str, one: Answer, other: Answer, by_design: str = "", deviati
     """The row of a check, its yardstick ``one``; deviation: by default, how far the answers are apart."""
     deviation = difference(one.seen, other.seen) if deviation is None else deviation
     wrong = one.wrong or other.wrong
-    verdict = classified(deviation, one.rounding, one.tolerance, by_design)
-    reason = by_design
+    verdict, reason = classified(deviation, one.rounding, one.tolerance, by_design), by_design
     if wrong:
         verdict, reason = REFUSED if one.refused or other.refused else ACCIDENT, wrong
     elif verdict == ACCIDENT:
@@ -142,12 +148,8 @@ def _answer(
     force = float(np.min(problem.weights)) * peak or math.nan
     rounding = ROUNDING_MARGIN * rounding_floor(lin, state.u, lin.scale) / force
     tolerance = RESIDUAL_TOLERANCE * lin.scale / force
-    spent = int(state.counters.get("newton_iterations", 0))
-    nodes = int(np.sum(state.pressure > 0))
+    nodes, spent = int(np.sum(state.pressure > 0)), int(state.counters.get("newton_iterations", 0))
     return Answer(seen(state), wrong, bool(refused), rounding, tolerance, nodes, spent)
-
-
-# --- panels ---------------------------------------------------------------------------------------------------------
 
 
 def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[Row]:
@@ -166,8 +168,7 @@ def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[Row
     ):
         if not panel.element.suits(measure):
             continue
-        ways = (FIRST, Way(motion=motion))
-        still, moved = (solved(panel.posed(measure, way), algorithm) for way in ways)
+        still, moved = (solved(panel.posed(measure, way), algorithm) for way in (FIRST, Way(motion=motion)))
         yield against(check, still, moved, why)
 
 
@@ -192,12 +193,8 @@ def _turned_plate(measure: StrainMeasure) -> str:
 
 def _turned_cylinder(measure: StrainMeasure) -> str:
     """Why a turn about the axis must be noticed: the law on the outer face of the panel."""
-    zeta = 1 + CYLINDER.outer_curvature
-    strain = measure.rigid_body_law.axis(THETA, zeta)
+    strain = measure.rigid_body_law.axis(THETA, 1 + CYLINDER.outer_curvature)
     return f"declares E22 = {strain:.3g} on the face of a cylinder turned by {THETA:g} rad" if strain else ""
-
-
-# --- tyres ----------------------------------------------------------------------------------------------------------
 
 
 def _inflated(measure: StrainMeasure, gamma: float) -> tuple[TyreModel, Visited]:
@@ -227,6 +224,76 @@ def _tyres(tyres: Mapping[float, tuple[TyreModel, Visited]], algorithm: ContactA
         peak = float(np.max(p)) or math.nan
         what = f"cords at {gamma:g} deg"
         yield against(f"tyre turned about its normal, {what}", answer, answer, "", central_asymmetry(p) / peak)
-        mirrored = gamma in (0.0, 90.0)
-        why = "" if mirrored else settle_model("auto", {"gamma_deg": gamma})[1]
+        why = "" if gamma in (0.0, 90.0) else settle_model("auto", {"gamma_deg": gamma})[1]
         yield against(f"tyre mirrored, {what}", answer, answer, why, mirror_asymmetry(p) / peak)
+
+
+NEAR = 1.0  # deg, how near the search comes to the angle of the maximum
+ANGLES = (0.0, 2.0, 5.0, *range(10, 50, 5), 52.0, *range(55, 90, 5), 88.0, 90.0)
+FEW = (0.0, 5.0, 15.0, 30.0, 45.0, 52.0, 60.0, 75.0, 85.0, 90.0)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The tyre of the paper by one measure on one mesh, over the angles [deg]."""
+
+    measure: str
+    mesh: str
+    angles: tuple[float, ...]
+    delta_mm: str = "10,20"
+
+    def at(self, gamma: float, kind: str) -> Row:
+        """One angle: the largest difference of the pressure from its mirror image, all in MPa.
+
+        mirror_MPa counts no contact as zero pressure, mirror_both_MPa only pairs of nodes that both touch.
+        central_MPa: from the image under the half turn.
+        """
+        settings = {"gamma_deg": f"{gamma:.6g}", "delta_mm": self.delta_mm, "element": "paper"}
+        cell = Cell("", "tyre", {"measure": self.measure, "mesh": self.mesh, "model": "half"}, settings)
+        _, request = complete(cell.scene, cell.settings, **cell.options)
+        row = {"measure": self.measure, "mesh": self.mesh, "gamma_deg": gamma, "kind": kind, "command": cell.command}
+        model = Tyre().build(request)
+        *_, last = walk(model.stages(), configured(request.contact, request.settings), request.steps)
+        if not last.converged:
+            return row | {"outcome": last.point.outcome.word}
+        state = last.state
+        row |= {"outcome": "converged", "delta_mm": last.point.requested}
+        row["negative"] = negative_eigenvalues(last.problem, state, np.inf)
+        own, touching = (model.wall.spread(v).reshape(model.wall.part.shape) for v in (state.pressure, state.active))
+        row |= {"peak_MPa": float(own.max()), "contact_nodes": int(touching.sum())}
+        row |= {"mirror_MPa": mirror_asymmetry(own), "mirror_both_MPa": mirror_asymmetry(own, touching)}
+        return row | {"central_MPa": central_asymmetry(own)}
+
+
+SWEEPS = (Sweep("exact", "42x40", ANGLES), *(Sweep(measure, "14x20", FEW, "12") for measure in MEASURES))
+
+
+def mirror_table(sweeps: Sequence[Sweep] = SWEEPS) -> pd.DataFrame:
+    """One row an angle: those of the grid, then those of the search for the largest ``mirror_both_MPa``."""
+    rows = []
+    for sweep in sweeps:
+        own = [sweep.at(gamma, "grid") for gamma in sweep.angles]
+        rows += own + _searched(sweep, own)
+    return pd.DataFrame(rows).sort_values(["mesh", "measure", "gamma_deg"], kind="stable", ignore_index=True)
+
+
+def _searched(sweep: Sweep, own: Sequence[Row]) -> list[Row]:
+    """Brent's search between the neighbours of the largest value of a stable state on the grid."""
+    value = np.array([_stable_value(row) for row in own])
+    if not value.any():
+        return []
+    top = int(np.argmax(value))
+    low, high = (sweep.angles[min(max(i, 0), len(own) - 1)] for i in (top - 1, top + 1))
+    found: list[Row] = []
+
+    def asymmetry(gamma: float) -> float:
+        found.append(sweep.at(float(gamma), "search"))
+        return -_stable_value(found[-1])
+
+    minimize_scalar(asymmetry, bounds=(low, high), method="bounded", options={"xatol": NEAR})
+    return found
+
+
+def _stable_value(row: Row) -> float:
+    """The asymmetry of a row, 0 where its state is none or is not stable."""
+    return float(row["mirror_both_MPa"]) if row.get("negative") == 0 else 0.0

@@ -14,20 +14,21 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
 from formulations.strains.catalogue import DRILLING, EXACT, MEASURES, SANDERS, VON_KARMAN_TERMS, quadratic_measure
-from studies.experiments import tyre_mirror as mirror
 from studies.experiments.specimens import TORUS, Way, renumbered
 from studies.experiments.symmetry import (
     ACCIDENT,
     DESIGN,
+    NEAR,
     REFUSED,
     ROUNDING,
     TOLERANCE,
+    Sweep,
     classified,
     difference,
+    mirror_table,
     symmetry_table,
 )
 from studies.experiments.symmetry import EXACT as ZERO
-from studies.experiments.tyre_mirror import Sweep, mirror_table
 
 AXES, RENUMBERED, TURNED = "axes exchanged", "nodes renumbered", "tyre turned about its normal, cords at 52 deg"
 MOTIONS = {"plate moved and turned", "cylinder turned about its axis", "torus moved and turned"}
@@ -200,7 +201,7 @@ class Known(Sweep):
 def test_the_search_finds_the_angle_of_the_maximum() -> None:
     table = mirror_table([Known("exact", "1x1", (0.0, 20.0, 40.0, 60.0, 75.0, 90.0))])
     top = table[table["negative"] == 0].sort_values("mirror_both_MPa").iloc[-1]
-    assert top["gamma_deg"] == pytest.approx(63.21, abs=mirror.NEAR)
+    assert top["gamma_deg"] == pytest.approx(63.21, abs=NEAR)
     assert top["kind"] == "search"
     assert len(table) < 25
 
