@@ -51,7 +51,9 @@ def planted(monkeypatch: pytest.MonkeyPatch) -> Planted:
     return program
 
 
-def test_a_row_a_quantity_a_load_and_a_mesh_beside_ours_and_the_reference(planted: Planted, tmp_path: Path) -> None:
+def test_a_row_a_quantity_a_load_and_a_mesh_that_is_run_once(
+    planted: Planted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     table = programs.measured([BEAM], tmp_path)
     assert list(zip(table["mesh"], table["load"], strict=True)) == [(m, f) for m in BEAM.meshes for f in (0.5, 1.0)]
     np.testing.assert_allclose(table["difference"], table["theirs"] / table["ours"] - 1)
@@ -59,14 +61,9 @@ def test_a_row_a_quantity_a_load_and_a_mesh_beside_ours_and_the_reference(plante
     assert set(table["elements"]) == {ELEMENTS["full"]}  # in a single row
     assert table["reference"].iloc[1] == pytest.approx(6.69964)
     assert len(list(programs.lines_of(table))) == 5
-
-
-def test_what_was_run_is_not_run_again(planted: Planted, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    first = programs.measured([BEAM], tmp_path)
     (tmp_path / "programs" / "cantilever-8x1.csv").unlink()  # stopped there
-    pd.testing.assert_frame_equal(
-        programs.measured([BEAM], tmp_path).drop(columns="seconds"), first.drop(columns="seconds")
-    )
+    again = programs.measured([BEAM], tmp_path)
+    pd.testing.assert_frame_equal(again.drop(columns="seconds"), table.drop(columns="seconds"))
     assert planted.runs == 3
     monkeypatch.setattr(programs, "version", lambda: "ccx 2.21")
     programs.measured([BEAM], tmp_path)
@@ -116,16 +113,13 @@ def test_without_a_table_there_is_no_agreement() -> None:
 # --- the command ----------------------------------------------------------------------------------------------------
 
 
-def test_without_the_program_one_line_says_what_is_missing(
+def test_without_the_program_or_the_case_one_line_says_what_is_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(shutil, "which", lambda name: None)
     assert main(["bench", "programs", "--store", str(tmp_path / "store")]) == 2
     assert capsys.readouterr().err == f"footprint: {programs.ABSENT}\n"
     assert not (tmp_path / "store").exists()
-
-
-def test_an_unknown_case_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "programs", "--only", "moon", "--store", str(tmp_path)]) == 2
     assert "--only 'moon' must be one of 'scordelis-lo'" in capsys.readouterr().err
 
