@@ -19,9 +19,8 @@ from studies.solving.result import Result
 from studies.solving.solve import solve
 
 
-@pytest.mark.parametrize(
-    ("one", "other", "said"),
-    [
+def test_why_is_told_by_facts() -> None:
+    for one, other, said in (
         (Facts(True, 1, True), Facts(True, 7, True), LOAD_STEPS),
         (Facts(True, 7, True), Facts(True, 7, True), BEYOND),
         (Facts(False, 1, True), Facts(False, 7, False), UNSTABLE),
@@ -30,10 +29,8 @@ from studies.solving.solve import solve
         (Facts(False, 1, True, "half", (0.0, 0.3)), Facts(False, 1, True, "full", (0.01, 0.3)), SYMMETRY),
         (Facts(False, 1, True, "half", (0.0, 0.3)), Facts(False, 1, True, "full", (0.0, 0.3)), BRANCHES),
         (Facts(False, 1, True, "full", (0.0, 0.3)), Facts(False, 1, True, "full", (0.1, 0.3)), BRANCHES),
-    ],
-)
-def test_why_is_told_by_facts(one: Facts, other: Facts, said: str) -> None:
-    assert why(one, other) == why(other, one) == said
+    ):
+        assert why(one, other) == why(other, one) == said
 
 
 def cell(label: str, force: float, **changed: Any) -> dict[str, Any]:
@@ -75,19 +72,17 @@ def test_no_friction_is_no_difference_beside_a_force() -> None:
     assert not found(cell("a", 10.0, friction=1e-13, **rubbed), cell("b", 10.0, friction=9e-13, **rubbed))
 
 
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
+def test_a_pair_has_its_class() -> None:
+    cases: tuple[tuple[dict[str, Any], str], ...] = (
         ({"settings": {"mu": 0.5}, "row": {"c.substeps": 7}}, LOAD_STEPS),
         ({"settings": {"mu": 0.5}, "options": {"contact": "lcp"}}, BEYOND),
         ({"options": {"contact": "lcp"}, "row": {"outcome": "unstable"}}, UNSTABLE),
         ({"options": {"model": "half"}, "asymmetry": 0.0}, SYMMETRY),
-    ],
-)
-def test_a_pair_has_its_class(changed: dict[str, Any], said: str) -> None:
-    usual = {"settings": changed.get("settings", {}), "asymmetry": 0.1 if said == SYMMETRY else 0.0}
-    rows = found(cell("one", 10.0, **usual), cell("other", 11.0, **changed))
-    assert [row["why"] for row in rows] == [said]
+    )
+    for changed, said in cases:
+        usual = {"settings": changed.get("settings", {}), "asymmetry": 0.1 if said == SYMMETRY else 0.0}
+        rows = found(cell("one", 10.0, **usual), cell("other", 11.0, **changed))
+        assert [row["why"] for row in rows] == [said]
 
 
 def test_the_pair_that_was_solved_most_alike_decides() -> None:

@@ -32,19 +32,16 @@ REFERENCES = pd.DataFrame(
 )
 
 
-@pytest.mark.parametrize(
-    ("errors", "within", "best"),
-    [
+def test_nearest_are_those_that_no_other_share_beats() -> None:
+    for errors, within, best in (
         ((-0.05, 0.01, 0.03), 0.0, {"balanced"}),
         ((-0.0109, 0.01, 0.03), 0.0, {"projected", "balanced"}),  # 0.09 % apart
         ((-0.0111, 0.01, 0.03), 0.0, {"balanced"}),
         ((-0.0111, 0.01, 0.03), 0.002, {"projected", "balanced"}),
         ((0.2, math.nan, -0.1), 0.0, {"nodal"}),
         ((math.nan, math.nan, math.nan), 0.0, set()),
-    ],
-)
-def test_nearest_are_those_that_no_other_share_beats(errors, within, best) -> None:
-    assert nearest(dict(zip(("projected", "balanced", "nodal"), errors, strict=True)), within) == best
+    ):
+        assert nearest(dict(zip(("projected", "balanced", "nodal"), errors, strict=True)), within) == best
 
 
 def test_a_path_ends_where_its_record_says_unless_it_went_on() -> None:
@@ -54,18 +51,15 @@ def test_a_path_ends_where_its_record_says_unless_it_went_on() -> None:
     assert math.isnan(turns_at(record(limit_points=2.0)))  # failed for another reason
 
 
-@pytest.mark.parametrize(
-    ("finer", "said"),
-    [
+def test_a_finer_mesh_that_goes_on_does_not_confirm_an_end() -> None:
+    for finer, said in (
         (record(converged=True), False),
         (record(end=0.95), False),
         (record(end=0.68 * 1.051), False),
         (record(end=0.68 * 1.049), True),
         (record(end=0.6), True),
-    ],
-)
-def test_a_finer_mesh_that_goes_on_does_not_confirm_an_end(finer: dict[str, Any], said: bool) -> None:
-    assert confirmed(record(end=0.68), finer) is said
+    ):
+        assert confirmed(record(end=0.68), finer) is said
 
 
 def test_a_finer_mesh_that_passes_fewer_limit_points_does_not_confirm_the_others() -> None:
@@ -90,18 +84,15 @@ def test_without_a_limit_they_are_of_the_most_certain_reference() -> None:
 MESHES = ("10x10", "20x20", "40x40")
 
 
-@pytest.mark.parametrize(
-    ("default", "paper", "verdict"),
-    [
+def test_verdict_is_that_of_the_coarsest_mesh() -> None:
+    for default, paper, verdict in (
         (0.02, -0.05, "better"),
         (-0.05, 0.02, "worse"),
         (0.0301, 0.0305, "equal"),  # closer than 0.1 %
         (0.0001, 0.0009, "equal"),  # nothing left to gain
         (math.nan, 0.02, "not solved by both"),
-    ],
-)
-def test_verdict_is_that_of_the_coarsest_mesh(default: float, paper: float, verdict: str) -> None:
-    assert verdict_of(default, paper, 0.0) == verdict
+    ):
+        assert verdict_of(default, paper, 0.0) == verdict
 
 
 def test_what_the_limit_does_not_tell_apart_is_equal() -> None:

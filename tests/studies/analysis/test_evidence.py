@@ -28,9 +28,8 @@ def value(of: Any, **declaration: Any) -> Any:
     return read_values({"from": "runs", **declaration, "values": {"bar": 0.3, "x": of}}, TABLES.get)["x"]
 
 
-@pytest.mark.parametrize(
-    ("of", "found"),
-    [
+def test_a_value_is_what_it_says() -> None:
+    for of, found in (
         ("count", 4),
         ("count where error > 0", 2),
         ("max abs(error)", 0.4),
@@ -52,10 +51,8 @@ def value(of: Any, **declaration: Any) -> Any:
         ),
         ({"form": "{who}", "from": "runs", "once": "mesh"}, "a"),
         ({"form": "{who}", "where": "error > 1", "empty": "nobody"}, "nobody"),
-    ],
-)
-def test_a_value_is_what_it_says(of: object, found: object) -> None:
-    assert value(of) == found
+    ):
+        assert value(of) == found, of
 
 
 def test_columns_are_added_before_rows_are_chosen() -> None:
@@ -65,19 +62,16 @@ def test_columns_are_added_before_rows_are_chosen() -> None:
     assert value("count", once="mesh") == 2
 
 
-@pytest.mark.parametrize("of", ["max error where error > 1", "first error from nowhere", "count from nowhere"])
-def test_what_rests_on_nothing_is_not_said(of: str) -> None:
-    with pytest.raises(NothingError):
-        value(of)
+def test_what_rests_on_nothing_is_not_said_but_a_slip_is_an_error() -> None:
+    """A column or an aggregate of another name would be a sentence that vanishes without a word."""
+    for of in ("max error where error > 1", "first error from nowhere", "count from nowhere"):
+        with pytest.raises(NothingError):
+            value(of)
     with pytest.raises(NothingError):
         value("count", where="error > 1")
-
-
-@pytest.mark.parametrize("of", ["max eror", "count where eror > 1", "greatest error"])
-def test_a_column_or_an_aggregate_of_another_name_is_an_error(of: str) -> None:
-    """Not a sentence that vanishes without a word."""
-    with pytest.raises((KeyError, pd.errors.UndefinedVariableError)):
-        value(of)
+    for of in ("max eror", "count where eror > 1", "greatest error"):
+        with pytest.raises((KeyError, pd.errors.UndefinedVariableError)):
+            value(of)
 
 
 def test_values_of_groups_are_numbered_and_stand_in_the_text() -> None:
