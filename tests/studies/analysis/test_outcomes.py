@@ -70,22 +70,13 @@ def test_ratios_are_of_what_both_solve(contact) -> None:
     assert list(found.index)[-1] == "lcp", "the one that solves least is last"
 
 
-def test_fewer_than_five_problems_make_no_ratio(contact) -> None:
-    few = contact[(contact["scene"] == "strip-contact") | (contact["contact"] != "lcp")]
-    found = contact_summary(few).set_index("algorithm")
-    assert found.loc["lcp", "both"] == 4
-    assert math.isnan(found.loc["lcp", "seconds_ratio"])
-
-
-def test_intervals_are_those_of_scenes() -> None:
+def test_intervals_are_those_of_scenes_and_rest_on_five_problems(contact: pd.DataFrame) -> None:
     """Two scenes with ratios of their own: however many cells, the interval spans both."""
-    table = pd.concat(
-        [
-            cells("strip-contact", "half_force", 2.0, "load_fraction=5", contacts={"semismooth": 1.0, "lcp": 0.5}),
-            cells("heavy-strip", "lift_force", 1.0, contacts={"semismooth": 1.0, "lcp": 4.0}),
-        ],
-        ignore_index=True,
-    )
-    found = contact_summary(table).set_index("algorithm").loc["lcp"]
-    assert found["seconds_low"] == pytest.approx(0.5)
-    assert found["seconds_high"] == pytest.approx(4.0)
+    strip = cells("strip-contact", "half_force", 2.0, "load_fraction=5", contacts={"semismooth": 1.0, "lcp": 0.5})
+    heavy = cells("heavy-strip", "lift_force", 1.0, contacts={"semismooth": 1.0, "lcp": 4.0})
+    found = contact_summary(pd.concat([strip, heavy], ignore_index=True)).set_index("algorithm").loc["lcp"]
+    assert found[["seconds_low", "seconds_high"]].tolist() == pytest.approx([0.5, 4.0])
+    few = contact[(contact["scene"] == "strip-contact") | (contact["contact"] != "lcp")]
+    found = contact_summary(few).set_index("algorithm").loc["lcp"]
+    assert found["both"] == 4
+    assert math.isnan(found["seconds_ratio"])

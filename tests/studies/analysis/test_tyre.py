@@ -66,12 +66,9 @@ def test_parts_are_those_that_were_put_in(tmp_path: Path) -> None:
         assert found.loc[name, "within"] == pytest.approx(0.0, abs=1e-12)
     assert not found.loc["shell instead of a solid", "settled"]
     assert found.loc["follower", "settled"]
-
-
-def test_meshes_that_do_not_agree_widen_the_interval(tmp_path: Path) -> None:
-    found = budget(tmp_path, wobble=0.01)
-    assert found.loc["follower", "within"] > 0.01
-    assert not found.loc["nonsymmetric", "settled"]
+    wide = budget(tmp_path / "wide", wobble=0.01)  # meshes that do not agree widen the interval
+    assert wide.loc["follower", "within"] > 0.01
+    assert not wide.loc["nonsymmetric", "settled"]
 
 
 def test_every_reading_has_words() -> None:
