@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.linalg import expm
 
-from formulations.discretisation import Discretisation
-from formulations.geometry.grid import Grid, graded_lines
-from formulations.geometry.surfaces import cylinder, torus
-from formulations.loads.pressure import Pressure
-from formulations.section.laminate import Laminate, Ply
+from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
 from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
-from studies.scenes.benchmarks import scordelis_lo as linear_roof
 from studies.scenes.closed_forms.elasticity import ply_equations
 from studies.scenes.complete import complete
 from studies.scenes.curves import point_rise
 from studies.scenes.data import read_reference
 from studies.scenes.element import ShearCorrected
-from studies.scenes.statics import area_load
-from studies.solving.solve import solve
-from support.problems.differences import fitted_order
+from support.problems.solved import solved
 
 PUBLISHED = 0.005  # extrapolated against published
 SAME = 1e-6  # two ways to the same number; the condition of thin shells eats the rest of the digits
@@ -39,16 +31,9 @@ PAGANO = read_reference("pagano1970_sandwich_and_crossply.csv").set_index("S")
 NAMES = linear_pagano.COLUMNS
 
 
-@cache
-def quantities(scene: str, n: int, measure: str, settings: tuple[tuple[str, str], ...]) -> dict[str, float]:
-    result = solve(*complete(scene, dict(settings), f"{n}x{n}", measure=measure))
-    assert result.outcome.converged
-    return result.quantities
-
-
 def run(scene: str, n: int, quantity: str, measure: str = "linear", **settings: str) -> float:
     """With the element of the paper, whose sequences have one leading order."""
-    return quantities(scene, n, measure, tuple(sorted({"element": "paper", **settings}.items())))[quantity]
+    return solved(scene, f"{n}x{n}", measure=measure, **{"element": "paper", **settings}).quantities[quantity]
 
 
 def plate_limit(quantity: str, **settings: str) -> float:
@@ -202,45 +187,6 @@ def test_relaxed_membrane_has_the_same_limit() -> None:
         for n in (8, 16, 32)
     ]
     assert differences[2] < differences[1] / 4 < differences[0] / 16
-
-
-# --- loads --------------------------------------------------------------------------------------------------------
-
-
-def test_area_load_along_the_normal_is_the_dead_pressure() -> None:
-    """The same force as that of loads.pressure, which knows no frame; here on a torus, split between the faces."""
-    grid = Grid.tensor(graded_lines([-0.5, 0.2, 1.0], [2, 3]), np.linspace(0, 0.7, 4))
-    laminate = Laminate((Ply.isotropic(1.0, 0.3, 0.1),), -0.02)
-    nothing_fixed = np.zeros((grid.n_nodes, 6), bool)
-    surface = torus(3.0, 1.0)
-    discretisation = Discretisation.build(surface, grid, laminate, nothing_fixed)
-    forces = area_load(discretisation, lambda a1, a2: 0.7 * surface.frame(a1, a2)[..., 2, :], shares=(0.3, 0.7))
-    dead = discretisation.gather(Pressure(0.7).dead_force(discretisation.geometry)).reshape(-1, 6)
-    np.testing.assert_allclose(forces[:, 4] / 0.3, dead[:, 4], rtol=1e-12)
-    np.testing.assert_allclose(forces[:, 5] / 0.7, dead[:, 4], rtol=1e-12)
-    np.testing.assert_allclose(forces[:, :4], 0, atol=1e-14)
-
-
-def test_weight_of_the_roof_is_all_there() -> None:
-    """Sum of the vertical nodal forces against weight times area; the frames of nodes and Gauss points differ."""
-    meshes = np.array([4, 8, 16])
-    exact = linear_roof.WEIGHT * linear_roof.RADIUS * linear_roof.HALF_ANGLE * linear_roof.LENGTH / 2
-    errors = []
-    for n in meshes:
-        grid = Grid.tensor(np.linspace(0, linear_roof.LENGTH / 2, 3), np.linspace(0, linear_roof.HALF_ANGLE, n + 1))
-        surface = cylinder(linear_roof.RADIUS)
-        laminate = Laminate.single(Ply.isotropic(1.0, 0.0, 0.25))
-        discretisation = Discretisation.build(surface, grid, laminate, np.zeros((grid.n_nodes, 6), bool))
-        down = np.array([-linear_roof.WEIGHT, 0, 0])
-        forces = area_load(discretisation, lambda a1, a2, p=down: np.broadcast_to(p, (*a1.shape, 3)))
-        errors.append(abs(-_cartesian(discretisation, forces)[:, 0].sum() / exact - 1))
-    assert errors[-1] <= 1e-3
-    assert fitted_order(1 / meshes, errors) == pytest.approx(2, abs=0.1)
-
-
-def _cartesian(discretisation: Discretisation, forces: np.ndarray) -> np.ndarray:
-    frame = discretisation.surface.frame(*discretisation.grid.nodes.T)
-    return np.einsum("nfi,nij->nj", forces.reshape(-1, 3, 2).swapaxes(1, 2), frame)
 
 
 def test_shear_correction_scales_the_shear_force_alone() -> None:

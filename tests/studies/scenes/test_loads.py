@@ -1,0 +1,128 @@
+"""Loads of scenes by themselves: over areas, along edges, and pressure on interpolated positions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from formulations.discretisation import Discretisation
+from formulations.geometry.grid import Grid, graded_lines
+from formulations.geometry.surfaces import cylinder, torus
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import EXACT
+from studies.scenes.benchmarks import scordelis_lo as linear_roof
+from studies.scenes.benchmarks.sze_annulus import P_MAX
+from studies.scenes.complete import complete
+from studies.scenes.statics import area_load
+from studies.solving.refinement.grids import Family
+from support.problems.differences import fitted_order
+
+
+def test_area_load_along_the_normal_is_the_dead_pressure() -> None:
+    """The same force as that of loads.pressure, which knows no frame; here on a torus, split between the faces."""
+    grid = Grid.tensor(graded_lines([-0.5, 0.2, 1.0], [2, 3]), np.linspace(0, 0.7, 4))
+    laminate = Laminate((Ply.isotropic(1.0, 0.3, 0.1),), -0.02)
+    nothing_fixed = np.zeros((grid.n_nodes, 6), bool)
+    surface = torus(3.0, 1.0)
+    discretisation = Discretisation.build(surface, grid, laminate, nothing_fixed)
+    forces = area_load(discretisation, lambda a1, a2: 0.7 * surface.frame(a1, a2)[..., 2, :], shares=(0.3, 0.7))
+    dead = discretisation.gather(Pressure(0.7).dead_force(discretisation.geometry)).reshape(-1, 6)
+    np.testing.assert_allclose(forces[:, 4] / 0.3, dead[:, 4], rtol=1e-12)
+    np.testing.assert_allclose(forces[:, 5] / 0.7, dead[:, 4], rtol=1e-12)
+    np.testing.assert_allclose(forces[:, :4], 0, atol=1e-14)
+
+
+def test_weight_of_the_roof_is_all_there() -> None:
+    """Sum of the vertical nodal forces against weight times area; the frames of nodes and Gauss points differ."""
+    meshes = np.array([4, 8, 16])
+    exact = linear_roof.WEIGHT * linear_roof.RADIUS * linear_roof.HALF_ANGLE * linear_roof.LENGTH / 2
+    errors = []
+    for n in meshes:
+        grid = Grid.tensor(np.linspace(0, linear_roof.LENGTH / 2, 3), np.linspace(0, linear_roof.HALF_ANGLE, n + 1))
+        surface = cylinder(linear_roof.RADIUS)
+        laminate = Laminate.single(Ply.isotropic(1.0, 0.0, 0.25))
+        discretisation = Discretisation.build(surface, grid, laminate, np.zeros((grid.n_nodes, 6), bool))
+        down = np.array([-linear_roof.WEIGHT, 0, 0])
+        forces = area_load(discretisation, lambda a1, a2, p=down: np.broadcast_to(p, (*a1.shape, 3)))
+        errors.append(abs(-_cartesian(discretisation, forces)[:, 0].sum() / exact - 1))
+    assert errors[-1] <= 1e-3
+    assert fitted_order(1 / meshes, errors) == pytest.approx(2, abs=0.1)
+
+
+def _cartesian(discretisation: Discretisation, forces: np.ndarray) -> np.ndarray:
+    frame = discretisation.surface.frame(*discretisation.grid.nodes.T)
+    return np.einsum("nfi,nij->nj", forces.reshape(-1, 3, 2).swapaxes(1, 2), frame)
+
+
+@pytest.mark.parametrize("lines", ["even", "edges"])
+@pytest.mark.parametrize("cut", [False, True])
+def test_an_edge_load_is_uniform_on_lines_of_any_spacing(lines: str, cut: bool) -> None:
+    """The side of the slit annulus, its elements of different size: resultant and moment about the axis."""
+    scene, request = complete("sze-annulus", {"lines": lines}, "6x20")
+    if cut:
+        tree = Family.of(scene, request).tree
+        assert tree is not None
+        leaves = tree.refined(tree.leaves[:, 1] < 2).leaves
+        request = replace(request, leaves=tuple(map(tuple, leaves.tolist())))
+    shell = scene.build(request).shell
+    force, radii = (
+        shell.discretisation.map.placed(shell.forces)[:, 4:].sum(axis=1),
+        shell.discretisation.grid.nodes[:, 0],
+    )
+    inner, outer = shell.discretisation.grid.ends[0]
+    assert force.sum() == pytest.approx(P_MAX * (outer - inner))
+    assert force @ radii == pytest.approx(P_MAX * (outer**2 - inner**2) / 2)
+    if not cut:  # no node hangs: each carries what its hat function does
+        side = shell.discretisation.grid.on_line(1, 0.0)
+        fine = np.linspace(inner, outer, 20001)
+        hats = [np.trapezoid(np.interp(fine, radii[side], unit), fine) for unit in np.eye(len(side))]
+        np.testing.assert_allclose(force[side], P_MAX * np.array(hats), rtol=1e-6)
+
+
+def half_pipe(interpolation: str, pressure: Pressure) -> ShellModel:
+    grid = Grid.tensor(np.array([0.0, 0.4, 1.0]), np.linspace(0, np.pi, 7))
+    fixed = np.zeros((grid.n_nodes, 6), bool)
+    laminate = Laminate.single(Ply.isotropic(1.0, 0.3, 0.2))
+    discretisation = Discretisation.build(cylinder(2.0), grid, laminate, fixed, interpolation=interpolation)
+    return ShellModel(discretisation, EXACT, pressure=pressure)
+
+
+def total(shell: ShellModel, forces: np.ndarray) -> np.ndarray:
+    """Sum of nodal forces (n,) in Cartesian components."""
+    nodal = forces.reshape(-1, 3, 2).sum(axis=2)
+    frame = shell.discretisation.surface.frame(*shell.discretisation.grid.nodes.T)
+    return np.einsum("ni,nix->x", nodal, frame)
+
+
+def test_follower_pressure_on_interpolated_positions_is_the_area_vector_of_the_bilinear_faces(rng) -> None:
+    """p int n dA of a bilinear face depends on its rim only: half the cross product of its diagonals."""
+    shell = half_pipe("isoparametric", pressure=Pressure(0.7, follower=True, area="face"))
+    u = 0.2 * rng.normal(size=shell.discretisation.n_free)
+    force = shell.scaled(0.0).linearise(u).residual - shell.linearise(u).residual
+    x = shell.discretisation.positions()[0] + shell.discretisation.cartesian(u)[0]
+    corner = x[shell.discretisation.grid.elements]
+    area = 0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1]).sum(axis=0)
+    outwards = np.sign(area @ total(shell, force))
+    assert total(shell, force) == pytest.approx(0.7 * outwards * area, rel=1e-10)
+
+
+@pytest.mark.parametrize("interpolation", ["curvilinear", "isoparametric"])
+def test_dead_loads_of_an_area_have_their_resultant(interpolation: str) -> None:
+    """Normal pressure on a half pipe pushes by p times its diameter; a constant traction by itself times the area.
+
+    A translation is in the space of the isoparametric element, so the sum is that of the Gauss points, 1e-4 for 30
+    degrees each; of the curvilinear one only to O(l^2), the cosine of half an element.
+    """
+    shell = half_pipe(interpolation, pressure=Pressure(0.7))
+    at_rest = np.zeros(shell.discretisation.n_free)
+    force = total(shell, shell.scaled(0.0).linearise(at_rest).residual - shell.linearise(at_rest).residual)
+    slack = 1e-3 if interpolation == "isoparametric" else np.pi**2 / 12**2 / 2
+    assert np.abs(force) == pytest.approx([0.0, 0.7 * 2 * 2.0, 0.0], abs=0.7 * 4.0 * slack)
+    dead = shell.discretisation.reduce(
+        area_load(shell.discretisation, lambda a1, a2: np.broadcast_to([0.0, 0.0, -1.0], (*a1.shape, 3)))
+    )
+    assert total(shell, dead) == pytest.approx([0.0, 0.0, -2 * np.pi], abs=2 * np.pi * slack)
