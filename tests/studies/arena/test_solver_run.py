@@ -92,36 +92,30 @@ def test_ranks_of_two_runs(field: Field, problems: Path, tmp_path: Path, capsys:
     assert said.rstrip().endswith("nan      nan  no ranks")  # of the other problem neither knows the answer
 
 
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        ((), "bench solvers needs --problems DIR, --against STORE, or both"),
-        (("--problems", "{empty}"), "no frozen steps (*.npz) in it"),
-        (("--problems", "{problems}", "--only", "nobody"), "--only 'nobody' must be one of right; slow; liar; absent"),
-        (("--problems", "{problems}", "--tolerance", "1e-4,x"), "--tolerance '1e-4,x' must be different numbers"),
-        (("--problems", "{problems}", "--tolerance", "1e-4,1e-4"), "must be different numbers in (0, 1)"),
-        (("--problems", "{problems}", "--limit", "0"), "limit = 0.0 must be a number in (0, inf)"),
-        (("--problems", "{problems}", "--rounds", "0"), "rounds = 0 must be a whole number in [1, 1000]"),
-        (("--against", "{empty}"), "no run of bench solvers in it (no solver_run.csv)"),
-    ],
-)
 def test_wrong_use_is_one_line_and_writes_nothing(
-    words: tuple[str, ...], says: str, problems: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    problems: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    empty, out = tmp_path / "empty", tmp_path / "out"
+    empty, damaged, out = tmp_path / "empty", tmp_path / "damaged", tmp_path / "out"
     empty.mkdir()
-    given = [word.format(problems=problems, empty=empty) for word in words]
-    assert bench("--out", out, *given) == 2
-    said = capsys.readouterr().err
-    assert says in said
-    assert said.count("\n") == 1
-    assert not out.exists()
-
-
-def test_a_damaged_file_is_named(problems: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (problems / "c.npz").write_bytes(b"no zip")
-    assert bench("--problems", problems) == 2
-    assert "c.npz is no frozen contact step" in capsys.readouterr().err
+    damaged.mkdir()
+    (damaged / "c.npz").write_bytes(b"no zip")
+    given = ("--problems", problems)
+    for words, says in (
+        ((), "bench solvers needs --problems DIR, --against STORE, or both"),
+        (("--problems", empty), "no frozen steps (*.npz) in it"),
+        (("--problems", damaged), "c.npz is no frozen contact step"),
+        ((*given, "--only", "nobody"), "--only 'nobody' must be one of right; slow; liar; absent"),
+        ((*given, "--tolerance", "1e-4,x"), "--tolerance '1e-4,x' must be different numbers"),
+        ((*given, "--tolerance", "1e-4,1e-4"), "must be different numbers in (0, 1)"),
+        ((*given, "--limit", "0"), "limit = 0.0 must be a number in (0, inf)"),
+        ((*given, "--rounds", "0"), "rounds = 0 must be a whole number in [1, 1000]"),
+        (("--against", empty), "no run of bench solvers in it (no solver_run.csv)"),
+    ):
+        assert bench("--out", out, *words) == 2
+        said = capsys.readouterr().err
+        assert says in said
+        assert said.count("\n") == 1
+        assert not out.exists()
 
 
 def test_problems_come_smallest_first(problems: Path) -> None:

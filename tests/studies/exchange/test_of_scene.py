@@ -64,16 +64,12 @@ def test_a_solid_keeps_its_own_bricks() -> None:
     assert len(bricks.elements) == 2 * len(bricks.inner)
 
 
-def test_the_end_force_of_the_cantilever() -> None:
-    *_, last = asked("cantilever", "8x2").steps
+def test_point_and_end_forces_are_those_of_their_scenes() -> None:
+    problem = asked("cantilever", "8x2")
+    *_, last = problem.steps
     np.testing.assert_allclose(last.forces.sum(axis=0), [0, 0, cantilever.P_MAX], atol=1e-12)
-    loaded = asked("cantilever", "8x2").bricks.x[last.forces.any(axis=1)]
-    np.testing.assert_allclose(loaded[:, 0], cantilever.L)
-
-
-def test_the_point_forces_of_the_hemisphere_grow_with_the_load() -> None:
-    problem = asked("hemisphere")
-    for step in problem.steps:
+    np.testing.assert_allclose(problem.bricks.x[last.forces.any(axis=1)][:, 0], cantilever.L)
+    for step in asked("hemisphere").steps:
         assert step.load is not None
         force = 0.5 * step.load * hemisphere.P_MAX
         np.testing.assert_allclose(step.forces.sum(axis=0), [force, -force, 0], atol=1e-9 * force)
@@ -92,16 +88,16 @@ def test_the_weight_of_the_roof_does_its_work() -> None:
     assert np.sum(down * x[:, 2] * x[:, 1]) == pytest.approx(lever, rel=5 * within)
 
 
-@pytest.mark.parametrize("area", ["mid", "face"])
-def test_the_pressure_in_the_cylinder_is_that_on_its_area(area: str) -> None:
+def test_the_pressure_in_the_cylinder_is_that_on_its_area() -> None:
     """Radial sum p A with the area of the middle surface or of the inner face."""
-    problem = asked("pressurised-cylinder", pressure_area=area, h_mm=5.0)
-    radius = pressurised.RADIUS - (0.0 if area == "mid" else 2.5)
-    value = pressurised.fixed_cylinder_load(pressurised.LARGEST) * pressurised.E * 5.0 / pressurised.RADIUS
-    forces = problem.bricks.pressure_forces(problem.steps[-1].pressure)
-    e3 = problem.bricks.x * [1.0, 1.0, 0.0]
-    radial = np.sum(forces * e3) / (pressurised.RADIUS - 2.5)
-    assert radial == pytest.approx(value * radius * pressurised.SECTOR * pressurised.RADIUS / 2, rel=1e-4)
+    for area in ("mid", "face"):
+        problem = asked("pressurised-cylinder", pressure_area=area, h_mm=5.0)
+        radius = pressurised.RADIUS - (0.0 if area == "mid" else 2.5)
+        value = pressurised.fixed_cylinder_load(pressurised.LARGEST) * pressurised.E * 5.0 / pressurised.RADIUS
+        forces = problem.bricks.pressure_forces(problem.steps[-1].pressure)
+        e3 = problem.bricks.x * [1.0, 1.0, 0.0]
+        radial = np.sum(forces * e3) / (pressurised.RADIUS - 2.5)
+        assert radial == pytest.approx(value * radius * pressurised.SECTOR * pressurised.RADIUS / 2, rel=1e-4)
 
 
 def test_a_dead_pressure_on_a_whole_tyre_adds_up_to_nothing_and_pushes_outwards() -> None:
@@ -123,24 +119,16 @@ def test_a_follower_pressure_turns_with_its_face() -> None:
     np.testing.assert_allclose(turned, problem.bricks.pressure_forces(pressure) @ turn.T, atol=1e-9)
 
 
-def test_angle_plies_ask_for_the_whole_tyre() -> None:
-    assert asked("tyre", delta_mm=5.0).request.model == "full"
-    assert asked("tyre", delta_mm=5.0).copies == 1
-    isotropic = asked("tyre", "8x8", delta_mm=5.0, E_MPa=20.0, nu=0.45)
-    assert isotropic.request.model == "quarter"
-    assert isotropic.copies == 4
-
-
-@pytest.mark.parametrize(("walls", "model"), [({}, "full"), ({"E_MPa": 20.0, "nu": 0.45}, "quarter")])
-def test_no_travel_is_inflation_alone(walls: dict[str, float], model: str) -> None:
-    problem = asked("tyre", None, delta_mm=0.0, load="follower", pressure_area="face", **walls)
-    assert problem.plane is None
-    assert problem.request.model == model
-    (step,) = problem.steps
-    assert (step.load, step.offset) == (0.0, None)
-    assert np.all(step.pressure == problem.request.settings["p0_MPa"])
-    assert problem.crown is not None
-    np.testing.assert_allclose(problem.bricks.x[problem.crown, 1:], 0, atol=1e-9)
+def test_angle_plies_ask_for_the_whole_tyre_and_no_travel_is_inflation_alone() -> None:
+    for walls, model, copies in (({}, "full", 1), ({"E_MPa": 20.0, "nu": 0.45}, "quarter", 4)):
+        problem = asked("tyre", delta_mm=0.0, load="follower", pressure_area="face", **walls)
+        assert (problem.request.model, problem.copies) == (model, copies)
+        assert problem.plane is None
+        (step,) = problem.steps
+        assert (step.load, step.offset) == (0.0, None)
+        assert np.all(step.pressure == problem.request.settings["p0_MPa"])
+        assert problem.crown is not None
+        np.testing.assert_allclose(problem.bricks.x[problem.crown, 1:], 0, atol=1e-9)
 
 
 def test_a_shear_correction_is_one_of_the_ply() -> None:
