@@ -39,6 +39,7 @@ def test_built_in_answers_are_exact_and_an_error_is_seen_in_proportion() -> None
         for seed in range(5):
             step, du, pressure = known_step(seed, kind)
             assert accuracy(step, du, pressure).worst <= ROUNDING
+            assert accuracy(step, du, pressure).complementarity == 0
             for t in (0.0, 0.5, 2.0, 1e3, 1e9):
                 assert accuracy(step, t * du, t * pressure).worst > 1e-2
     step, du, pressure = known_step(2)
@@ -56,7 +57,8 @@ def test_residuals_are_those_of_the_definition(rng: np.random.Generator) -> None
     """Of answers that are off, in dense numpy without a line of the module that computes them."""
     step, *_ = known_step(5)
     coupled = replace(step, coupling=sparse.csr_matrix(np.diag(step.weights) + 0.02))
-    for each in (step, replace(step, gap=step.gap - 0.5), indefinite(step), lopsided(step), coupled):
+    stiff = replace(step, K=1e3 * step.K, gap=np.abs(step.gap))  # whose length is the largest gap
+    for each in (step, replace(step, gap=step.gap - 0.5), indefinite(step), lopsided(step), coupled, stiff):
         du, pressure = rng.normal(size=step.r.shape), rng.normal(size=step.gap.shape)
         found = asdict(accuracy(each, du, pressure))
         assert found == pytest.approx(residuals_by_hand(each, du, pressure), rel=1e-9)

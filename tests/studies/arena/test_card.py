@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import signal
 import sys
 import time
 from collections.abc import Iterator
@@ -230,6 +231,7 @@ def test_the_clock_is_put_back_and_no_except_keeps_it() -> None:
         time.sleep(5)
     with within(60.0):
         pass
+    assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
 
 
 @pytest.mark.slow
