@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections import UserDict
+from collections.abc import Mapping
 
 from studies.ask.scene import Scene
 
@@ -45,33 +46,21 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
 }
 
 
-class Catalogue(MutableMapping[str, Scene]):
+class Catalogue(UserDict[str, Scene]):
     """Scenes by name, ours and those that are put in; names are known without loading anything."""
 
+    data: dict[str, Scene | None]  # type: ignore[assignment]  # None: not loaded yet
+
     def __init__(self) -> None:
-        self._scenes: dict[str, Scene | None] = dict.fromkeys(MODULES)  # None: not loaded yet
+        super().__init__()
+        self.data = dict.fromkeys(MODULES)
 
     def __getitem__(self, name: str) -> Scene:
-        scene = self._scenes[name]
+        scene = self.data[name]
         if scene is None:
             scenes: tuple[Scene, ...] = importlib.import_module(MODULES[name]).SCENES
-            scene = self._scenes[name] = next(each for each in scenes if each.name == name)
+            scene = self.data[name] = next(each for each in scenes if each.name == name)
         return scene
-
-    def __setitem__(self, name: str, scene: Scene) -> None:
-        self._scenes[name] = scene
-
-    def __delitem__(self, name: str) -> None:
-        del self._scenes[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._scenes)
-
-    def __len__(self) -> int:
-        return len(self._scenes)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._scenes
 
 
 SCENES = Catalogue()
