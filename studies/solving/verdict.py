@@ -29,7 +29,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.solving.refinement.limits import FEW, SAFETY, Estimate, Seen, limit_of
+from studies.solving.refinement.limits import FEW, SAFETY, Estimate, Seen, estimate_of
 from studies.solving.refinement.nested import Sketch, touches
 from studies.solving.variants import Ladder
 
@@ -69,11 +69,11 @@ def difference(
 ) -> Difference | str:
     """f from the values of a variant and of the reference on the same grids, or why it is not known.
 
-    reference: the limit of the reference, from all its grids.  touching: as for :func:`limit_of`.
+    reference: the limit of the reference, from all its grids.  touching: as for :func:`estimate_of`.
     """
     pairs = [Seen(a.size, a.value - b.value) for a, b in zip(own, beside, strict=True)]
-    limit, apart = limit_of(own, touching=touching), limit_of(pairs, touching=touching)
-    part = SAFETY * _missed(limit_of(beside, touching=touching), beside[-1].value, reference)
+    limit, apart = estimate_of(own, touching=touching), estimate_of(pairs, touching=touching)
+    part = SAFETY * _missed(estimate_of(beside, touching=touching), beside[-1].value, reference)
     found = list[tuple[float, float, float]]()  # value, its uncertainty, and that which the reference shows
     if isinstance(limit, Estimate):
         width, shown = _width(limit), part * abs(limit.limit - own[-1].value)

@@ -19,7 +19,7 @@ from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
 from studies.solving.refinement.error_control import solve_to_error
 from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
-from studies.solving.refinement.limits import FEW, Estimate, Seen, limit_of
+from studies.solving.refinement.limits import FEW, Estimate, Seen, estimate_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
 from studies.solving.result import Result
@@ -116,7 +116,7 @@ class Cascade:
 
     def _limit(self, values: Sequence[float]) -> Estimate | str:
         seen = [Seen(grid.size, float(value)) for grid, value in zip(self.grids, values, strict=True)]
-        return limit_of(seen, touching=touches(self.last.end))
+        return estimate_of(seen, touching=touches(self.last.end))
 
 
 def parse_budget(text: str | None) -> float:

@@ -26,8 +26,8 @@ import numpy as np
 
 from contact.problem import Outcome
 from studies.ask.request import Request
-from studies.ask.scene import Scene, ShellSceneModel, UsageError
-from studies.solving.refinement.goal import OnGrid, indicators, on_grid
+from studies.ask.scene import Scene, UsageError
+from studies.solving.refinement.goal import indicators, on_grid
 from studies.solving.refinement.grids import Family
 from studies.solving.refinement.limits import SAFETY, Estimate
 from studies.solving.refinement.records import (
@@ -166,17 +166,11 @@ def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity:
     if family.tree is None or finer.tree is None:
         return finer, 0.0
     try:
-        on_both = _on_grid(coarse, quantity), _on_grid(fine, quantity)
+        on_both = on_grid(coarse, quantity), on_grid(fine, quantity)
     except (KeyError, ArithmeticError):
         return finer, 0.0
     eta, rim = indicators(*on_both, family.tree.parents(finer.tree))
     return family.refined(eta), rim
-
-
-def _on_grid(result: Result, quantity: str) -> OnGrid:
-    assert isinstance(result.model, ShellSceneModel)
-    assert result.end is not None
-    return on_grid(result.end, quantity, result.model.shell, result.model.candidate_of_node)
 
 
 def _may_come(scene: Scene, quantity: str) -> bool:

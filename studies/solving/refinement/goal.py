@@ -27,14 +27,15 @@ from scipy import sparse
 
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.newton.step import NewtonRun
-from contact.problem import ContactProblem
 from contact.solvers.sparse import factorise
 from formulations.element.mixed import MODE_ROWS
 from formulations.geometry.grid import CORNERS
 from formulations.shell import Linearisation, ShellModel
 from formulations.strains.quantities import N_E
+from studies.ask.scene import ShellSceneModel
 from studies.scenes.curves import ArcStage
 from studies.scenes.walk import Visited
+from studies.solving.result import Result
 
 STEP = 1e-6  # of the largest unknown, for differences
 SEED = 20  # of the directions that find what a quantity depends on
@@ -53,11 +54,15 @@ class OnGrid:
     contact: np.ndarray
 
 
-def on_grid(visited: Visited, quantity: str, shell: ShellModel, nodes: np.ndarray) -> OnGrid:
-    """The last state of a path; nodes (N,): the candidate whose values each node of the grid has, -1 for none.
+def on_grid(result: Result, quantity: str) -> OnGrid:
+    """The last state of a path.
 
     Raises KeyError for a quantity that the stage does not have, ArithmeticError where the tangent is singular.
     """
+    model, visited = result.model, result.end
+    assert isinstance(model, ShellSceneModel)
+    assert visited is not None
+    shell = model.shell
     at_nodes = np.zeros((4, shell.discretisation.grid.n_nodes))
     if visited.trace is not None and quantity.startswith("limit_"):
         assert isinstance(visited.stage, ArcStage)
@@ -66,7 +71,7 @@ def on_grid(visited: Visited, quantity: str, shell: ShellModel, nodes: np.ndarra
     z, pressure = dual(visited, quantity)
     if len(state.pressure):
         touched = np.stack([state.pressure, problem.gap(state.u), pressure, problem.gap_jacobian(state.u) @ z])
-        at_nodes = np.append(touched, np.zeros((4, 1)), axis=1)[:, nodes]
+        at_nodes = np.append(touched, np.zeros((4, 1)), axis=1)[:, model.candidate_of_node]
     return OnGrid(shell, state.u, z, shell.discretisation.grid.carried(at_nodes.T).T)
 
 
@@ -90,7 +95,8 @@ def dual(visited: Visited, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     by_force[active] = slope[n:]
     lin = problem.linearise(state.u, None)
     adjoint = Linearisation(-slope[:n], sparse.csc_matrix(lin.tangent.T), lin.scale, lin.remember)
-    run = NewtonRun(_with_gap(problem, by_force / problem.weights), np.inf, tolerance=1.0)
+    opened = by_force / problem.weights
+    run = NewtonRun(replace(problem, gap=lambda u: opened), np.inf, tolerance=1.0)
     return run.step(adjoint, state.u, state.pressure, state.active)
 
 
@@ -111,10 +117,6 @@ def gradient(function: Callable[[np.ndarray], float], x: np.ndarray, groups: Seq
             elif change != 0.0:
                 parts += np.array_split(part, 2)
     return slope
-
-
-def _with_gap(problem: ContactProblem, gap: np.ndarray) -> ContactProblem:
-    return replace(problem, gap=lambda u: gap)
 
 
 def _at_limit(stage: ArcStage, points: Sequence[ArcPoint]) -> tuple[np.ndarray, np.ndarray]:

@@ -99,7 +99,7 @@ def _twice(grids: Sequence[Seen], k: int) -> int | None:
     return min(range(k), key=lambda i: abs(math.log2(grids[i].size / grids[k].size) - 1), default=None)
 
 
-def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str:
+def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str:
     """What grids, coarse to fine, say of the limit, or why they do not.
 
     touching: the quantity depends on the rim of a patch of contact.
@@ -129,7 +129,7 @@ def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str
     return _estimate(last.value, limit, within)
 
 
-def order_of(grids: Sequence[Seen]) -> float | None:
+def order_shown(grids: Sequence[Seen]) -> float | None:
     """p of J = L + c h^p through three grids, each half as coarse as the one before; None where differences grow."""
     found = three_of(grids)
     if found is None:

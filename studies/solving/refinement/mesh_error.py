@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from studies.ask.request import Request
 from studies.ask.scene import Scene
 from studies.output.atomic import Table
 from studies.solving.refinement.grids import FEWEST, AdaptedScene, element_size, near, quarter, ways
-from studies.solving.refinement.limits import Estimate, Seen, limit_of, order_of
+from studies.solving.refinement.limits import Estimate, Seen, estimate_of, order_shown
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
 from studies.solving.result import COUNTS, SOLVED, Result, unit_of
@@ -131,17 +130,17 @@ def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:
 
 def _stated(result: Result, grids: Sequence[Sketch]) -> Iterator[MeshError]:
     """At every requested load, then of the whole path."""
-    judge, steps = _Judge.of(result, grids), list[Mapping[str, Any]]()
+    steps = list[Mapping[str, Any]]()
     if all(len(each.loads) == len(result.loads) for each in grids):
         steps = [step.quantities for step in result.loads]
     for index, seen in enumerate(steps):
         for name in _compared(seen):
-            last = index == len(steps) - 1
-            yield judge.of_values(index, name, [*(each.loads[index].get(name) for each in grids), seen[name]], last)
+            values = [*(each.loads[index].get(name) for each in grids), seen[name]]
+            yield _limit(result, grids, index, name, values, last=index == len(steps) - 1)
     for name in _compared(result.quantities):
         if not steps or name not in steps[-1]:
             values = [*(each.quantities.get(name) for each in grids), result.quantities[name]]
-            yield judge.of_values(None, name, values, True)
+            yield _limit(result, grids, None, name, values, last=True)
 
 
 def _compared(quantities: Mapping[str, Any]) -> list[str]:
@@ -151,30 +150,20 @@ def _compared(quantities: Mapping[str, Any]) -> list[str]:
     return [name for name, value in values.items() if abs(value) > NOISE * largest[unit_of(name)]]
 
 
-@dataclass(frozen=True)
-class _Judge:
-    """The sizes of the elements of all grids, whether the rim of a patch decides, and what grows under a point load."""
-
-    sizes: Sequence[float]
-    touching: bool
-    growth: Callable[[str], float]
-
-    @classmethod
-    def of(cls, result: Result, grids: Sequence[Sketch]) -> _Judge:
-        sizes = [*(each.size for each in grids), element_size(result.request)]
-        return cls(sizes, touches(grids[-1].end), partial(growth, result))
-
-    def of_values(self, load: int | None, name: str, values: Sequence[Any], last: bool) -> MeshError:
-        """last: the state that can be asked how it grows under a point load."""
-        if not all(isinstance(value, float) and math.isfinite(value) for value in values):
-            return MeshError(load, name, values[-1], "a coarser grid does not have it")
-        seen = [Seen(size, value) for size, value in zip(self.sizes, values, strict=True)]
-        limit = limit_of(seen, touching=self.touching)
-        if isinstance(limit, Estimate) and last:
-            grown = self.growth(name)
-            if HALVINGS * grown > limit.high * abs(limit.limit):
-                limit = POINT_LOAD.format(100 * grown / abs(values[-1]))
-        return MeshError(load, name, values[-1], limit, order_of(seen))
+def _limit(
+    result: Result, grids: Sequence[Sketch], load: int | None, name: str, values: Sequence[Any], *, last: bool
+) -> MeshError:
+    """What the values on all grids say; last: of the state that can be asked how it grows under a point load."""
+    if not all(isinstance(value, float) and math.isfinite(value) for value in values):
+        return MeshError(load, name, values[-1], "a coarser grid does not have it")
+    sizes = [*(each.size for each in grids), element_size(result.request)]
+    seen = [Seen(size, value) for size, value in zip(sizes, values, strict=True)]
+    limit = estimate_of(seen, touching=touches(grids[-1].end))
+    if isinstance(limit, Estimate) and last:
+        grown = growth(result, name)
+        if HALVINGS * grown > limit.high * abs(limit.limit):
+            limit = POINT_LOAD.format(100 * grown / abs(values[-1]))
+    return MeshError(load, name, values[-1], limit, order_shown(seen))
 
 
 def _growth(result: Result, half: Sketch) -> float:

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 
 from studies.scenes.complete import complete
-from studies.solving.refinement.limits import GROWING, Estimate, Seen, limit_of
+from studies.solving.refinement.limits import GROWING, Estimate, Seen, estimate_of
 from studies.solving.solve import Interrupted, solve
 from studies.solving.trials import Clock, until
 from studies.solving.verdict import NONE, Difference, difference, errors, first_enough
@@ -65,7 +65,7 @@ def ladder(limit: float, slope: float, sizes=SIZES, wobble: float = 0.0) -> list
 
 
 def known(grids: list[Seen]) -> Estimate:
-    found = limit_of(grids)
+    found = estimate_of(grids)
     assert isinstance(found, Estimate)
     return found
 
@@ -131,7 +131,7 @@ def test_an_interval_wider_than_the_difference_is_not_settled(value, within, set
 def test_jumps_that_both_share_cancel_in_their_difference() -> None:
     """A rim that jumps from node to node moves the values of both: alone they say far less."""
     exact, other = ladder(100.0, 5.0, wobble=3.0), ladder(102.0, 5.2, wobble=3.0)
-    limit, own = limit_of(exact, touching=True), limit_of(other, touching=True)
+    limit, own = estimate_of(exact, touching=True), estimate_of(other, touching=True)
     assert isinstance(limit, Estimate)
     assert isinstance(own, Estimate)
     apart = difference(other, exact, limit, touching=True)

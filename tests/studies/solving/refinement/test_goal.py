@@ -73,7 +73,7 @@ def test_a_small_force_moves_the_limit_load_as_the_mode_says() -> None:
     result = solved("roof-a", "4x4", {"until": "limit", "path": "arc-length", "arc_step": "0.05"})
     stage = result.end.stage
     assert isinstance(stage, ArcStage)
-    found = on_grid(result.end, "limit_load_fraction", result.model.shell, result.model.candidate_of_node)
+    found = on_grid(result, "limit_load_fraction")
     force = np.random.default_rng(0).random(len(found.z))
     force *= 1e-3 * np.linalg.norm(stage.load) / np.linalg.norm(force)
 
@@ -87,13 +87,13 @@ def test_a_small_force_moves_the_limit_load_as_the_mode_says() -> None:
 def test_without_a_limit_point_there_is_no_dual_of_its_load() -> None:
     result = solved("roof-a", "4x4", {"load_fraction": "0.1"})
     with pytest.raises(KeyError, match="no limit point"):
-        on_grid(result.end, "limit_load_fraction", result.model.shell, result.model.candidate_of_node)
+        on_grid(result, "limit_load_fraction")
 
 
 def test_contact_is_at_its_nodes_of_the_grid() -> None:
     result = solved("strip-contact", "16x1", {"load_fraction": "5"})
     model, state, problem = result.model, result.end.point.solution, result.end.problem
-    found = on_grid(result.end, "half_force", model.shell, model.candidate_of_node)
+    found = on_grid(result, "half_force")
     np.testing.assert_array_equal(found.contact[0], model.outer_pressure(state))
     along = found.z / np.max(np.abs(found.z))  # mm; the gap before a plane is linear
     turned = (problem.gap(state.u + along) - problem.gap(state.u)) * np.max(np.abs(found.z))

@@ -16,15 +16,10 @@ from formulations.section.laminate import Laminate, Ply
 from studies.scenes.complete import complete
 from studies.solving.refinement.goal import OnGrid, indicators, on_grid
 from studies.solving.refinement.grids import Family, dorfler
-from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.shells import make_shell
 
 E, H = 1000.0, 0.1  # MPa, mm
-
-
-def state(result: Result, quantity: str) -> OnGrid:
-    return on_grid(result.end, quantity, result.model.shell, result.model.candidate_of_node)
 
 
 def plates(n: int) -> tuple[OnGrid, OnGrid, np.ndarray]:
@@ -73,7 +68,7 @@ def test_indicators_fall_with_the_square_of_the_elements() -> None:
     scene, request = complete("pagano", {"S": "10"}, (4, 4))
     family, sums = Family.of(scene, request), []
     families = [family, family.everywhere(), family.everywhere().everywhere()]
-    states = [state(solve(scene, each.asked), "w_bar") for each in families]
+    states = [on_grid(solve(scene, each.asked), "w_bar") for each in families]
     for (one, other), (coarse, fine) in zip(pairwise(families), pairwise(states), strict=True):
         sums.append(indicators(coarse, fine, one.tree.parents(other.tree))[0].sum())
     assert sums[0] / sums[1] == pytest.approx(4, rel=0.1)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from studies.solving.refinement.limits import FEW, GROWING, SAFETY, Estimate, Seen, limit_of, three_of
+from studies.solving.refinement.limits import FEW, GROWING, SAFETY, Estimate, Seen, estimate_of, three_of
 
 
 def ladder(order: float, count: int = 5, factor: float = 2.0, scatter: float = 0.0, seed: int = 0) -> list[Seen]:
@@ -18,7 +18,7 @@ def ladder(order: float, count: int = 5, factor: float = 2.0, scatter: float = 0
 
 
 def known(*asked: object, **more: object) -> Estimate:
-    found = limit_of(*asked, **more)
+    found = estimate_of(*asked, **more)
     assert isinstance(found, Estimate)
     return found
 
@@ -67,10 +67,10 @@ def test_small_differences_that_grow_make_the_interval_wide() -> None:
 
 
 def test_large_differences_that_grow_and_gaps_say_nothing() -> None:
-    assert limit_of([Seen(4, 1.0), Seen(2, 2.0), Seen(1, 4.0)]) == GROWING
-    assert limit_of([Seen(4, 1.0), Seen(2, math.nan), Seen(1, 1.0)]) == GROWING
-    assert limit_of([Seen(k, math.nan) for k in (8, 4, 2, 1)], touching=True) == GROWING
-    assert limit_of([Seen(2, 1.0), Seen(1, 1.0)]) == FEW
+    assert estimate_of([Seen(4, 1.0), Seen(2, 2.0), Seen(1, 4.0)]) == GROWING
+    assert estimate_of([Seen(4, 1.0), Seen(2, math.nan), Seen(1, 1.0)]) == GROWING
+    assert estimate_of([Seen(k, math.nan) for k in (8, 4, 2, 1)], touching=True) == GROWING
+    assert estimate_of([Seen(2, 1.0), Seen(1, 1.0)]) == FEW
 
 
 def test_three_grids_are_each_about_twice_as_coarse_as_the_next() -> None:

@@ -12,7 +12,7 @@ from studies.ask.scene import Scene
 from studies.cli import main
 from studies.scenes.complete import complete
 from studies.solving.refinement import mesh_error
-from studies.solving.refinement.limits import Seen, order_of
+from studies.solving.refinement.limits import Seen, order_shown
 from studies.solving.refinement.mesh_error import COLD, HALF_SIZE, TABLE, coarser_grids, solve_with_error
 from studies.solving.refinement.nested import sketch
 from studies.solving.result import Result
@@ -128,9 +128,9 @@ def test_with_friction_the_interval_is_that_of_grids_and_of_load_steps() -> None
 
 def test_the_order_that_grids_show_and_where_they_show_none() -> None:
     for order in (1.0, 2.0, 3.5):
-        assert order_of([Seen(h, 3.0 + h**order) for h in (4.0, 2.0, 1.0)]) == pytest.approx(order)
+        assert order_shown([Seen(h, 3.0 + h**order) for h in (4.0, 2.0, 1.0)]) == pytest.approx(order)
     for values in ((1.0, 2.0, 3.1), (1.0, 2.0, 1.5), (1.0, 1.0, 1.0), (1.0, 1.5)):  # apart, turning, the same, two
-        assert order_of([Seen(2.0**-k, value) for k, value in enumerate(values)]) is None
+        assert order_shown([Seen(2.0**-k, value) for k, value in enumerate(values)]) is None
 
 
 def test_the_command_prints_and_stores_it(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
