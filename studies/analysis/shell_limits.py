@@ -27,7 +27,6 @@ from studies.scenes import SCENES
 from studies.solving.refinement.richardson import power_of
 
 SHIPPED = Path(__file__).parent / "advice" / "shell_limits.csv"
-SHIPPED_COLUMNS = ("case", "quantity", "thickness", "ratio", "variant", "error", "known_to")
 TABLE = "shell_limits"
 LEVELS = (0.01, 0.05)
 TOLD = 3.0  # times what it is known to: an error smaller than that is not told from zero
@@ -140,9 +139,9 @@ def order(ratio: np.ndarray, error: np.ndarray, known: np.ndarray) -> float:
 def beyond(scene: str, settings: Settings, quantity: str | None, tolerance: float, table: pd.DataFrame) -> str | None:
     """What is beyond the tolerance, in a line for a terminal; None within it, or where nothing is known of such a wall.
 
-    table: rows of SHIPPED_COLUMNS. Options of the shell that the scene sets and the table knows count: the law through
-    the thickness, the shear correction, the pressure's area; of several the one that is farthest off. An error must
-    exceed the tolerance by more than it is known to.
+    table: of studies.experiments.shell_limits, or what is shipped of it.  Options of the shell that the scene sets and
+    the table knows count: the law through the thickness, the shear correction, the pressure's area; of several the one
+    that is farthest off. An error must exceed the tolerance by more than it is known to.
     """
     kind = getattr(SCENES[scene], "shell_limit", None)
     if kind is None or not (table["case"] == kind.case).any():
