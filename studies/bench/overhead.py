@@ -17,8 +17,8 @@ from studies.run.archive import Archive
 from studies.run.campaign import Campaign
 from studies.run.children import Children
 from studies.run.collect import collect
-from studies.run.plan import identity, plan
-from studies.run.task import Limits, Task
+from studies.run.plan import plan, planned
+from studies.run.task import Limits
 from studies.scenes.complete import Cell
 
 TRIVIAL = Cell(
@@ -61,7 +61,7 @@ def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
     for cell, times in ((TRIVIAL, repeats), (SECOND, max(2, repeats // 3))):
         spent, inside = [], []
         for _ in range(1 + times):
-            task = Task("cell", identity(cell), cell)
+            task = planned(cell).task(artefacts=True)
             spent.append(timed(partial(children.perform, task, str(root), Limits()), WALL)[0])
             record = Archive(root).record(task.id)
             assert record is not None
@@ -74,7 +74,7 @@ def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
 
 def _store(children: Children, root: Path, count: int) -> Iterator[Cost]:
     """A store of copies of one record is planned, read and filtered."""
-    task = Task("cell", identity(TRIVIAL), TRIVIAL)
+    task = planned(TRIVIAL).task(artefacts=True)
     children.perform(task, str(root), Limits())
     archive = Archive(root)
     record = archive.record(task.id)

@@ -106,8 +106,8 @@ def _record(task: Task, folder: Path | None) -> str:
     from studies.scenes.plugins import load
 
     load(task.use)
-    assert task.cell is not None
-    return record_of(task.id, task.cell, folder)
+    assert task.request is not None
+    return record_of(task.id, task.request, folder)
 
 
 def _table(task: Task, folder: Path | None) -> str:

@@ -208,7 +208,7 @@ def run(
     if resume and not any(archive.record_path(name).exists() for name in names):
         raise UsageError(f"--resume: {store} has no case of {NAME!r} of these sources yet; leave --resume out")
     with archive.claimed(), keeping_what_is_finished(store):
-        tasks = [Task(NAME, name) for name in names if not _there(archive, name)]
+        tasks = [Task(NAME, name, f"{NAME} {name}") for name in names if not _there(archive, name)]
         progress(cases - len(tasks), cases, NAME)
         for count, (task, _) in enumerate(work(tasks, store, limits), start=cases - len(tasks) + 1):
             progress(count, cases, task.label)

@@ -19,7 +19,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -33,10 +33,9 @@ from studies.output.provenance import provenance
 from studies.run.archive import Archive, DamagedError
 from studies.run.campaign import Campaign
 from studies.run.children import Children
-from studies.run.plan import Row, plan
+from studies.run.plan import Row, planned
 from studies.run.running import Progress, write_plan
-from studies.run.task import Limits, Task
-from studies.scenes.complete import Cell
+from studies.run.task import Limits
 from studies.scenes.plugins import used
 
 SOLIDS = ("crushed-ring-solid", "tyre-solid")
@@ -49,7 +48,7 @@ ALL = "all"  # of the cells, solved again
 VALUES, COUNTS, FEW = 1e-6, 0.1, 2  # relative, of quantities and of counters, of which a few are never too many
 
 
-Check = Callable[[str, Cell, Mapping[str, Any]], None]  # of a cell by its identity and what it claims
+Check = Callable[[Row, Mapping[str, Any]], None]  # of a planned cell and what its record claims
 
 
 @contextmanager
@@ -61,9 +60,9 @@ def solving_again() -> Iterator[Check]:
     with closing(Children()) as children, tempfile.TemporaryDirectory() as folder:
         aside = Archive(Path(folder))
 
-        def check(cell_id: str, cell: Cell, record: Mapping[str, Any]) -> None:
-            task = Task("cell", cell_id, replace(cell, artefacts=False), used())
-            ended, ours = children.perform(task, folder, Limits()), aside.record(cell_id)
+        def check(row: Row, record: Mapping[str, Any]) -> None:
+            task = row.task(used())
+            ended, ours = children.perform(task, folder, Limits()), aside.record(task.id)
             if ours is None:
                 raise ClaimError("outcome", f"claimed {record['class']!r}, solved again it ends in {ended!r}")
             compare(record, ours)
@@ -153,13 +152,13 @@ def _asked(
     for name in names:
         rows = []
         try:
-            planned = foreign.planned(name)
+            cells = foreign.planned(name)
         except (ClaimError, OSError) as refused:
             _refuse(summary, say, f"campaign {name}: {refused}")
             continue
-        for cell, claimed in planned:
+        for cell, claimed in cells:
             try:
-                (row,) = plan(Campaign(name, "", (cell,)))
+                row = planned(cell)
             except UsageError as error:
                 _refuse(summary, say, f"{cell.label}: scene: {error}")
                 continue
@@ -184,14 +183,14 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: 
     if record is None:
         return NOT_SOLVED
     assert row.request is not None
-    _check_size(row.cell.scene, row.request)
+    _check_size(row.request)
     if _is_here(archive, cell_id, record):
         return ALREADY
-    request = Request.of(row.request)
+    request = row.request
     check_request(record, request)
     success = claims_success(record)
     if check is not None:
-        check(cell_id, row.cell, record)
+        check(row, record)
     if success and FIELDS in record["files"]:
         found = _verified(record, request, foreign)
         tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
@@ -216,10 +215,10 @@ def _verified(record: Mapping[str, Any], request: Request, foreign: Foreign) -> 
         raise ClaimError("field", f"cannot be judged: {' '.join(str(error).split())[:200]}") from None
 
 
-def _check_size(scene: str, request: Mapping[str, Any]) -> None:
+def _check_size(request: Request) -> None:
     """Raises ClaimError for what a stranger's plan would have us build beyond any use; nothing is built for that."""
-    n1, n2 = request["mesh"]
-    most = LARGEST_SOLID if scene in SOLIDS else LARGEST
+    n1, n2 = request.mesh
+    most = LARGEST_SOLID if request.scene in SOLIDS else LARGEST
     if n1 * n2 > most:
         raise ClaimError("mesh", f"{n1}x{n2} has {n1 * n2} elements, more than the {most} that are built for a claim")
 

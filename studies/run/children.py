@@ -197,7 +197,7 @@ class Children:
         Raises StoreFullError.
         """
         archive = Archive(Path(root))
-        folder = archive.files(task.id) if task.cell is not None and task.cell.artefacts else None
+        folder = archive.files(task.id) if task.artefacts else None
         if task.kind == "table":
             limits, folder = replace(limits, time_s=TABLES_TAKE * limits.time_s), archive.tables
         answer = self._child().ask(task, limits, folder)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaign import Campaign
 from studies.run.source_hash import BESIDE_A_CELL, FRICTION, sources_hash
+from studies.run.task import Task
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.plugins import modules_of
@@ -31,7 +32,7 @@ class Row:
 
     cell: Cell
     id: str | None
-    request: Mapping[str, Any] | None
+    request: Request | None
     reason: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -40,21 +41,22 @@ class Row:
         told = {"label": cell.label, "id": self.id, "scene": cell.scene, "command": cell.command}
         asked = {"options": cell.options, "settings": cell.settings, "files": cell.artefacts}
         known = {name: value for name in ("expected", "group") if (value := getattr(cell, name))}
-        return {**told, **asked, **known, "request": self.request, "reason": self.reason}
+        request = None if self.request is None else plain(self.request.data)
+        return {**told, **asked, **known, "request": request, "reason": self.reason}
+
+    def task(self, use: tuple[str, ...] = (), *, artefacts: bool = False) -> Task:
+        """What a process is asked that solves it; its files are kept where ``artefacts`` says so."""
+        assert self.id is not None
+        return Task("cell", self.id, self.cell.label, self.request, artefacts=artefacts, use=use)
 
 
 def plan(campaign: Campaign) -> list[Row]:
     """A row for each cell, in order."""
-    return [_row(cell) for cell in campaign.cells]
-
-
-def identity(cell: Cell) -> str:
-    """Hash of all that decides the result; raises UsageError when the request is none."""
-    return _identity(cell.resolved()[1])
+    return [planned(cell) for cell in campaign.cells]
 
 
 def _identity(request: Request) -> str:
-    """Resolved request, schema, and the sources of what solves it, its scene and its algorithm; no date, no machine."""
+    """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine."""
     without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene)
@@ -63,7 +65,8 @@ def _identity(request: Request) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
-def _row(cell: Cell) -> Row:
+def planned(cell: Cell) -> Row:
+    """The only place where the request of a cell is resolved; raises UsageError for a scene that is not here."""
     try:
         _, request = cell.resolved()
     except UsageError as error:
@@ -71,7 +74,7 @@ def _row(cell: Cell) -> Row:
             raise
         return Row(cell, None, None, str(error))
     reason = _refusal(request)
-    return Row(cell, None if reason else _identity(request), plain(request.data), reason)
+    return Row(cell, None if reason else _identity(request), request, reason)
 
 
 def _refusal(request: Request) -> str:

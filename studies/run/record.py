@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from studies.ask.scene import UsageError
+from studies.ask.request import Request, UsageError
 from studies.output.atomic import SCHEMA, as_text
 from studies.run.schema import as_line
-from studies.scenes.complete import Cell
+from studies.scenes import SCENES
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
 
-def record_of(cell_id: str, cell: Cell, directory: Path | None) -> str:
-    """Solve a cell and tell; a scene that refuses to be built is a record, too. Raises what solving raises."""
-    scene, request = cell.resolved()
+def record_of(cell_id: str, request: Request, directory: Path | None) -> str:
+    """Solve a request and tell; a scene that refuses to be built is a record, too. Raises what solving raises."""
     try:
-        result = solve(scene, request)
+        result = solve(SCENES[request.scene], request)
     except UsageError as error:
         result = Result(request, unsupported=str(error))
     files = [] if directory is None or result.unsupported else result.write_artefacts(directory)

@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import closing
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -111,7 +111,7 @@ def _begun(
     use = (*used(), *campaign.use)
     try:
         write_plan(archive, campaign, rows)
-        tables = [Task("table", name, use=use) for name in campaign.tables]
+        tables = [Task("table", name, f"table {name}", use=use) for name in campaign.tables]
         return [*tables, *_missing(archive, rows, use, say, fields=fields)]
     except OSError as error:
         raise StoreFullError(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from None
@@ -136,13 +136,13 @@ def _missing(
     """The cells without a record, or without the files that are wanted; a damaged one is set aside."""
     tasks = []
     for cell_id, row in solved_rows(rows):
-        cell = replace(row.cell, artefacts=row.cell.artefacts or fields)
+        files = row.cell.artefacts or fields
         try:
-            if archive.has(cell_id, files=cell.artefacts):
+            if archive.has(cell_id, files=files):
                 continue
         except DamagedError as error:
             say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
-        tasks.append(Task("cell", cell_id, cell, use))
+        tasks.append(row.task(use, artefacts=files))
     return tasks
 
 

@@ -14,7 +14,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.scenes.complete import Cell
+from studies.ask.request import Request
 
 
 @dataclass(frozen=True)
@@ -32,18 +32,16 @@ KEPT = ("cell", "fuzz")  # kinds of tasks whose answers are records
 class Task:
     """A cell, a table of the whole store, a random case, or the canary, to be done; all that a worker has to know.
 
+    label: for people.  request: of a cell, as it was resolved.  artefacts: its fields and tables are kept.
     use: the files of plug-ins that are loaded before.
     """
 
     kind: str
     id: str
-    cell: Cell | None = None
+    label: str = ""
+    request: Request | None = None
+    artefacts: bool = False
     use: tuple[str, ...] = ()
-
-    @property
-    def label(self) -> str:
-        """For people."""
-        return f"{self.kind} {self.id}" if self.cell is None else self.cell.label
 
 
 Order = tuple[Task, Limits, Path | None]  # and the folder that the files of the task go to, if they are kept

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
-from scipy.stats import bootstrap
 
 from contact.interchange.untrusted import read_json
 from studies.ask.request import UsageError
@@ -51,6 +50,8 @@ def interval(samples: Sequence[float]) -> tuple[float, float, float]:
         return (samples[0] if samples else float("nan")), float("nan"), float("nan")
     if min(samples) == max(samples):
         return samples[0], samples[0], samples[0]
+    from scipy.stats import bootstrap  # takes as long to load as all else here
+
     found = bootstrap((np.array(samples),), np.median, confidence_level=CONFIDENCE, method="percentile", rng=2004)
     low, high = found.confidence_interval
     return statistics.median(samples), float(low), float(high)

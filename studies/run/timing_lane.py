@@ -122,7 +122,7 @@ def time_campaign(
     """
     archive = Archive(store)
     wanted = [row for row in plan(campaign) if only(row.cell.label)]
-    rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(wanted)}
+    rows = {row.cell.label: (cell_id, row) for cell_id, row in solved_rows(wanted)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
     right = {label: record for label, record in right.items() if _spent(record) <= longest}
@@ -138,7 +138,7 @@ def time_campaign(
         return dict(json.loads(answer["text"]))
 
     def cell(label: str) -> float:
-        told = ask(Task("cell", *rows[label], use=(*used(), *campaign.use)))
+        told = ask(rows[label][1].task((*used(), *campaign.use)))
         return float(told["timing_s"]["cpu"])
 
     try:

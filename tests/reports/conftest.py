@@ -28,7 +28,7 @@ from studies.experiments import extremes, locking, rigid_body
 from studies.experiments.extreme_limits import limits_table
 from studies.experiments.false_success import COLUMNS as CLAIM_COLUMNS
 from studies.experiments.rotations import RUNS
-from studies.output.atomic import SCHEMA, plain, write_json, write_table, write_text
+from studies.output.atomic import SCHEMA, write_json, write_table, write_text
 from studies.run.lists import LISTS
 from studies.run.plan import Row
 from studies.run.scene_cells import LADDERS, SHEETS
@@ -377,7 +377,7 @@ def write_cell(cell: Cell, directory: Path) -> Row:
         "files": [],
     }
     write_json(directory.with_suffix(".json"), {"schema": SCHEMA, "id": directory.name, **result})
-    return Row(cell, directory.name, plain(request.data))
+    return Row(cell, directory.name, request)
 
 
 @pytest.fixture(autouse=True)

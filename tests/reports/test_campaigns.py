@@ -27,6 +27,7 @@ from reports.site import check_pages, compare_pages, place_of, rendered
 from reports.store import Store, load_store
 from studies.analysis.everything import analyse, written
 from studies.analysis.outcomes import SUMMARY_COLUMNS, contact_summary, outcomes
+from studies.ask.request import Request
 from studies.cli import main
 from studies.output.atomic import SCHEMA, write_json, write_table, write_text
 from studies.run.campaign import read
@@ -165,7 +166,7 @@ def small(tmp_path: Path) -> Path:
     rows = []
     for i, ended in enumerate(CLASSES):
         n, cell_id = 2 ** (i + 3), f"{i:x}"
-        request = {**REQUEST, "mesh": [n, 1], "settings": {"tolerance": 1e-9}, "steps": 1}
+        request = Request.of({**REQUEST, "mesh": [n, 1], "settings": {"tolerance": 1e-9}, "steps": 1})
         rows.append(Row(Cell(f"cell {n}", "cantilever", {}, {}, artefacts=False), cell_id, request).as_json())
         if ended in ("time", "memory", "crash"):
             told = {"schema": SCHEMA, "id": cell_id, "class": ended, "reason": f"{ended} because"}

@@ -16,7 +16,7 @@ from reports.figures.result_figures import draw_result
 from reports.reading import StoreError
 from reports.store import load_store
 from studies.analysis.tyre import cancellation
-from studies.output.atomic import SCHEMA, plain, write_json, write_text
+from studies.output.atomic import SCHEMA, write_json, write_text
 from studies.run.lists import LISTS
 from studies.run.plan import Row
 from studies.scenes import SCENES
@@ -52,7 +52,7 @@ def write_cell(cell: Cell, directory: Path) -> Row:
         **{"cuts": [], "counters": {}, "timing_s": {}, "provenance": {}, "files": []},
     }
     write_json(directory.with_suffix(".json"), {"schema": SCHEMA, "id": directory.name, **result})
-    return Row(cell, directory.name, plain(request.data))
+    return Row(cell, directory.name, request)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import pytest
 
 from studies.analysis.printed_pressures import HALF, LITERAL, asymmetries, compare, core, force, printed_map, words
 from studies.analysis.tyre import tyre_budget
-from studies.output.atomic import SCHEMA, plain, write_json
+from studies.output.atomic import SCHEMA, write_json
 from studies.run.answers import Answers
 from studies.run.lists import BUDGET, READINGS, ROBUSTNESS
 from studies.run.plan import Row
@@ -36,7 +36,7 @@ def store_of(root: Path, wobble: float = 0.0) -> Answers:
         record |= {"outcome": "converged", "class": "converged", "quantities": {}, "counters": {}, "timing_s": {}}
         record |= {"steps": [{"delta_mm": 20.0, "force_N": force}], "provenance": {}, "files": []}
         write_json(root / "cells" / f"{i}.json", record)
-        rows.append(Row(cell, str(i), plain(request.data)).as_json())
+        rows.append(Row(cell, str(i), request).as_json())
     told = {"schema": SCHEMA, "campaign": "made", "title": "made up", "pages": ""}
     write_json(root / "campaigns" / "made.json", {**told, "cells": rows})
     return Answers.of(root, "made")

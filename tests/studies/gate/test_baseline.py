@@ -35,19 +35,16 @@ def loss(table: pd.DataFrame) -> list[Finding]:
     )
 
 
-CELLS = cheapest()
-
-
 @pytest.fixture(scope="module")
 def table(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
     store = tmp_path_factory.mktemp("baseline")
-    run(Campaign("cheapest", "", tuple(CELLS)), store)
+    run(Campaign("cheapest", "", tuple(cheapest())), store)
     return collect(store, "cheapest")
 
 
-@pytest.mark.parametrize("label", [cell.label for cell in CELLS])
-def test_a_row_of_the_baseline_holds(label: str, table: pd.DataFrame) -> None:
-    assert loss(table[table["label"] == label]) == []
+def test_the_cheapest_rows_of_the_baseline_hold(table: pd.DataFrame) -> None:
+    assert len(table) >= FEW
+    assert loss(table) == []
 
 
 def test_a_loss_in_one_of_its_rows_is_seen(table: pd.DataFrame) -> None:

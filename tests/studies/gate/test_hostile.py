@@ -20,7 +20,7 @@ import pytest
 from studies.cli import main
 from studies.output.atomic import PART
 from studies.run.archive import Archive
-from studies.run.plan import identity
+from studies.run.plan import planned
 from studies.scenes.complete import Cell
 from support.stores.elsewhere import Elsewhere, solved
 from support.stores.hostile import (
@@ -208,7 +208,7 @@ def test_a_mesh_beyond_use_is_refused_before_it_is_built(
     there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """500 x 500 elements, under the identity that they have here."""
-    large = identity(Cell("", "cantilever", {"measure": "exact", "mesh": "500x500"}, {}))
+    large = planned(Cell("", "cantilever", {"measure": "exact", "mesh": "500x500"}, {})).id
 
     def asks(plan: dict) -> None:
         plan["cells"][0]["options"]["mesh"], plan["cells"][0]["id"] = "500x500", large

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from studies.ask.scene import UsageError
-from studies.run import archive as layout
+from studies.run import archive
 from studies.run.archive import check_store
 
 ROW = {"label": "a", "id": "a", "scene": "panel"}
@@ -54,7 +54,7 @@ def test_values_are_of_their_types(store: Path, path: str, text: str, says: str)
 
 
 def test_tables_are_files_within_bounds(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(layout, "MOST", 3)
+    monkeypatch.setattr(archive, "MOST", 3)
     with pytest.raises(UsageError, match="more than 3 values"):
         check_store(store)
     (store / "tables" / "t.csv").unlink()

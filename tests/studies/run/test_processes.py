@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -25,12 +26,13 @@ from studies.run import archive
 from studies.run.campaign import find
 from studies.run.children import Child
 from studies.run.collect import collect
+from studies.run.plan import planned
 from studies.run.running import run
-from studies.run.task import Limits, Task
+from studies.run.task import Limits
 from studies.scenes.complete import Cell
 from support.stores.small_campaign import again, content, small
 
-ROOT = Path(__file__).parents[4]
+ROOT = Path(__file__).parents[3]
 KILLS, CELLS = 20, 6
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="asks the kernel for what only Linux has")
 
@@ -114,7 +116,7 @@ def test_a_store_that_becomes_read_only_is_one_line_and_what_was_finished_is_kep
 def test_files_that_the_process_of_a_cell_cannot_write_are_no_crash(tmp_path: Path) -> None:
     """Its fields and tables, of which none is left by half; the process goes on."""
     refusing = tmp_path / "refusing.py"
-    task, child = Task("cell", "x", Cell("x", "cantilever", {"mesh": "2x1"}), (str(refusing),)), Child()
+    task, child = replace(planned(Cell("x", "cantilever", {"mesh": "2x1"})), id="x").task((str(refusing),)), Child()
     refusing.write_text(REFUSING)
     try:
         assert child.ask(task, Limits(), Path("/sys/cells/x"))["class"] == "disk"

@@ -13,7 +13,7 @@ import pytest
 
 from support.stores.small_campaign import content, small
 
-MANUAL = Path(__file__).parents[4] / ".github" / "MANUAL.md"
+MANUAL = Path(__file__).parents[3] / ".github" / "MANUAL.md"
 # what sbatch(1) says of these options: --parsable prints the number of the job alone, --wrap is a script of sh for each
 # task of the array, which runs in the directory of the call; scancel(1) stops a task by SIGTERM
 SBATCH = """#!/bin/sh
