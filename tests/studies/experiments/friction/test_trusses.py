@@ -19,7 +19,7 @@ from studies.experiments.friction.trusses import (
     rolling_table,
     stage_at,
 )
-from support.problems.differences import central_difference
+from support.problems.differences import central_difference, rotation
 
 ROUNDING = 1e-9  # N, of bars of 500 N/mm whose nodes are 2000 mm away: eps EA/L x = 2e-10
 
@@ -80,6 +80,15 @@ def test_without_friction_nothing_would_roll_it() -> None:
     path = rolling_path(Wheel(24, 1e-3, SQUEEZE), 3.0, 6.0)
     assert (path["slipping"].iloc[2:] > 0).all()
     assert path["turn_rad"].iloc[-1] < 0.9 * 3.0 / RADIUS
+
+
+def test_a_rigid_wheel_rolled_on_has_its_nodes_where_they_were_seen_from_the_hub(rng: np.random.Generator) -> None:
+    wheel = Wheel(8, 0.5, SQUEEZE)
+    u = 0.1 * rng.normal(size=wheel.truss.nodes.size)
+    before, after = (wheel.truss.nodes + v.reshape(-1, 3) for v in (u, wheel.rolled(u, 4.0)))
+    np.testing.assert_allclose(after[-1] - before[-1], [2.0, 0.0, 0.0], rtol=0, atol=1e-12)
+    R = rotation(np.array([0.0, 1.0, 0.0]), 2.0 / RADIUS)
+    np.testing.assert_allclose(after[:-1] - after[-1], (before[:-1] - before[-1]) @ R.T, rtol=0, atol=1e-12)
 
 
 @pytest.mark.slow
