@@ -13,23 +13,23 @@ from studies.scenes.tyre.foundation import PARAMETERS
 from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
+from support.problems.solved import read, solved
 
 FIRST_ORDER = 0.02  # half-width of the interval around the exponent -1 of force difference over radius
 MIRROR = 0.02  # relative difference of what a drum takes and a hollow one adds
 
 
 def pressed(foundation: str, mesh: str = "16x16", **given: str) -> Result:
-    found = solve(*resolve("tyre", {"foundation": foundation, "delta_mm": "4,8", "element": "paper", **given}, mesh))
-    assert found.outcome.converged
+    found = solved("tyre", mesh, **{"foundation": foundation, "delta_mm": "4,8", "element": "paper", **given})
     for step in found.steps:
-        assert step["failures"] == step["diagnosis"] == []
+        assert step["diagnosis"] == []
         assert max(step["balances"].values()) <= 1e-10
         assert step["central_asymmetry"] <= 1e-8
     return found
 
 
 def forces(found: Result) -> np.ndarray:
-    return np.array([step["force_N"] for step in found.steps])
+    return read(found, "force_N")
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from studies.scenes.complete import complete as resolve
 from studies.scenes.tyre.sector import check_patch, check_reach, with_line_at, within
 from studies.solving.result import Result
 from studies.solving.solve import solve
+from support.problems.solved import solved
 
 MESH = "16x48"  # uniform: lines every 7.5 degrees
 CUTS = (45, 60, 90, 135)
@@ -22,10 +23,7 @@ ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "load": "follower", "pressure_area": "
 
 
 def run(model: str, settings: dict[str, str], **more: str) -> Result:
-    found = solve(*resolve("tyre", {"grading": "uniform", **settings, **more}, MESH, model=model))
-    assert found.outcome.converged
-    assert all(step["failures"] == [] for step in found.steps)
-    return found
+    return solved("tyre", MESH, model=model, grading="uniform", **settings, **more)
 
 
 @pytest.mark.slow

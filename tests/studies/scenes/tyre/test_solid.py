@@ -18,7 +18,7 @@ from studies.output.vtu import write_solid_fields
 from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
-from studies.solving.solve import solve
+from support.problems.solved import read, solved
 
 ONE_PERCENT = 0.01
 TO_10 = {"delta_mm": "10"}
@@ -31,13 +31,11 @@ SHELL = {
 
 
 def run(settings: dict[str, str], mesh: str, scene: str = "tyre-solid", **options: object) -> Result:
-    found = solve(*resolve(scene, settings, mesh, **options))
-    assert found.outcome.converged
-    return found
+    return solved(scene, mesh, **settings, **options)
 
 
 def forces(result: Result) -> np.ndarray:
-    return np.array([step["force_N"] for step in result.steps])
+    return read(result, "force_N")
 
 
 def solids() -> np.ndarray:
