@@ -33,14 +33,13 @@ from studies.output.provenance import provenance
 from studies.run.archive import Archive, DamagedError
 from studies.run.campaign import Campaign
 from studies.run.children import Children
+from studies.run.collect import SOLVED_AGAIN, UNVERIFIED, VERIFIED
 from studies.run.plan import Row, planned
 from studies.run.running import Progress, write_plan
 from studies.run.task import Limits
 from studies.scenes.plugins import used
 
 SOLIDS = ("crushed-ring-solid", "tyre-solid")
-VERIFIED, SOLVED_AGAIN, UNVERIFIED = "verified", "solved again", "unverified failure"
-STATUSES = (VERIFIED, SOLVED_AGAIN, UNVERIFIED)
 NOT_SOLVED, ALREADY = "not solved there", "here already"
 LARGEST, LARGEST_SOLID = 20_000, 4_096  # elements that are built to recompute a claim: about a GiB
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out

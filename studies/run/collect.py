@@ -172,7 +172,7 @@ def _is_number(value: object) -> bool:
 
 
 UNKNOWN = "not told"
-STATUSES = ("verified", "solved again", "unverified failure")  # of merged cells
+VERIFIED, SOLVED_AGAIN, UNVERIFIED = STATUSES = ("verified", "solved again", "unverified failure")  # of merged cells
 COUNTED = ("machine", "cells", *STATUSES, "seconds")
 
 

@@ -1,15 +1,19 @@
-"""What a solve leaves in its directory: what it has written, and what was never its own."""
+"""What a solve leaves in its directory, and nothing of others; tables as pandas has them, fields for meshio."""
 
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import meshio
 import numpy as np
+import pandas as pd
 import pytest
 
 from studies.cli import main
+from studies.output.atomic import Table
+from studies.output.vtu import write_vtu
 from studies.scenes.complete import complete
 from studies.scenes.contact.heavy_strip import LIFT
 from studies.scenes.manufactured.scene import carrying
@@ -98,3 +102,69 @@ def test_fields_of_a_manufactured_solution_are_the_solution_at_its_held_edges(tm
     )
     held = np.tile(body.discretisation.map.held.any(axis=1), 2)
     assert np.linalg.norm(told[held], axis=1).max() > 1.0
+
+
+def test_files_are_those_of_pandas_to_the_byte(rng: np.random.Generator, tmp_path: Path) -> None:
+    columns = {
+        "wide": rng.normal(size=40) * 10.0 ** rng.integers(-300, 300, size=40),
+        "count": np.arange(40),
+        "rare": np.where(np.arange(40) % 3, math.nan, 0.1),
+        "edge": np.resize([math.inf, -math.inf, -0.0, 1e16, 1e-5, 123456789.0], 40),
+        "state": "unloaded",
+        "said": np.resize(['limit point, "cut"', "two\nlines", ""], 40),
+    }
+    Table.of(columns).write(tmp_path / "ours.csv")
+    pd.DataFrame(columns).to_csv(tmp_path / "theirs.csv", index=False)
+    assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "theirs.csv").read_bytes()
+
+
+def test_what_a_row_lacks_is_blank_and_a_whole_number_stays_one(tmp_path: Path) -> None:
+    rows = [{"stage": "press", "added": 3}, {"stage": "press", "event": "cut"}]
+    Table.of_rows(rows).write(tmp_path / "history.csv")
+    assert (tmp_path / "history.csv").read_text() == "stage,added,event\npress,3,\npress,,cut\n"
+    pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "history.csv"), pd.DataFrame(rows))
+
+
+def test_without_rows_the_named_columns_are_there(tmp_path: Path) -> None:
+    Table.of_rows([], ["stage", "residual"]).write(tmp_path / "history.csv")
+    assert (tmp_path / "history.csv").read_text() == "stage,residual\n"
+    assert len(Table({})) == len(Table.of_rows([], ["stage"])) == 0
+
+
+def test_stacked_and_framed_as_pandas_does() -> None:
+    parts = [{"state": "a", "x": np.array([1.0, 2.0])}, {"state": "b", "x": np.array([3.0]), "y": np.array([4.0])}]
+    ours = Table.stacked([Table.of(part) for part in parts])
+    theirs = pd.concat([pd.DataFrame(part) for part in parts], ignore_index=True)
+    pd.testing.assert_frame_equal(ours.frame(), theirs)
+    assert len(ours) == 3
+
+
+def test_columns_of_different_length_are_no_table() -> None:
+    with pytest.raises(ValueError, match="broadcast"):
+        Table.of({"x": np.zeros(3), "y": np.zeros(4)})
+    with pytest.raises(ValueError, match="shorter"):
+        list(Table({"x": [1, 2], "y": [1]}).rows())
+
+
+@pytest.mark.parametrize(("nodes", "kind"), [(8, "hexahedron"), (27, "hexahedron27")])
+def test_meshio_reads_every_bit_back(nodes: int, kind: str, rng: np.random.Generator, tmp_path: Path) -> None:
+    points = rng.normal(size=(90, 3)) * [1e-300, 1.0, 1e300]
+    cells = rng.permuted(np.tile(np.arange(90), (5000, 1)), axis=1)[:, :nodes]  # more than a block of 32 kB
+    point_data = {"displacement": rng.normal(size=(90, 3)), "pressure": rng.normal(size=90)}
+    cell_data = {"H_11-": rng.normal(size=(5000, 2))[:, 0]}  # strided
+    write_vtu(tmp_path / "fields.vtu", points, cells, point_data, cell_data)
+    read = meshio.read(tmp_path / "fields.vtu")
+    (block,) = read.cells
+    assert block.type == kind
+    np.testing.assert_array_equal(block.data, cells)
+    np.testing.assert_array_equal(read.points, points)
+    assert read.point_data.keys() == point_data.keys()
+    assert read.cell_data.keys() == cell_data.keys()
+    for name, values in point_data.items():
+        np.testing.assert_array_equal(read.point_data[name], values)
+    np.testing.assert_array_equal(read.cell_data["H_11-"][0], cell_data["H_11-"])
+
+
+def test_another_kind_of_cell_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(KeyError):
+        write_vtu(tmp_path / "fields.vtu", np.zeros((4, 3)), np.zeros((1, 4), int), {}, {})

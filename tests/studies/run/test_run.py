@@ -219,10 +219,10 @@ def test_a_cluster_of_dask_makes_the_same_store(solved: Path, tmp_path: Path) ->
     assert content(tmp_path / "store") == content(solved)
 
 
-@pytest.mark.parametrize("name", ["local", "local:0", "local:65", "local:x", "dask:", "ray"])
-def test_an_engine_that_is_none_is_one_line(name: str, tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="must be serial, local:N"):
-        again(tmp_path, tmp_path / "store", engine=name)
+def test_an_engine_that_is_none_is_one_line(tmp_path: Path) -> None:
+    for name in ("local", "local:0", "local:65", "local:x", "dask:", "ray"):
+        with pytest.raises(UsageError, match="must be serial, local:N"):
+            again(tmp_path, tmp_path / "store", engine=name)
     assert not (tmp_path / "store").exists()
 
 

@@ -14,7 +14,7 @@ import pytest
 from studies.output import provenance as module
 from studies.output.provenance import PACKAGES, provenance
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 INFO = "model name\t: One CPU\ncpu family\t: 25\nmodel\t\t: 1\n\nmodel name\t: Another\n"
 
 
