@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from graphlib import TopologicalSorter
 from itertools import product
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from contact import rounding
 from contact.verify import Verdict
 from studies.run.source_hash import closure
-from tests.test_imports import ROOT
+from tests.test_imports import FILES, ROOT, graph_of
 
 SEARCHES = ("contact.newton", "contact.algorithms", "contact.continuation", "contact.rounding")
 JUDGES = {"contact.verify", "contact.verify_friction", "contact.balances"}
@@ -43,3 +44,9 @@ def test_an_oracle_solves_by_no_solver_of_ours(name: str) -> None:
 def test_newton_with_friction_names_no_algorithm() -> None:
     reached = closure(["contact.newton.friction_run", "contact.newton.friction_loop"])
     assert not [name for name in reached if name.startswith("contact.algorithms")]
+
+
+def test_no_two_modules_of_contact_need_each_other_even_for_types() -> None:
+    sources = {file: (ROOT / file).read_text(encoding="utf-8") for file in FILES if file.startswith("contact/")}
+    everything = {file: source.replace("TYPE_CHECKING", "True") for file, source in sources.items()}
+    TopologicalSorter(graph_of(everything)).prepare()
