@@ -126,8 +126,12 @@ def graph_of(sources: dict[str, str]) -> dict[str, set[str]]:
     return graph
 
 
-def test_nothing_imports_in_circles() -> None:
-    graph = graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
+@pytest.fixture(scope="module")
+def graph() -> dict[str, set[str]]:
+    return graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
+
+
+def test_nothing_imports_in_circles(graph: dict[str, set[str]]) -> None:
     assert sum(map(len, graph.values())) > 500  # the walk sees the imports
     TopologicalSorter(graph).prepare()
 
@@ -159,14 +163,12 @@ def backwards(graph: dict[str, set[str]]) -> set[tuple[str, str]]:
     }
 
 
-def test_rooms_of_studies_import_one_way() -> None:
-    graph = graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
+def test_rooms_of_studies_import_one_way(graph: dict[str, set[str]]) -> None:
     assert backwards(graph) == set()
 
 
-def test_rooms_of_studies_stand_on_few_others() -> None:
+def test_rooms_of_studies_stand_on_few_others(graph: dict[str, set[str]]) -> None:
     """The longest chain of rooms, each of which imports the next."""
-    graph = graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
     arrows = {(*name.split(".")[:2], *other.split(".")[:2]) for name, wanted in graph.items() for other in wanted}
     height = dict.fromkeys(ROOMS, 1)
     for room in ROOMS:
