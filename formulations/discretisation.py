@@ -12,11 +12,12 @@ from scipy import sparse
 
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.conditions.hanging import Hangers
+from formulations.element.quads import NodalFaces, QuadGeometry
 from formulations.element.sparsity import Pattern
-from formulations.element.strain_operator import CORNER_MASS, N_DOF, ElementGeometry
-from formulations.geometry.grid import Grid
+from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry
+from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.nested_dissection import elimination_order
-from formulations.geometry.surfaces import Surface
+from formulations.geometry.surfaces import Surface, laminate_axes, normal
 from formulations.section.laminate import Laminate
 from formulations.strains.quantities import FULL, N_V, Kinematics
 
@@ -52,26 +53,26 @@ class Discretisation:
     ) -> Discretisation:
         """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
 
-        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.  ``ordered``:
-        number the unknowns by nested dissection, so that a factorisation may keep their order; else as the nodes are.
+        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`, or "quads", see
+        :class:`QuadGeometry`, for meshes that follow no lines of curvature.  ``ordered``: number the unknowns by nested
+        dissection, so that a factorisation may keep their order; else as the nodes are.
         """
         order = None
         if ordered:
-            order = elimination_order(grid, last=None if images is None else images.followed)
+            followed = None if images is None else images.followed
+            order = elimination_order(grid, followed, surface.position(*grid.nodes.T))
         hangers = Hangers.of(grid, surface, laminate, interpolation, fixed, hinged)
         carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
         dof_map = DofMap.build(fixed, hinged, images, order, carried)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
-        geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
+        geometry = _geometry(surface, grid, laminate, kinematics, interpolation)
         return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered, hangers)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
-        geometry = ElementGeometry.build(
-            self.surface, self.grid, self.laminate, kinematics, self.geometry.interpolation
-        )
+        geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, self.geometry.interpolation)
         return replace(self, geometry=geometry)
 
     @property
@@ -138,12 +139,24 @@ class Discretisation:
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
         """Cartesian reference positions (N, 3) of the inner and of the outer face."""
         a1, a2 = self.grid.nodes.T
-        x, normal = self.surface.position(a1, a2), self.surface.frame(a1, a2)[:, 2]
-        return x + self.laminate.d_minus * normal, x + self.laminate.d_plus * normal
+        x, e3 = self.surface.position(a1, a2), normal(self.surface, a1, a2)
+        return x + self.laminate.d_minus * e3, x + self.laminate.d_plus * e3
+
+    def gauss_frames(self) -> np.ndarray:
+        """Frames (E, 4, 3, 3) at the Gauss points, to whose directions ``geometry.value`` belongs."""
+        if isinstance(self.geometry, QuadGeometry):
+            return self.geometry.frame
+        return self.surface.frame(*np.moveaxis(self.grid.points(GAUSS), -1, 0))
+
+    def left_handed(self) -> np.ndarray:
+        """(E,) bool: whether the corners of an element go round against its normal."""
+        if isinstance(self.geometry, QuadGeometry):
+            return self.geometry.left_handed
+        return np.asarray(np.linalg.det(self.surface.frame(*self.grid.centre.T)) < 0)
 
     def nodal_areas(self, face: str) -> np.ndarray:
         """Area (N,) of the nodes, int N_r dA, of the "mid" surface (mubar) or of the "outer" face."""
-        shares = np.repeat(0.25 * self._areas(face), 4)
+        shares = self.geometry.corner_areas(face).ravel()
         areas = np.bincount(self.grid.elements.ravel(), weights=shares, minlength=self.grid.n_nodes)
         return areas if self.grid.hanging is None else self.grid.hanging.shares.T @ areas
 
@@ -151,13 +164,21 @@ class Discretisation:
         """Consistent matrix (N, N) of int N_r N_s dA on the same areas; its row sums are the nodal areas."""
         rows = np.repeat(self.grid.elements, 4, axis=1).ravel()
         columns = np.tile(self.grid.elements, (1, 4)).ravel()
-        values = (self._areas(face)[:, None, None] * CORNER_MASS).ravel()
         n = self.grid.n_nodes
-        mass = sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
+        mass = sparse.coo_matrix((self.geometry.corner_mass(face).ravel(), (rows, columns)), shape=(n, n)).tocsr()
         if self.grid.hanging is None:
             return mass
         shares = self.grid.hanging.shares
         return sparse.csr_matrix(shares.T @ mass @ shares)
 
-    def _areas(self, face: str) -> np.ndarray:
-        return {"mid": self.geometry.weight, "outer": self.geometry.face_weight[:, 1]}[face]
+
+def _geometry(
+    surface: Surface, grid: Grid, laminate: Laminate, kinematics: Kinematics, interpolation: str
+) -> ElementGeometry:
+    if interpolation != "quads":
+        return ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
+    if grid.hanging is not None:
+        raise ValueError("quadrilaterals have no hanging nodes: cut every one of them")
+    at = np.moveaxis(grid.points(CORNERS), -1, 0)
+    faces = NodalFaces(surface.position(*at), normal(surface, *at), surface.frame(*at), laminate_axes(surface, *at))
+    return QuadGeometry.of(faces, laminate.d_minus, laminate.d_plus, kinematics)

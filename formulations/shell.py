@@ -16,6 +16,7 @@ from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import N_M, MixedElement
+from formulations.element.quads import QuadElement, QuadGeometry
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
 from formulations.loads.pressure import Couples, Pressure
@@ -77,9 +78,10 @@ class ShellModel:
         if self.prescribed is not None and np.any(self.prescribed[~shell.map.held] != 0):
             raise ValueError("a prescribed displacement must be held")
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
-        element = MixedElement.build(
-            self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain, self.membrane
-        )
+        D = shell.laminate.stiffness(self.section)
+        element = MixedElement.build(self.measure, D, initial, self.thickness_strain, self.membrane)
+        if isinstance(shell.geometry, QuadGeometry):
+            element = QuadElement.on(shell.geometry, element, D, initial, self.thickness_strain)
         object.__setattr__(self, "_element", element)
         if not np.any(self.measure.contract(np.zeros(N_Q), np.ones(N_E))):
             object.__setattr__(self, "discretisation", self.discretisation.linearised())
@@ -128,6 +130,8 @@ class ShellModel:
             return f"measure {self.measure.name} is not quadratic in the displacements"
         if self.discretisation.hangers is not None:
             return "hanging nodes turn with the edges that carry them"
+        if isinstance(self._element, QuadElement):
+            return "quadrilaterals have no series yet"
         if self.couples is not None or (self.pressure is not None and self.pressure.follower):
             return "the load follows the shell"
         return None
@@ -169,12 +173,24 @@ class ShellModel:
         return symmetric and not follows and (self.initial is None or not np.any(self.initial))
 
     def resultants(self, u: np.ndarray) -> np.ndarray:
-        """Mode resultants H (E, 22) [N/mm]; the first 11 are the element means in the order of the strains."""
+        """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.mixed.MODES`."""
         return self._element.resultants(self.mode_strains(u))
 
     def mode_strains(self, u: np.ndarray) -> np.ndarray:
         """Mode strains E (E, 22), in the order of :data:`formulations.element.mixed.MODES`."""
         return self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
+
+    def gauss_strains(self, u: np.ndarray) -> np.ndarray:
+        """Strains (E, 4, 11) of the modes at the Gauss points, in the axes of the laminate."""
+        return self._element.at_gauss(self.discretisation.geometry, self.mode_strains(u))
+
+    def mean_strains(self, u: np.ndarray) -> np.ndarray:
+        """Means E (E, 11) over the elements, in the axes of the laminate."""
+        return self._element.mean_strains(self.discretisation.geometry, self.mode_strains(u))
+
+    def mean_resultants(self, u: np.ndarray) -> np.ndarray:
+        """Means H (E, 11) [N/mm] over the elements, in the axes of the laminate."""
+        return self._element.mean_resultants(self.discretisation.geometry, self.mode_strains(u))
 
     def displacements(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6), the prescribed ones included."""

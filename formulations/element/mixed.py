@@ -60,7 +60,19 @@ STIFFENED = product(N_M, N_M, N_DOF) + product(N_DOF, N_M, N_DOF) + product(N_M,
 STIFFENED += product(N_GAUSS, N_Q, N_Q, N_DOF) + product(N_GAUSS, N_DOF, N_Q, N_DOF)
 OF_MEASURE = product(N_GAUSS, N_E, N_Q, N_Q)  # dE/dq of a quadratic one, and its second derivative times H
 ALL = slice(None)  # elements
+Samples = tuple[np.ndarray, ...]  # of q, or of derivatives by it, at the points where an element takes its strains
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
+
+
+def _on_gauss() -> np.ndarray:
+    """(4, 22, 11): the strains at the Gauss points that belong to the modes."""
+    at_gauss = np.zeros((N_GAUSS, N_M, N_E))
+    for m, ((r1, r2), row) in enumerate(MODE_ROWS):
+        at_gauss[:, m, row] = GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2
+    return at_gauss
+
+
+ON_GAUSS = _on_gauss()
 
 
 def _projections(share: float) -> tuple[np.ndarray, np.ndarray | None]:
@@ -134,7 +146,7 @@ class MixedElement:
         self._spend(len(v), SAMPLED)
         strains = np.empty((len(v), N_M))
         for part in geometry.chunks():
-            strains[part], _ = self._strains(geometry, part, *self._gradients(geometry, part, v))
+            strains[part], _ = self._strains(geometry, part, self._gradients(geometry, part, v))
         return strains
 
     def mode_gradient(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
@@ -142,14 +154,26 @@ class MixedElement:
         self._spend(len(v), SAMPLED + DIFFERENTIATED)
         B = np.empty((len(v), N_M, N_DOF))
         for part in geometry.chunks():
-            q, beta = self._gradients(geometry, part, v)
-            _, gradient = self._strains(geometry, part, q, beta)
-            self._mode_gradient(geometry, part, gradient, beta, out=B[part])
+            q = self._gradients(geometry, part, v)
+            _, gradient = self._strains(geometry, part, q)
+            self._mode_gradient(geometry, part, gradient, q, out=B[part])
         return B
 
-    def resultants(self, strains: np.ndarray) -> np.ndarray:
-        """H = D E on the modes, (E, 22)."""
+    def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+        """H = D E on the modes, (e, 22), of the elements of the part."""
         return strains @ self.mode_stiffness.T
+
+    def mean_resultants(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Means H (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
+        return self.resultants(strains)[:, :N_E]
+
+    def mean_strains(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Means E (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
+        return strains[:, :N_E]
+
+    def at_gauss(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Strains (E, 4, 11) at the Gauss points in the axes of the laminate, of mode strains (E, 22)."""
+        return np.einsum("gmn,em->egn", ON_GAUSS, strains)
 
     def energy(self, geometry: ElementGeometry, v: np.ndarray) -> float:
         """Strain energy 1/2 E D E of the whole grid (H0 excluded); a potential only where D is symmetric."""
@@ -181,43 +205,50 @@ class MixedElement:
         self._spend(len(v), SAMPLED + DIFFERENTIATED + BALANCED)
         if tangent is not None:
             self._spend(len(v), STIFFENED)
-        stiffness = MODE_WEIGHTS[:, None] * self.mode_stiffness
         resultants = np.empty((len(v), N_M))
         for part in geometry.chunks():
             weight = geometry.weight[part, None]
-            q, beta = self._gradients(geometry, part, v)
-            strains, gradient = self._strains(geometry, part, q, beta)
-            H = resultants[part] = self.resultants(strains)
+            q = self._gradients(geometry, part, v)
+            strains, gradient = self._strains(geometry, part, q)
+            H = resultants[part] = self.resultants(strains, part)
             B = np.empty((len(H), N_M, N_DOF)) if mode_gradient is None else mode_gradient[part]
-            self._mode_gradient(geometry, part, gradient, beta, out=B)
-            force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None], B)[:, 0]
+            self._mode_gradient(geometry, part, gradient, q, out=B)
+            initial = self._initial(part)
+            force[part] = np.matmul((MODE_WEIGHTS * (H + initial) * weight)[:, None], B)[:, 0]
             if tangent is None:
                 continue
-            DB = np.matmul(stiffness, B)
+            DB = np.matmul(self._weighted_stiffness(part), B)
             DB *= weight[..., None]
             np.matmul(B.swapaxes(1, 2), DB, out=tangent[part])
             if predicted is not None:
                 H = predicted[part]
-            self._stiffen(tangent[part], MODE_WEIGHTS * (H + self.initial) * weight, geometry, part, q, beta)
+            self._stiffen(tangent[part], MODE_WEIGHTS * (H + initial) * weight, geometry, part, q)
         return resultants
+
+    def _weighted_stiffness(self, part: slice) -> np.ndarray:
+        """(22, 22), or one of each element of the part."""
+        return MODE_WEIGHTS[:, None] * self.mode_stiffness
+
+    def _initial(self, part: slice) -> np.ndarray:
+        """H0 on the modes (22,), or of each element of the part."""
+        return self.initial
 
     def _spend(self, elements: int, each: int) -> None:
         """Count operations, and of the measure one derivative with them."""
         spend(elements * (each + getattr(self.measure, "work", 1.0) * OF_MEASURE))
 
-    def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> Samples:
         """The q of v at the Gauss points, (e, 4, 15), and its beta at the nodes, (e, 4, 3)."""
         q = np.matmul(geometry.Q[part], v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
         return q, v[part].reshape(-1, 4, N_V) @ geometry.director.T
 
-    def _strains(
-        self, geometry: ElementGeometry, part: slice, q: np.ndarray, beta: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _strains(self, geometry: ElementGeometry, part: slice, samples: Samples) -> tuple[np.ndarray, Samples]:
         """Mode strains (e, 22), and dE/dq at the Gauss points (e, 4, 11, 15); a node's director is the true one."""
+        q, beta = samples
         offset = None if geometry.offset is None else geometry.offset[part]
         strain, gradient = strain_and_gradient(self.measure, q, offset)
         at_nodes = None if self.nodal is None else self.through.strain(beta)[..., 0]
-        return self.on_modes(geometry, strain, at_nodes, part), gradient
+        return self.on_modes(geometry, strain, at_nodes, part), (gradient,)
 
     def on_modes(
         self, geometry: ElementGeometry, samples: np.ndarray, at_nodes: np.ndarray | None, part: slice = ALL
@@ -238,9 +269,10 @@ class MixedElement:
         return at_gauss, None if self.nodal is None else work @ self.nodal.T
 
     def _mode_gradient(
-        self, geometry: ElementGeometry, part: slice, gradient: np.ndarray, beta: np.ndarray, out: np.ndarray
+        self, geometry: ElementGeometry, part: slice, gradients: Samples, samples: Samples, out: np.ndarray
     ) -> None:
         """B (e, 22, 24): derivative of the mode strains by the nodal displacements; takes up the gradient dE/dq."""
+        (gradient,), (_, beta) = gradients, samples
         gradient[..., SHEAR_ROWS, :] *= geometry.rows[part][..., SHEAR_ROWS, None]
         sampled = np.matmul(gradient, geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF))
         np.matmul(self.projection.T, sampled.reshape(-1, N_SAMPLES, N_DOF), out=out)
@@ -255,10 +287,10 @@ class MixedElement:
         work: np.ndarray,
         geometry: ElementGeometry,
         part: slice,
-        q: np.ndarray,
-        beta: np.ndarray,
+        samples: Samples,
     ) -> None:
         """Add the geometric stiffness of the weighted resultants ``work`` (e, 22) to the tangent (e, 24, 24)."""
+        q, beta = samples
         Q = geometry.Q[part]
         at_gauss, at_nodes = self.sampled_work(geometry, work, part)
         M = self.measure.contract(q if geometry.offset is None else geometry.offset[part] + q, at_gauss)

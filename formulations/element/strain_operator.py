@@ -29,7 +29,9 @@ from formulations.strains.quantities import (
 N_GAUSS, N_DOF = 4, 4 * N_V
 GAUSS = CORNERS / np.sqrt(3.0)
 CHUNK = 128  # elements per pass: large enough to hide the calls, small enough for the cache
-INTERPOLATIONS = ("curvilinear", "isoparametric")
+ON_LINES = ("curvilinear", "isoparametric")  # of curvature
+INTERPOLATIONS = (*ON_LINES, "quads")
+AREAS = ("inner", "outer")
 _LINE_MASS = np.array([[2, 1], [1, 2]]) / 6
 CORNER_MASS = np.kron(_LINE_MASS, _LINE_MASS)[np.ix_((0, 1, 3, 2), (0, 1, 3, 2))]  # int N_r N_s over the area, (4, 4)
 
@@ -90,7 +92,7 @@ class ElementGeometry:
             turn = _frames_turn(surface, points, grid)
             Q, offset = _isoparametric(surface, geometry, turn, grid, laminate)
         else:
-            known = " or ".join(INTERPOLATIONS)
+            known = " or ".join(ON_LINES)
             raise ValueError(f"interpolation {interpolation!r} must be {known}, the latter with full gradients only")
         at_centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
         parameter_area = 4.0 * grid.half.prod(axis=-1)
@@ -107,6 +109,21 @@ class ElementGeometry:
             value=shape_functions(GAUSS)[0][:, :, None, None] * turn,
             kinematics=kinematics,
         )
+
+    def point_areas(self, face: str) -> np.ndarray:
+        """Area (E, 1 or 4) of the "mid" surface (mubar) or of the "inner" or "outer" face at each Gauss point."""
+        return self._area(face)[:, None] / N_GAUSS
+
+    def corner_areas(self, face: str) -> np.ndarray:
+        """int N_r dA (E, 4) on the same areas."""
+        return np.repeat(0.25 * self._area(face)[:, None], 4, axis=1)
+
+    def corner_mass(self, face: str) -> np.ndarray:
+        """int N_r N_s dA (E, 4, 4) on the same areas."""
+        return self._area(face)[:, None, None] * CORNER_MASS
+
+    def _area(self, face: str) -> np.ndarray:
+        return self.weight if face == "mid" else self.face_weight[:, AREAS.index(face)]
 
     @cached_property
     def director_pairs(self) -> np.ndarray:

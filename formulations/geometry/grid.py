@@ -139,3 +139,27 @@ class TensorGrid(Grid):
         from skfem import MeshQuad  # slow to load, and no solve needs it
 
         return MeshQuad.init_tensor(*self.lines)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class QuadGrid(Grid):
+    """Any quadrilaterals in the parameter plane; ``corners`` (E, 4, 2) are theirs, unwrapped across a periodic seam."""
+
+    corners: np.ndarray
+
+    @classmethod
+    def of(cls, nodes: np.ndarray, elements: np.ndarray, corners: np.ndarray, *, periodic: bool = False) -> QuadGrid:
+        """Centre and half lengths are those of the rectangle around an element."""
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        return cls(nodes, elements, 0.5 * (low + high), 0.5 * (high - low), periodic, corners=corners)
+
+    @classmethod
+    def over(cls, elements: np.ndarray) -> QuadGrid:
+        """A mesh whose nodes have no coordinates but their numbers, see :class:`NodalSurface`."""
+        nodes = np.stack([np.arange(elements.max() + 1.0), np.zeros(elements.max() + 1)], axis=-1)
+        return cls.of(nodes, elements, nodes[elements])
+
+    def points(self, xi: np.ndarray) -> np.ndarray:
+        """Coordinates (E, k, 2) of the points xi (k, 2) of the reference square in every element."""
+        weights = 0.25 * np.prod(1.0 + xi[:, None] * CORNERS, axis=-1)
+        return np.einsum("kr,erx->ekx", weights, self.corners)

@@ -197,3 +197,51 @@ def hyperboloid(waist: float, height: float) -> SurfaceOfRevolution:
         return MeridianPoint(r=r, z=a1, dr=slope * a1 / r, dz=one, ddr=slope * waist**2 / r**3, ddz=0 * one)
 
     return SurfaceOfRevolution(meridian)
+
+
+@dataclass(frozen=True, eq=False)
+class NodalSurface:
+    """A surface known at the nodes of a mesh alone; its coordinate a1 is the number of a node.
+
+    middle, normals (N, 3): positions and unit normals.  frames (N, 3, 3): rows are the directions of the displacement
+    components, the Cartesian ones unless a support needs others.  axes (N, 2, 3): those of the laminate along the
+    surface, near enough: the element projects them on itself.
+    """
+
+    middle: np.ndarray
+    normals: np.ndarray
+    frames: np.ndarray
+    axes: np.ndarray
+
+    @classmethod
+    def of(cls, middle: np.ndarray, normals: np.ndarray, first: np.ndarray) -> NodalSurface:
+        """In Cartesian components; ``first`` (3,) or (N, 3): the first axis of the laminate, the second follows it."""
+        first = np.broadcast_to(first, middle.shape)
+        axes = np.stack([first, np.cross(normals, first)], axis=1)
+        return cls(middle, normals, np.broadcast_to(np.eye(3), (len(middle), 3, 3)), axes)
+
+    def geometry(self, a1: np.ndarray, a2: np.ndarray) -> Geometry:
+        """Raises TypeError: nodes have neither Lamé parameters nor curvatures."""
+        raise TypeError("a surface of nodes has no lines of curvature")
+
+    def position(self, a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+        """Of the nodes."""
+        return np.asarray(self.middle[_numbers(a1)])
+
+    def frame(self, a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+        """Of the displacement components at the nodes."""
+        return np.asarray(self.frames[_numbers(a1)])
+
+
+def _numbers(a1: np.ndarray) -> np.ndarray:
+    return np.rint(a1).astype(np.intp)
+
+
+def normal(surface: Surface, a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+    """Unit normal (..., 3)."""
+    return surface.normals[_numbers(a1)] if isinstance(surface, NodalSurface) else surface.frame(a1, a2)[..., 2, :]
+
+
+def laminate_axes(surface: Surface, a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+    """The axes (..., 2, 3) along the surface from which the angles of plies count."""
+    return surface.axes[_numbers(a1)] if isinstance(surface, NodalSurface) else surface.frame(a1, a2)[..., :2, :]

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from formulations.discretisation import Discretisation
+from formulations.geometry.grid import QuadGrid
 
 Traction = Callable[[np.ndarray, np.ndarray], np.ndarray]
 _POINTS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
@@ -35,7 +36,7 @@ def edge_force(
     ends, a1, a2, length = _segments(discretisation, axis, value)
     t = np.broadcast_to(traction(a1, a2), (*a1.shape, 3))
     surface, nodes = discretisation.surface, discretisation.grid.nodes
-    if discretisation.geometry.interpolation == "isoparametric":
+    if discretisation.geometry.interpolation != "curvilinear":
         at_ends = surface.frame(nodes[ends, 0], nodes[ends, 1])
         nodal = np.einsum("eg,gr,erix,egx->eri", length, _SHAPE, at_ends, t)
     else:
@@ -72,8 +73,12 @@ def _segments(
     if not which.any():
         raise ValueError(f"the grid has no line a{axis + 1} = {value:g}")
     a = np.full((2, int(which.sum()), 2), value)
-    a[along] = grid.centre[which, along, None] + grid.half[which, along, None] * _POINTS
+    middle, half = grid.centre[which, along], grid.half[which, along]
+    if isinstance(grid, QuadGrid):  # the rectangle around an element is longer than its side
+        ends = grid.corners[which][:, corners[axis], along]
+        middle, half = ends.mean(axis=1), 0.5 * np.abs(ends[:, 1] - ends[:, 0])
+    a[along] = middle[:, None] + half[:, None] * _POINTS
     geometry = discretisation.surface.geometry(a[0], a[1])
     d_bar = 0.5 * (laminate.d_minus + laminate.d_plus)
     stretch = geometry.A[..., along] * (1 + geometry.k[..., along] * d_bar)
-    return grid.elements[which][:, corners[axis]], a[0], a[1], grid.half[which, along, None] * stretch
+    return grid.elements[which][:, corners[axis]], a[0], a[1], half[:, None] * stretch

@@ -42,15 +42,18 @@ class Pressure:
         return replace(self, value=factor * self.value)
 
     def weights(self, geometry: ElementGeometry) -> np.ndarray:
-        """Area carried by each Gauss point, (E,)."""
-        area = geometry.weight if self.area == "mid" else geometry.face_weight[:, 0]
-        return area / N_GAUSS
+        """Area carried by each Gauss point, (E, 4), or (E, 1) where all carry the same."""
+        return geometry.point_areas("mid" if self.area == "mid" else "inner")
 
     def dead_force(self, geometry: ElementGeometry) -> np.ndarray:
         """Element forces (E, 24) in the reference frame: F_r = p int N_r dA along e3."""
         force = np.zeros((len(geometry.Q), N_DOF))
-        along_normal = geometry.value[:, :, :, 2].sum(axis=1)  # (1 or E, node, component)
-        force[:, _INNER] = self.value * self.weights(geometry)[:, None, None] * along_normal
+        weights = self.value * self.weights(geometry)
+        along_normal = geometry.value[:, :, :, 2]  # (1 or E, Gauss point, node, component)
+        if weights.shape[1] == 1:
+            force[:, _INNER] = weights[..., None] * along_normal.sum(axis=1)
+        else:
+            force[:, _INNER] = np.einsum("eg,egrj->erj", weights, along_normal)
         return force
 
     def follower_force(
@@ -69,11 +72,13 @@ class Pressure:
                 q += geometry.offset[part]
             normal, slope = _area_vector(q)
             spread = _inner_displacement(geometry.value if len(geometry.value) == 1 else geometry.value[part])
-            force[part] += weight[:, None] * np.matmul(normal.reshape(-1, 1, 3 * N_GAUSS), spread)[:, 0]
+            if weight.shape[1] > 1:  # else once, below
+                normal, slope, weight = normal * weight[..., None], slope * weight[..., None, None], np.ones((1, 1))
+            force[part] += weight * np.matmul(normal.reshape(-1, 1, 3 * N_GAUSS), spread)[:, 0]
             if tangent is None:
                 continue
             turning = np.matmul(slope, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, 3 * N_GAUSS, N_DOF)
-            tangent[part] -= np.matmul(spread.swapaxes(1, 2), turning) * weight[:, None, None]
+            tangent[part] -= np.matmul(spread.swapaxes(1, 2), turning) * weight[..., None]
 
 
 def _inner_displacement(value: np.ndarray) -> np.ndarray:

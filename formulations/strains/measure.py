@@ -147,7 +147,7 @@ def _factor(coefficient: float) -> str:
 
 
 def strain_and_gradient(
-    measure: StrainMeasure, q: np.ndarray, start: np.ndarray | None = None
+    measure: StrainFunction, q: np.ndarray, start: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """E(start + q) - E(start), (..., 11), and dE/dq at start + q, (..., 11, 15); start 0 unless given.
 
@@ -168,32 +168,40 @@ def _times(gradient: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def through_thickness(measure: StrainMeasure) -> StrainFunction:
     """E33 (..., 1) of beta (..., 3) at a node, where the measure knows of no other quantity."""
+    return restricted(measure, np.array([E33]), np.arange(N_Q)[BETA])
+
+
+def restricted(measure: StrainMeasure, rows: np.ndarray, quantities: np.ndarray) -> StrainFunction:
+    """The strains of these rows by these quantities, where all others are zero."""
     if isinstance(measure, QuadraticMeasure):
-        return replace(measure, linear=measure.linear[E33:, BETA], quadratic=measure.quadratic[E33:, BETA, BETA])
-    return _ThroughThickness(measure)
+        linear = measure.linear[np.ix_(rows, quantities)]
+        return replace(measure, linear=linear, quadratic=measure.quadratic[np.ix_(rows, quantities, quantities)])
+    return _Restricted(measure, rows, quantities)
 
 
 @dataclass(frozen=True, eq=False)
-class _ThroughThickness:
+class _Restricted:
     """The same by any measure, which works out all strains for it."""
 
     measure: StrainMeasure
+    rows: np.ndarray
+    quantities: np.ndarray
 
-    def strain(self, beta: np.ndarray) -> np.ndarray:
-        return self.measure.strain(_alone(beta, BETA, N_Q))[..., E33:]
+    def strain(self, q: np.ndarray) -> np.ndarray:
+        return self.measure.strain(_alone(q, self.quantities, N_Q))[..., self.rows]
 
-    def gradient(self, beta: np.ndarray) -> np.ndarray:
-        return self.measure.gradient(_alone(beta, BETA, N_Q))[..., E33:, BETA]
+    def gradient(self, q: np.ndarray) -> np.ndarray:
+        return self.measure.gradient(_alone(q, self.quantities, N_Q))[..., self.rows, :][..., self.quantities]
 
-    def contract(self, beta: np.ndarray, resultants: np.ndarray) -> np.ndarray:
-        H = _alone(resultants, slice(E33, N_E), N_E)
-        return self.measure.contract(_alone(beta, BETA, N_Q), H)[..., BETA, BETA]
+    def contract(self, q: np.ndarray, resultants: np.ndarray) -> np.ndarray:
+        among = self.measure.contract(_alone(q, self.quantities, N_Q), _alone(resultants, self.rows, N_E))
+        return among[..., self.quantities, :][..., self.quantities]
 
 
-def _alone(values: np.ndarray, place: slice, n: int) -> np.ndarray:
-    """(..., n) with the values in their place and zeros elsewhere."""
+def _alone(values: np.ndarray, places: np.ndarray, n: int) -> np.ndarray:
+    """(..., n) with the values in their places and zeros elsewhere."""
     among = np.zeros((*values.shape[:-1], n))
-    among[..., place] = values
+    among[..., places] = values
     return among
 
 

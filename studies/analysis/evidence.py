@@ -42,7 +42,6 @@ ANSWERS = "answers"  # the parameter of a function that reads solved cells, not 
 CONSTANTS = {"SOLVED": list(SOLVED)}  # that queries may name, after an @
 Tables = Callable[[str], pd.DataFrame | None]
 Value = float | str
-Values = dict[str, Any]  # by their names; those that begin with _ are not published
 VALUE = re.compile(r"(?P<take>\w+)(?: (?P<of>.+?))??(?: from (?P<table>\w+))?(?: where (?P<where>.+))?")
 COUNTS: Mapping[str, Callable[[pd.Series], Any]] = {  # aggregates that nothing has, too
     "count": len,

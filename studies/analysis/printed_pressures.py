@@ -49,7 +49,11 @@ WORDS = {
     "reading full-3d": ("full three-dimensional law", MODEL),
     "reading consistent": ("nodal forces by consistent coupling", MODEL),
 }
-DATUM = {"gamma_deg": "cord angle {} deg", "ply_thickness_mm": "ply {} mm thick", "p0_MPa": "inflated by {} MPa"}
+DATUM = {
+    "gamma_deg": "cord angle {} deg",
+    "ply_thickness_mm": "ply {} mm thick",
+    "p0_MPa": "inflated by {} MPa",
+}
 CELLS = (*(cell for cell in TYRE if cell.label in WORDS), *READINGS)
 IMAGES = {  # of maps with phi along the rows: psi reversed, phi reversed
     "central: p(psi, phi) - p(-psi, -phi)": (True, True),

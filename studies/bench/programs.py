@@ -101,7 +101,9 @@ def found_by(lines: Iterable[str], problem: Problem) -> list[Found]:
 
 
 def measured(
-    cases: Sequence[Case], store: Path, progress: Callable[[int, int, str], None] = lambda done, planned, label: None
+    cases: Sequence[Case],
+    store: Path,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
 ) -> pd.DataFrame:
     """A row a quantity, load and mesh; raises UsageError where the program is not there or does not end.
 

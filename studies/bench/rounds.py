@@ -70,7 +70,11 @@ def in_rounds(
 
 
 def _readings(
-    group: Group, unit: Callable[[], object], rounds: int, progress: Callable[[int, int, str], None], clock: Clock
+    group: Group,
+    unit: Callable[[], object],
+    rounds: int,
+    progress: Callable[[int, int, str], None],
+    clock: Clock,
 ) -> Iterator[tuple[object, ...]]:
     spent: dict[str, list[float]] = {line.name: [] for line in group.lines}
     seen: dict[str, list[Mapping[str, float]]] = {line.name: [] for line in group.lines}

@@ -25,7 +25,7 @@ from contact.problem import (
     without_contact,
 )
 from formulations.conditions.boundary import Supports
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import ON_LINES
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
@@ -155,6 +155,6 @@ def rotations_table() -> Iterator[Row]:
 
 def cases() -> list[tuple[StrainMeasure, Element]]:
     """Positions interpolated, which a rotation keeps; components where a measure knows no others, and the exact one."""
-    positions, components = (Element(interpolation, "balanced") for interpolation in reversed(INTERPOLATIONS))
+    positions, components = (Element(interpolation, "balanced") for interpolation in reversed(ON_LINES))
     every = [(measure, positions if positions.suits(measure) else components) for measure in MEASURES.values()]
     return [*every, (MEASURES["exact"], components)]

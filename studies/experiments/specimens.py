@@ -24,7 +24,7 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, L
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import ON_LINES
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Geometry, Plate, Surface, cylinder, torus
 from formulations.section.laminate import Laminate, Ply
@@ -65,7 +65,7 @@ class Element:
         )
 
 
-ELEMENTS = tuple(Element(*options) for options in product(INTERPOLATIONS, THICKNESS_STRAINS, MEMBRANES))
+ELEMENTS = tuple(Element(*options) for options in product(ON_LINES, THICKNESS_STRAINS, MEMBRANES))
 
 
 def layup(*, swapped: bool = False, length: float = 1.0, stress: float = 1.0) -> Laminate:

@@ -131,11 +131,9 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     inner, outer = discretisation.positions()
     n = len(inner)
     corners = discretisation.grid.elements
-    a1, a2 = discretisation.grid.centre.T
-    frame = discretisation.surface.frame(a1, a2)
-    left_handed = np.linalg.det(frame) < 0
-    corners = np.where(left_handed[:, None], corners[:, ::-1], corners)  # a hexahedron of positive volume
-    resultants = shell.resultants(u)[:, : len(STRAINS)]
+    turned = discretisation.left_handed()[:, None]
+    corners = np.where(turned, corners[:, ::-1], corners)  # a hexahedron of positive volume
+    resultants = shell.mean_resultants(u)
     names = ["H_" + strain.lstrip("2").replace("E", "") for strain in STRAINS]
     write_vtu(
         path,

@@ -10,7 +10,7 @@ from typing import Any
 
 from contact.catalogue import ALGORITHMS
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import ON_LINES
 from studies.ask.request import text_of
 from studies.run.scene_cells import BENCHMARKS as BENCHMARK_LADDERS
 from studies.run.scene_cells import ladder_cells, share_cells, sheet_cells
@@ -105,7 +105,7 @@ BENCHMARKS = (
 
 OPTIONS = tuple(
     Cell(f"hemisphere {n} {' '.join(chosen)}", "hemisphere", {"mesh": f"{n}x{n}"}, {"load_fraction": "1", **options})
-    for chosen in product(INTERPOLATIONS, THICKNESS_STRAINS, MEMBRANES)
+    for chosen in product(ON_LINES, THICKNESS_STRAINS, MEMBRANES)
     for options in [dict(zip(("interpolation", "thickness_strain", "membrane"), chosen, strict=True))]
     for n in (8, 16, 32)
 )

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections import UserDict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, MutableMapping
 
 from studies.ask.scene import Scene
 
@@ -46,21 +45,33 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
 }
 
 
-class Catalogue(UserDict[str, Scene]):
+class Catalogue(MutableMapping[str, Scene]):
     """Scenes by name, ours and those that are put in; names are known without loading anything."""
 
-    data: dict[str, Scene | None]  # type: ignore[assignment]  # None: not loaded yet
-
     def __init__(self) -> None:
-        super().__init__()
-        self.data = dict.fromkeys(MODULES)
+        self._scenes: dict[str, Scene | None] = dict.fromkeys(MODULES)  # None: not loaded yet
 
     def __getitem__(self, name: str) -> Scene:
-        scene = self.data[name]
+        scene = self._scenes[name]
         if scene is None:
             scenes: tuple[Scene, ...] = importlib.import_module(MODULES[name]).SCENES
-            scene = self.data[name] = next(each for each in scenes if each.name == name)
+            scene = self._scenes[name] = next(each for each in scenes if each.name == name)
         return scene
+
+    def __setitem__(self, name: str, scene: Scene) -> None:
+        self._scenes[name] = scene
+
+    def __delitem__(self, name: str) -> None:
+        del self._scenes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._scenes)
+
+    def __len__(self) -> int:
+        return len(self._scenes)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._scenes
 
 
 SCENES = Catalogue()

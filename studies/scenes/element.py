@@ -12,7 +12,8 @@ from formulations.conditions.dof_map import Images
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
-from formulations.geometry.grid import Grid
+from formulations.geometry.distortion import DISTORTIONS, LARGEST, distorted
+from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate, Ply
@@ -24,9 +25,14 @@ from studies.ask.scene import Setting, UsageError
 PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
     "refined": {"interpolation": "curvilinear", "thickness_strain": "balanced", "membrane": "relaxed"},
+    "quads": {"interpolation": "quads", "thickness_strain": "balanced", "membrane": "relaxed"},
 }
 OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
-    ("interpolation", INTERPOLATIONS, "what is interpolated: components or positions"),
+    (
+        "interpolation",
+        INTERPOLATIONS,
+        "what is interpolated: components, or positions, on lines of curvature or on any quadrilaterals",
+    ),
     ("thickness_strain", THICKNESS_STRAINS, "where the thickness strain E33 is sampled"),
     ("membrane", MEMBRANES, "linear modes of the membrane strain"),
 )
@@ -34,6 +40,10 @@ BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
 ELEMENT = (
     Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
     *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
+    Setting(
+        "distort", None, "how far nodes are moved, over the size of an element", low=0, high=LARGEST, otherwise="0"
+    ),
+    Setting.one_of("distortion", DISTORTIONS, None, "how nodes are moved; with distort", otherwise="random"),
 )
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 Span = tuple[float, float]  # both ends of a coordinate
@@ -76,8 +86,13 @@ def even_grid(request: Request, a1: Span, a2: Span, closer: Sequence[bool] = (Fa
 
 
 def grid_over(request: Request, lines1: np.ndarray, lines2: np.ndarray) -> Grid:
-    """The grid of these lines, refined as asked."""
-    return tree_over(request, lines1, lines2).grid() if request.leaves else Grid.tensor(lines1, lines2)
+    """The grid of these lines, refined or distorted as asked; raises UsageError for both."""
+    grid = Grid.tensor(lines1, lines2)
+    if "distort" not in request.settings:
+        return tree_over(request, lines1, lines2).grid() if request.leaves else grid
+    if request.leaves:
+        raise UsageError("distort: quadrilaterals are not cut in four")
+    return distorted(grid, str(request.settings.get("distortion", "random")), request.number("distort"))
 
 
 def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_end: bool = False) -> np.ndarray:
@@ -133,6 +148,12 @@ def discretise(
     Raises UsageError for a measure that leaves gradients out where positions are interpolated.
     """
     interpolation = request.choice("interpolation")
+    if ("distort" in request.settings) != isinstance(grid, QuadGrid):
+        raise UsageError(f"distort: {request.scene} has grid lines that stay where they are")
+    if interpolation == "quads" and request.leaves:
+        raise UsageError("interpolation = quads: quadrilaterals have no hanging nodes")
+    if isinstance(grid, QuadGrid) and interpolation != "quads":
+        raise UsageError(f"distort needs interpolation = quads (element=quads), got {interpolation}")
     kinematics = MEASURES[request.measure].kinematics
     if interpolation == "isoparametric" and kinematics != FULL:
         whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)

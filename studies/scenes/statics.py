@@ -66,10 +66,10 @@ def area_load(
     grid = discretisation.grid
     a1, a2 = np.moveaxis(grid.points(GAUSS), -1, 0)
     p = np.broadcast_to(density(a1, a2), (*a1.shape, 3))
-    local = np.einsum("...ij,...j->...i", discretisation.surface.frame(a1, a2), p)
-    weight = discretisation.geometry.weight / N_GAUSS
+    local = np.einsum("...ij,...j->...i", discretisation.gauss_frames(), p)
+    weight = np.broadcast_to(discretisation.geometry.point_areas("mid"), a1.shape)
     value = np.broadcast_to(discretisation.geometry.value, (len(weight), N_GAUSS, 4, 3, 3))
-    nodal = np.einsum("e,egrij,egi->erj", weight, value, local, optimize=True)
+    nodal = np.einsum("eg,egrij,egi->erj", weight, value, local, optimize=True)
     forces = np.zeros((grid.n_nodes, 6))
     for face, share in enumerate(shares):
         np.add.at(forces[:, face::2], grid.elements, share * nodal)

@@ -14,8 +14,8 @@ from contact.catalogue import ALGORITHMS
 from reports.chapters.agreement import agreement_part, entries
 from reports.chapters.algorithms import algorithms_page
 from reports.chapters.arena import NAMED, arena_part, shown_by_name
-from reports.chapters.friction import CHAPTER
-from reports.figures.friction import _cell, _title, shown_stops
+from reports.chapters.friction import CHAPTER, friction_page
+from reports.figures.friction import _cell, _title, filmstrip, shown_stops
 from reports.store import Store, load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
@@ -147,3 +147,11 @@ def test_three_stops_are_shown_of_any_number() -> None:
     told = [_title(own, stops, 4.0) for _, own in shown.groupby("stop")]
     assert told == ["plane at 0.5 mm", "plane at 4 mm", "plane back at 0 mm"]
     assert shown_stops(stops[:1])["stop"].tolist() == [0]
+
+
+@pytest.mark.slow
+def test_pictures_of_friction_are_drawn(loaded: Store) -> None:
+    pictures = friction_page(loaded).pictures
+    assert len(pictures) == 4
+    assert all(draw().count("<svg") == 1 for draw in pictures.values())
+    assert filmstrip(patch().assign(friction_z_N=0.0))().startswith("<?xml")

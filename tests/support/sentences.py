@@ -8,7 +8,8 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.evidence import VALUE
-from studies.analysis.statements.tables import Statement, read_sentences, said_by
+from studies.analysis.statements.record import Statement
+from studies.analysis.statements.tables import read_sentences, said_by
 
 
 def said(name: str, **tables: pd.DataFrame) -> list[Statement]:

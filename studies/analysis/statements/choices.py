@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import pandas as pd
 
-from studies.analysis.evidence import Values
+from studies.analysis.statements.record import Values
 from studies.experiments.choices import ALGORITHM, OFFER, PROBLEM, VARIANT, smallest
 from studies.solving.trials import PATIENCE
 

@@ -18,17 +18,9 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.evidence import (
-    Evidence,
-    NothingError,
-    Tables,
-    Value,
-    Values,
-    given_to,
-    read_declarations,
-    read_values,
-)
+from studies.analysis.evidence import Evidence, NothingError, Tables, Value, given_to, read_declarations, read_values
 from studies.analysis.friction import public_answers
+from studies.analysis.statements.record import Values
 from studies.solving.refinement.richardson import holds_from
 
 CONFIRMED, QUALIFIED, REFUTED, UNTESTED = "confirmed", "qualified", "refuted", "untested"

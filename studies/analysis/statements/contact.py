@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis import ladders
-from studies.analysis.evidence import Values
 from studies.analysis.outcomes import DEFAULT
+from studies.analysis.statements.record import Values
 from studies.run.answers import Answer, Answers
 from studies.run.lists import agreement
 

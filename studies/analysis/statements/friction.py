@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.evidence import Values, listed
+from studies.analysis.evidence import listed
 from studies.analysis.friction import FULL, public_answers
+from studies.analysis.statements.record import Values
 from studies.experiments.friction.scenes import DELTA
 from studies.solving.result import SOLVED
 

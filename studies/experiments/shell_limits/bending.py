@@ -54,8 +54,8 @@ def shell_of(
     forces: Callable[[Discretisation], np.ndarray],
 ) -> tuple[np.ndarray, Discretisation]:
     """Face displacements (N, 6) under ``forces``, (N, 6) in the local frames."""
-    shell = usual_shell(surface, grid, laminate, supports, LINEAR, variant, forces)
-    return solved_shell(shell), shell.discretisation
+    body = Discretisation.build(surface, grid, laminate, *supports.masks, ordered=True)
+    return solved_shell(usual_shell(body, LINEAR, variant.section, forces=forces(body))), body
 
 
 def bar_shell(ratio: float, n: int, variant: Variant) -> Answer:

@@ -14,9 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.solvers.sparse import factorise
-from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Surface
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import SECTIONS, Laminate
@@ -67,23 +65,19 @@ def solved(matrix: sparse.csc_matrix, load: np.ndarray, *, ordered: bool = False
 
 
 def usual_shell(
-    surface: Surface,
-    grid: Grid,
-    laminate: Laminate,
-    supports: Supports,
+    body: Discretisation,
     measure: StrainMeasure,
-    variant: Variant,
-    forces: Callable[[Discretisation], np.ndarray] | None = None,
+    section: str,
+    *,
+    forces: np.ndarray | None = None,
     p: float = 0.0,
+    area: str = "face",
 ) -> ShellModel:
-    """The shell with the element of the scenes under ``forces``, (N, 6) in the local frames, and a dead pressure p
-    [MPa] inside.
-    """
-    body = Discretisation.build(surface, grid, laminate, *supports.masks, ordered=True)
+    """The shell with the element of the scenes under nodal forces (N, 6) and a dead pressure p [MPa] inside."""
     element: dict[str, Any] = {key: value for key, value in PRESETS["refined"].items() if key != "interpolation"}
-    pressure = Pressure(p, area=variant.area) if p else None
-    load = None if forces is None else body.reduce(forces(body))
-    return ShellModel(body, measure, variant.section, pressure=pressure, forces=load, **element)
+    pressure = Pressure(p, area=area) if p else None
+    load = None if forces is None else body.reduce(forces)
+    return ShellModel(body, measure, section, pressure=pressure, forces=load, **element)
 
 
 def solved_shell(shell: ShellModel) -> np.ndarray:

@@ -134,13 +134,13 @@ def rows_of(case: Case) -> Iterator[dict[str, Any]]:
 def _others(case: Case, ratio: float) -> Iterator[tuple[str, Ladder]]:
     """What is compared with the solid, by the name of its variant: the shell with each option, the straight solid."""
     for variant in (USUAL, *case.variants):
-
-        def shell(n: int, variant: Variant = variant) -> Answer:
-            return case.shell(ratio, n, variant)
-
-        yield variant.name, Ladder(shell, case.shell_meshes, case.orders[0])
+        yield variant.name, Ladder(partial(_of_variant, case, ratio, variant), case.shell_meshes, case.orders[0])
     if case.straight is not None:
         yield STRAIGHT, Ladder(partial(case.straight, ratio), case.solid_meshes, case.orders[1])
+
+
+def _of_variant(case: Case, ratio: float, variant: Variant, n: int) -> Answer:
+    return case.shell(ratio, n, variant)
 
 
 def _compared(shell: Ladder, solid: Ladder, quantity: str, exact: float | None) -> dict[str, float]:
@@ -252,6 +252,6 @@ CASES = (
 
 
 def shell_limits(cases: tuple[Case, ...] = CASES) -> pd.DataFrame:
-    """COLUMNS, a row a case, thickness, quantity and variant."""
+    """COLUMNS a row a case, thickness, quantity and variant."""
     rows = (row for case in cases for row in rows_of(case))
     return pd.DataFrame(rows, columns=list(COLUMNS))

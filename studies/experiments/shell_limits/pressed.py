@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from contact.continuation.load_stepping import follow
 from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.section.laminate import Laminate, Ply
@@ -74,8 +74,9 @@ class Vessel:
         laminate, grid = self.laminate(ratio), Grid.tensor(*self.lines(n, self.clamped))
         end = "clamped" if self.clamped else "symmetric"
         supports = Supports.of_edges(grid, "symmetric", end, "symmetric", "symmetric")
-        shell = usual_shell(self.surface, grid, laminate, supports, LINEAR, variant, p=P)
-        return self._read(solved_shell(shell)[grid.node_at(0.0, 0.0), 4:], ratio, shell.discretisation.n_free)
+        body = Discretisation.build(self.surface, grid, laminate, *supports.masks, ordered=True)
+        v = solved_shell(usual_shell(body, LINEAR, variant.section, p=P, area=variant.area))
+        return self._read(v[grid.node_at(0.0, 0.0), 4:], ratio, body.n_free)
 
     def straight(self, ratio: float, n: int) -> Answer:
         """As ``solid``, its displacement linear through the wall."""
@@ -162,10 +163,12 @@ def solid_before(plane: RigidPlane, solid: Solid, still: np.ndarray, forces: np.
     return Pressed(SolidModel(body, forces=load), candidates, plane)
 
 
-def shell_before(plane: RigidPlane, shell: ShellModel, still: np.ndarray) -> Pressed:
-    """A shell; nodes ``still`` of its outer face cannot touch."""
-    body = shell.discretisation
-    return Pressed(shell, outer_face(body, np.setdiff1d(np.arange(body.grid.n_nodes), still)), plane)
+def shell_before(
+    plane: RigidPlane, body: Discretisation, still: np.ndarray, variant: Variant, forces: np.ndarray | None = None
+) -> Pressed:
+    """A shell with the element and the measure of the scenes under nodal forces (N, 6)."""
+    model = usual_shell(body, EXACT, variant.section, forces=forces)
+    return Pressed(model, outer_face(body, np.setdiff1d(np.arange(body.grid.n_nodes), still)), plane)
 
 
 CRUSHED = R / 4  # travel of each plate
@@ -177,9 +180,9 @@ def ring_shell(ratio: float, n: int, variant: Variant) -> Answer:
     h = ratio * R
     grid = Grid.tensor(STRIP, spaced_lines(0.0, QUARTER, n, True))
     supports = Supports.of_edges(grid, *("symmetric",) * 4)
-    shell = usual_shell(cylinder(R), grid, wall(h, NO_NU, variant), supports, EXACT, variant)
-    pressed = shell_before(RigidPlane(AWAY, R + h / 2), shell, grid.on_line(1, QUARTER))
-    return Answer({"force": pressed.force(CRUSHED) * _ring_unit(h)}, shell.discretisation.n_free)
+    body = Discretisation.build(cylinder(R), grid, wall(h, NO_NU, variant), *supports.masks, ordered=True)
+    pressed = shell_before(RigidPlane(AWAY, R + h / 2), body, grid.on_line(1, QUARTER), variant)
+    return Answer({"force": pressed.force(CRUSHED) * _ring_unit(h)}, body.n_free)
 
 
 def ring_solid(ratio: float, n: int) -> Answer:
@@ -209,10 +212,11 @@ def strip_shell(ratio: float, n: int, variant: Variant) -> Answer:
     h = ratio * SPAN
     grid = Grid.tensor(spaced_lines(0.0, SPAN, n, True, True), STRIP)
     supports = Supports.of_edges(grid, "clamped", "symmetric", "symmetric", "symmetric")
-    load = partial(area_load, density=lambda a1, a2: _strip_load(h) * UP)
-    shell = usual_shell(Plate(), grid, wall(h, NO_NU, variant), supports, EXACT, variant, load)
-    pressed = shell_before(RigidPlane(UP, h / 2 + GAP * h), shell, grid.on_line(0, 0.0))
-    return Answer({"half force": pressed.force(0.0, loaded=True) * _strip_unit(h)}, shell.discretisation.n_free)
+    body = Discretisation.build(Plate(), grid, wall(h, NO_NU, variant), *supports.masks, ordered=True)
+    forces = area_load(body, lambda a1, a2: _strip_load(h) * UP)
+    plane = RigidPlane(UP, h / 2 + GAP * h)
+    pressed = shell_before(plane, body, grid.on_line(0, 0.0), variant, forces)
+    return Answer({"half force": pressed.force(0.0, loaded=True) * _strip_unit(h)}, body.n_free)
 
 
 def strip_solid(ratio: float, n: int) -> Answer:

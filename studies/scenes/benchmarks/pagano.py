@@ -95,7 +95,7 @@ def _normalised(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[s
     corners = [grid.node_at(*point) for point in ((x1, y1), (x0, y1), (x1, y0))]
     w = shell.discretisation.expand(u)[corners[0], 4:].mean()
     elements = [int(np.flatnonzero((grid.elements == corner).any(axis=1))[0]) for corner in corners]
-    H_mean = shell.resultants(u)[elements, :11]
+    H_mean = shell.mean_resultants(u)[elements, :11]
     at_centre, at_x0, at_y0 = (_ply_stresses(laminate, shell.section, resultants) for resultants in H_mean)
     half_x0, half_y0 = grid.half[elements[1:]]
     # sigma_x and sigma_y vanish on the supports, tau_xy on the symmetry lines

@@ -225,7 +225,7 @@ class PressurisedTorus:
             grid = shell.discretisation.grid
             first = np.flatnonzero(np.isclose(grid.centre[:, 1], grid.half[:, 1]))  # one element across, all the way
             along = first[np.argsort(grid.centre[first, 0])]
-            faces = shell.resultants(u)[along, :4].reshape(-1, 2, 2)  # (element, direction, face)
+            faces = shell.mean_resultants(u)[along, :4].reshape(-1, 2, 2)  # (element, direction, face)
             return _at_three_points(grid.centre[along, 0], faces.sum(axis=-1))
 
         pressure = Pressure(TORUS_PRESSURE, follower=True, area=request.choice("pressure_area"))

@@ -15,14 +15,12 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
-from formulations.element.mixed import MODE_ROWS
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.element_modes import ElementModes
 from formulations.loads.lines import Traction, edge_force
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from formulations.strains.quantities import N_E
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
@@ -37,9 +35,6 @@ QUANTITIES: Mapping[str, str] = {
     "error_mean_resultants": "relative error of the mean resultants of the elements",
     "error_energy": "relative error in the norm of energy",
 }
-ON_GAUSS = np.zeros((N_GAUSS, len(MODE_ROWS), N_E))  # strains at the Gauss points from the mode strains
-for _mode, ((_r1, _r2), _row) in enumerate(MODE_ROWS):
-    ON_GAUSS[:, _mode, _row] = GAUSS[:, 0] ** _r1 * GAUSS[:, 1] ** _r2
 
 
 def errors(shell: ShellModel, u: np.ndarray, exact: Solution) -> dict[str, float]:
@@ -51,10 +46,9 @@ def errors(shell: ShellModel, u: np.ndarray, exact: Solution) -> dict[str, float
     """
     geometry, grid = shell.discretisation.geometry, shell.discretisation.grid
     points, weight, D = grid.points(GAUSS), geometry.weight[:, None], exact.stiffness
-    modes = shell.mode_strains(u)
     displacement = interpolated(shell, u), exact.displacement(points)
-    strains = np.einsum("gmn,em->egn", ON_GAUSS, modes), exact.strains(points)
-    means = modes[:, :N_E], exact.strains(grid.centre)
+    strains = shell.gauss_strains(u), exact.strains(points)
+    means = shell.mean_strains(u), exact.strains(grid.points(np.zeros((1, 2)))[:, 0])
     return {
         "error_displacement": relative(displacement, lambda u: weight * np.sum(u**2, axis=(-2, -1))),
         "error_resultants": relative(strains, lambda E: weight * np.sum((E @ D.T) ** 2, axis=-1)),
@@ -72,8 +66,7 @@ def relative(pair: tuple[np.ndarray, np.ndarray], square: Callable[[np.ndarray],
 def interpolated(shell: ShellModel, u: np.ndarray) -> np.ndarray:
     """Cartesian displacements of both faces at the Gauss points, (E, 4, 2, 3)."""
     discretisation = shell.discretisation
-    points = discretisation.grid.points(GAUSS)
-    frame = discretisation.surface.frame(points[..., 0], points[..., 1])
+    frame = discretisation.gauss_frames()
     v = shell.displacements(u)[discretisation.grid.elements].reshape(-1, 4, 3, 2)
     value = np.broadcast_to(discretisation.geometry.value, (len(v), N_GAUSS, 4, 3, 3))
     return np.einsum("egrij,erjf,egix->egfx", value, v, frame, optimize=True)

@@ -15,6 +15,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from formulations.element.quads import QuadGeometry
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.shell import ShellModel
@@ -62,6 +63,8 @@ class Family:
         shell = getattr(scene.build(request), "shell", None)
         if not isinstance(shell, ShellModel) or not isinstance(shell.discretisation.grid, TensorGrid):
             return cls(request, None)
+        if isinstance(shell.discretisation.geometry, QuadGeometry):
+            return cls(request, None)  # quadrilaterals have no hanging nodes
         grid = shell.discretisation.grid
         tree = tree_over(request, *grid.lines, periodic=grid.periodic)
         mirrored = bool(np.any(shell.discretisation.map.sign < 0)) and grid.lines[0][0] < 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import ON_LINES
 from formulations.loads.pressure import Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -27,7 +27,7 @@ ELEMENTS = [
         {"thickness_strain": t, "membrane": m, "interpolation": i}
         for t in THICKNESS_STRAINS
         for m in MEMBRANES
-        for i in INTERPOLATIONS
+        for i in ON_LINES
     ),
 ]
 

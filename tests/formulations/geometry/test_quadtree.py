@@ -12,7 +12,7 @@ from contact.obstacles.foundation import RigidPlane, against_plane
 from contact.problem import ContactSolution, Outcome
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import ON_LINES
 from formulations.geometry.grid import Grid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.quadtree import DEEPEST, Quadtree
@@ -111,7 +111,7 @@ def clamped(grid: Grid, surface, interpolation: str = "curvilinear", **loads) ->
 
 
 @pytest.mark.parametrize("name", PATCHES)
-@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+@pytest.mark.parametrize("interpolation", ON_LINES)
 def test_tangent_by_differences(name, interpolation, rng) -> None:
     patch = PATCHES[name]
     grid = random(over(patch, 3, 2), 3).grid()
@@ -223,7 +223,7 @@ def test_a_free_shell_turns_without_strain(seed) -> None:
     assert np.max(np.abs(shell.residual(u))) < 1e-10 * np.max(np.abs(own.laminate.stiffness(shell.section)))
 
 
-@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+@pytest.mark.parametrize("interpolation", ON_LINES)
 def test_hanging_nodes_do_not_lock_thin_shells(interpolation) -> None:
     """The hemisphere of MacNeal and Harder bends almost without stretching: straight edges held it at half of that."""
     found = []
@@ -245,7 +245,7 @@ def test_hanging_nodes_do_not_lock_thin_shells(interpolation) -> None:
     assert found[1] == pytest.approx(found[0], rel=0.1)
 
 
-@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+@pytest.mark.parametrize("interpolation", ON_LINES)
 def test_order_two_is_kept(interpolation) -> None:
     """A pressed panel on diaphragms on one irregular grid, cut everywhere: its work converges with the second order."""
     tree = random(Quadtree.over(np.linspace(0, 1, 3), np.linspace(0, 1, 3)), 1, 3)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.strain_operator import INTERPOLATIONS, ElementGeometry
+from formulations.element.strain_operator import ON_LINES, ElementGeometry
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import sphere
 from formulations.shell import ShellModel
@@ -26,6 +26,7 @@ from studies.experiments.specimens import ELEMENTS, Element, layup
 from support.problems.differences import fitted_order, rotation
 
 OTHER = ("isoparametric", "balanced", "relaxed")  # in every option
+QUADS = Element("quads", "balanced", "relaxed")
 
 
 def name(element: Element) -> str:
@@ -37,7 +38,9 @@ def failed(measure: StrainMeasure, element: Element = ELEMENTS[0]) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "element", [ELEMENTS[0], *(pytest.param(each, marks=pytest.mark.slow) for each in ELEMENTS[1:])], ids=name
+    "element",
+    [ELEMENTS[0], QUADS, *(pytest.param(each, marks=pytest.mark.slow) for each in ELEMENTS[1:])],
+    ids=name,
 )
 def test_catalogue_conforms(element: Element) -> None:
     for key, measure in MEASURES.items():
@@ -46,7 +49,7 @@ def test_catalogue_conforms(element: Element) -> None:
 
 def test_the_catalogue_is_complete() -> None:
     assert {(e.interpolation, e.thickness_strain, e.membrane) for e in ELEMENTS} == set(
-        product(INTERPOLATIONS, THICKNESS_STRAINS, MEMBRANES)
+        product(ON_LINES, THICKNESS_STRAINS, MEMBRANES)
     )
     left_out = [m for m in MEASURES if not Element("isoparametric").suits(MEASURES[m])]
     assert left_out == ["donnell", "thin-green-lagrange"]
