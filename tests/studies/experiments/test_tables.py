@@ -14,7 +14,7 @@ from studies.commands import tables
 from studies.commands.tables import TABLES, make_table
 from studies.output.atomic import write_table_once
 from studies.run.lists import LISTS
-from studies.run.plan import identity
+from studies.run.plan import planned
 from studies.run.scene_cells import LADDERS, ladder_cells
 from studies.run.source_hash import data_of, hashed
 from studies.scenes import SCENES
@@ -75,7 +75,7 @@ def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
 def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
     made = ladder_cells({"element": "paper"}, "paper")
     assert len({cell.label for cell in made}) == len(made) == sum(len(ladder.meshes) for ladder in LADDERS)
-    assert len({identity(cell) for cell in made}) == len(made)
+    assert len({planned(cell).id for cell in made}) == len(made)
     other = ladder_cells({"thickness_strain": "nodal"}, "other")
     hemisphere = next(cell for cell in other if cell.label == "convergence hemisphere 32x32 other")
     assert hemisphere.settings == {"load_fraction": "1", "lines": "edges", "thickness_strain": "nodal"}
