@@ -83,6 +83,10 @@ SIDES_TO_MODES = _sides_to_modes()
 SHEAR_MODES = np.flatnonzero(SIDES_TO_MODES.any(axis=0))
 
 
+class FoldedQuadError(ValueError):
+    """An element of a mesh that is no convex quadrilateral, or is bent too far around to be seen as one."""
+
+
 @dataclass(frozen=True, eq=False)
 class NodalFaces:
     """What a quadrilateral needs of its corners; every array begins with (E, 4).
@@ -124,7 +128,7 @@ class QuadGeometry(ElementGeometry):
 
     @classmethod
     def of(cls, faces: NodalFaces, d_minus: float, d_plus: float, kinematics: Kinematics = FULL) -> QuadGeometry:
-        """From positions at the nodes; raises ValueError naming the elements that are turned inside out."""
+        """From positions at the nodes; raises FoldedQuadError naming the first one that is none."""
         h = d_plus - d_minus
         X = faces.middle[:, :, None] + np.array([d_minus, d_plus])[:, None] * faces.normal[:, :, None]
         mid = X.mean(axis=2)  # of both faces (E, 4, 3)
@@ -134,7 +138,7 @@ class QuadGeometry(ElementGeometry):
         weight = sides.turns[:, None] * np.linalg.det(jacobian)
         bad = np.flatnonzero(~_convex(mid))
         if len(bad):
-            raise ValueError(f"element {bad[0]} has an angle of 180 degrees or more; {len(bad)} of {len(X)} have")
+            raise FoldedQuadError(f"element {bad[0]} has an angle of 180 degrees or more; {len(bad)} of {len(X)} have")
         area, centre = weight.sum(axis=1), 0.5 * _mid_lines(mid)
         lengths = np.linalg.norm(centre, axis=-1)
 

@@ -14,13 +14,14 @@ DISTORTIONS = ("random", "trapezoid", "skew")
 LARGEST = 0.4  # amount: at 0.5 neighbours may meet
 
 
-def distorted(grid: TensorGrid, kind: str, amount: float, seed: int = 0) -> QuadGrid:
+def distorted(grid: TensorGrid, kind: str, amount: float, stay: np.ndarray | None = None, *, seed: int = 0) -> QuadGrid:
     """The grid with its nodes moved by ``amount`` in [0, 0.4], a share of the size of the smaller element beside each.
 
     "random": each node by itself, along both coordinates, evenly within that share; ``seed`` draws another mesh.
-    "trapezoid": each along a1, forwards and back in turn in both directions, so that neighbours are trapezoids of every
+    "trapezoid": each along a1, forwards and back in turn in both directions, so that neighbours are trapezoids on every
     mesh. "skew": as a smooth map of the whole grid, whose elements become parallelograms; amount is the largest slope
-    of its lines, over the ratio of the two extents. Raises ValueError for another kind or amount.
+    of its lines, over the ratio of the two extents. ``stay``: numbers of nodes that are not moved.
+    Raises ValueError for another kind or amount.
     """
     if kind not in DISTORTIONS:
         raise ValueError(f"distortion {kind!r} is not one of {', '.join(DISTORTIONS)}")
@@ -43,6 +44,8 @@ def distorted(grid: TensorGrid, kind: str, amount: float, seed: int = 0) -> Quad
         slope = np.sin(2 * np.pi * t) / (2 * np.pi) if grid.periodic else t - 0.5
         moved[..., 0] = amount * (last - first) * 4 * s * (1 - s) * slope
     by_node = moved.reshape(-1, 2)
+    if stay is not None:
+        by_node[stay] = 0.0
     corners = grid.points(CORNERS) + by_node[grid.elements]
     return QuadGrid.of(grid.nodes + by_node, grid.elements, corners, periodic=grid.periodic)
 

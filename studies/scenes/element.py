@@ -11,9 +11,10 @@ from formulations.conditions.boundary import Supports
 from formulations.conditions.dof_map import Images
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
+from formulations.element.quads import FoldedQuadError
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.distortion import DISTORTIONS, LARGEST, distorted
-from formulations.geometry.grid import Grid, QuadGrid
+from formulations.geometry.grid import Grid, QuadGrid, TensorGrid
 from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate, Ply
@@ -86,13 +87,21 @@ def even_grid(request: Request, a1: Span, a2: Span, closer: Sequence[bool] = (Fa
 
 
 def grid_over(request: Request, lines1: np.ndarray, lines2: np.ndarray) -> Grid:
-    """The grid of these lines, refined or distorted as asked; raises UsageError for both."""
-    grid = Grid.tensor(lines1, lines2)
-    if "distort" not in request.settings:
-        return tree_over(request, lines1, lines2).grid() if request.leaves else grid
+    """The grid of these lines, refined as asked, or with its nodes moved; raises UsageError for both."""
     if request.leaves:
-        raise UsageError("distort: quadrilaterals are not cut in four")
-    return distorted(grid, str(request.settings.get("distortion", "random")), request.number("distort"))
+        return moved_nodes(request, tree_over(request, lines1, lines2).grid())
+    return moved_nodes(request, Grid.tensor(lines1, lines2))
+
+
+def moved_nodes(request: Request, grid: Grid, stay: np.ndarray | None = None) -> Grid:
+    """The grid with its nodes moved as asked, but for those that ``stay``; raises UsageError for one with leaves."""
+    if "distort" not in request.settings:
+        if "distortion" in request.settings:
+            raise UsageError(f"distortion = {request.choice('distortion')} says how nodes are moved: by distort")
+        return grid
+    if not isinstance(grid, TensorGrid):
+        raise UsageError("distort: quadrilaterals have no hanging nodes")
+    return distorted(grid, str(request.settings.get("distortion", "random")), request.number("distort"), stay)
 
 
 def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_end: bool = False) -> np.ndarray:
@@ -158,4 +167,8 @@ def discretise(
     if interpolation == "isoparametric" and kinematics != FULL:
         whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
         raise UsageError(f"interpolation 'isoparametric' needs a measure with full gradients: one of {whole}")
-    return Discretisation.build(surface, grid, laminate, fixed, hinged, kinematics, interpolation, images, ordered=True)
+    options = (kinematics, interpolation, images)
+    try:
+        return Discretisation.build(surface, grid, laminate, fixed, hinged, *options, ordered=True)
+    except FoldedQuadError as error:
+        raise UsageError(f"mesh {request.mesh_text}: {error}") from None

@@ -53,6 +53,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
         {"given": {"E_MPa": 20.0, "nu": 0.45}},
     ),
 }
+MOVED: dict[str, Any] = {"given": {"element": "quads", "distort": 0.2}}
 COLUMNS = ("scene", "setting", "value", "effect")
 NONE, REFUSED, FAILS = "none", "refused", "fails"
 MISSING = "not installed"  # nobody can say here
@@ -178,6 +179,9 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
     found = []
     for name in names:
         rows = pd.concat([effects(name, **way) for way in ({}, *WAYS.get(name, ()))], ignore_index=True)
+        if rows["setting"].eq("distort").any():
+            moved_nodes = effects(name, **MOVED)
+            rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
         word = rows["value"].where(rows["value"].map(lambda value: isinstance(value, str)), "")
         for _, own in rows.groupby([rows["setting"], word], sort=False):
             broken = own[own["effect"].str.startswith(FAILS)]

@@ -22,7 +22,7 @@ from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, moved_nodes
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, HALF = 100.0, 100.0, 25.0  # MPa across the fibres, mm, mm: half the width of the panel
@@ -80,7 +80,7 @@ class Panel:
         units = Units(unit, stress)
         surface, halves = _shape(request, unit)
         across = lines(n2, halves[1], request.number("irregular"))
-        grid = Grid.tensor(lines(n1, halves[0], request.number("irregular")), across)
+        grid = moved_nodes(request, Grid.tensor(lines(n1, halves[0], request.number("irregular")), across))
         supports = Supports.of_edges(grid, *["clamped"] * 4)
         edge = np.flatnonzero(supports.held.any(axis=1))
         h = RADIUS * request.number("h_over_R") * unit

@@ -27,7 +27,7 @@ from studies.ask.scene import Begun, Observation, ShellSceneModel, Stage, UsageE
 from studies.scenes.element import discretise
 from studies.scenes.statics import loaded_shell, with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
-from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of
+from studies.scenes.tyre.parts import Part, base_of, column_of, distorted, locally_refined, part_of
 from studies.scenes.tyre.press import Column, PressedTyre, Wall, arc_of, begin_inflation
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within
 
@@ -115,6 +115,7 @@ class TyreModel(ShellSceneModel, PressedTyre):
         if request.leaves:
             base = base_of(settings) if request.model == "sector" else request.model
             part = locally_refined(part, request, base)
+        part = distorted(part, request)
         shell = inflated_shell(request, part)
         alike = isinstance(part.grid, TensorGrid) and request.model != "full"  # all columns of elements are one
         column = _column(request, part, shell) if alike else None

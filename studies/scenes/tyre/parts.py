@@ -18,7 +18,7 @@ from formulations.conditions.dof_map import Images
 from formulations.geometry.grid import Grid, TensorGrid
 from studies.ask.request import Request, Value
 from studies.ask.scene import UsageError
-from studies.scenes.element import tree_over
+from studies.scenes.element import moved_nodes, tree_over
 
 MODELS = ("auto", "full", "half", "mirror", "quarter", "sector", "axisymmetric")
 TURNED = np.array([1.0, -1.0, -1.0])  # a turn by 180 degrees about e_x: Cartesian components
@@ -143,6 +143,14 @@ def locally_refined(part: Part, request: Request, model: str) -> Part:
     fine = part_of(model, psi, phi)
     view = fine.view @ tree.interpolation(grid, fine.grid.nodes)
     return replace(fine, grid=grid, images=_turned(grid) if model == "half" else None, view=sparse.csr_matrix(view))
+
+
+def distorted(part: Part, request: Request) -> Part:
+    """The part with its nodes moved as asked; those of a seam that mirrors itself stay, and so do their images."""
+    images = part.images
+    grid = moved_nodes(request, part.grid, None if images is None else np.union1d(images.nodes, images.of))
+    angles = np.copysign(part.view @ grid.nodes, part.angles) if grid is not part.grid else part.angles
+    return replace(part, grid=grid, angles=angles)
 
 
 def _turned(grid: Grid) -> Images:

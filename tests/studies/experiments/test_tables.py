@@ -60,7 +60,7 @@ def test_the_report_has_all_tables() -> None:
 
 
 def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
-    of_the_solid = {cell.scene for cell in LISTS["solid"].ladder_cells()}
+    of_the_solid = {cell.scene for cell in LISTS["solid"].cells()}
     # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes; the
     # errors of manufactured scenes are known, their orders a table of their own
     others = {"panel", "manufactured", "manufactured-contact"}
