@@ -53,7 +53,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
         {"given": {"E_MPa": 20.0, "nu": 0.45}},
     ),
 }
-MOVED: dict[str, Any] = {"given": {"element": "quads", "distort": 0.2}}
+MOVED: dict[str, Any] = {"given": {"element": "quads", "distort": 0.05}}
 COLUMNS = ("scene", "setting", "value", "effect")
 NONE, REFUSED, FAILS = "none", "refused", "fails"
 MISSING = "not installed"  # nobody can say here
