@@ -38,13 +38,16 @@ OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
     ("membrane", MEMBRANES, "linear modes of the membrane strain"),
 )
 BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
-ELEMENT = (
-    Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
-    *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
+MOVED_NODES = (
     Setting(
         "distort", None, "how far nodes are moved, over the size of an element", low=0, high=LARGEST, otherwise="0"
     ),
     Setting.one_of("distortion", DISTORTIONS, None, "how nodes are moved; with distort", otherwise="random"),
+)
+ELEMENT = (
+    Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
+    *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
+    *MOVED_NODES,
 )
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 Span = tuple[float, float]  # both ends of a coordinate

@@ -56,7 +56,9 @@ def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
     own = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
     seen = [own]
     presets: list[tuple[str, dict[str, Value], dict[str, str]]] = [
-        (name, {**own, **values}, {"element": name}) for name, values in PRESETS.items() if "element" in declared
+        (name, {**own, **values}, {"element": name})
+        for name, values in PRESETS.items()
+        if "element" in declared and values["interpolation"] != "quads"  # the same error on a grid, for more seconds
     ]
     alone: list[tuple[str, dict[str, Value], dict[str, str]]] = [
         (f"{key}={choice}", {**own, key: choice}, {key: choice})

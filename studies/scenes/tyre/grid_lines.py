@@ -25,6 +25,7 @@ from formulations.geometry.grid import CORNERS, graded_lines
 from formulations.recovery import energy_products, recovery_errors, refined
 from studies.ask.request import Request, Settings
 from studies.ask.scene import Setting, UsageError
+from studies.scenes.element import MOVED_NODES
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.press import PATH_SETTINGS
 from studies.scenes.walk import Visited, walk
@@ -156,8 +157,9 @@ class TyreSizes:
             raise UsageError(
                 "an adapted mesh follows the contact: delta_mm = 0 has none, take grading=patch or uniform"
             )
-        by_arc = {setting.key for setting in PATH_SETTINGS}  # two travels are all that is wanted of the path
-        by_travel = Settings({key: value for key, value in request.settings.items() if key not in by_arc})
+        # two travels are all that is wanted of the path, and lines that nodes may be moved from afterwards
+        left_out = {setting.key for setting in (*PATH_SETTINGS, *MOVED_NODES)}
+        by_travel = Settings({key: value for key, value in request.settings.items() if key not in left_out})
         settings = by_travel.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
         coarse = replace(request, settings=settings, mesh=COARSE, model="full")
         lines = tyre_lines(COARSE, request.number("clamp_deg"))
