@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -105,3 +107,20 @@ def test_the_tensor_by_second_differences_of_the_energy(measure: str, angle: flo
         errors.append(sum(energies) / expected - 1)
     assert abs(errors[1]) < 0.05
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3)
+
+
+def test_stress_at_rest_counts_as_that_of_strains() -> None:
+    """Resultants change the tensor by the same whether strains make them or they have been there before."""
+    shell = patch_of_torus("exact", 2, 0.006)
+    own, angles, rng = shell.discretisation, np.array([0.6]), np.random.default_rng(5)
+    stress = rng.normal(size=11)
+
+    def change(u: np.ndarray) -> np.ndarray:
+        (without,), (with_it,) = (
+            list(acoustic_tensors(replace(shell, initial=each), u, angles)) for each in (None, stress)
+        )
+        return with_it - without
+
+    at_rest, strained = (change(size * rng.normal(size=own.n_free)) for size in (0.0, 1e-6))
+    assert np.abs(at_rest).max() > 0.01
+    np.testing.assert_allclose(strained, at_rest, rtol=0, atol=1e-9 * np.abs(at_rest).max())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from formulations.conditions.dof_map import DofMap
+from formulations.conditions.dof_map import DofMap, Images
 from support.problems.shells import make_shell
 
 ROUNDING = 1e-12  # relative
@@ -52,6 +52,9 @@ def test_impossible_supports_are_refused() -> None:
         DofMap.build(fixed, hinged)
     with pytest.raises(ValueError, match="every displacement is held"):
         DofMap.build(np.ones((3, 6), bool))
+    chain = Images(np.array([0, 1]), np.array([1, 2]), np.ones((2, 3)))
+    with pytest.raises(ValueError, match="an image follows an image"):
+        DofMap.build(np.zeros((3, 6), bool), images=chain)
 
 
 def test_a_hinged_shell_is_the_loose_shell_on_the_map(curved_patch, rng) -> None:

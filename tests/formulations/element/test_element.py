@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space, subspace_angles
 
-from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.mixed import MEMBRANES, N_M, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
@@ -191,3 +191,12 @@ def test_zero_modes_are_the_rigid_motions(patch, interpolation) -> None:
         assert max(angles) <= 100 * ROUNDING
     else:
         assert ELEMENT_ERROR[0] <= fitted_order(sizes, angles) <= ELEMENT_ERROR[1]
+
+
+def test_strains_at_gauss_points_are_those_of_their_modes(rng) -> None:
+    """Projected again on a plate, whose rows have no factors, they are what they came from."""
+    shell = make_shell(Plate(), Grid.tensor(np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0])))
+    geometry, element = shell.discretisation.geometry, shell._element
+    modes = rng.normal(size=(2, N_M))
+    found = element.on_modes(geometry, element.at_gauss(geometry, modes), None)
+    np.testing.assert_allclose(found, modes, rtol=0, atol=ROUNDING * 10)

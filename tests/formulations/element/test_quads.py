@@ -205,3 +205,17 @@ def test_bisection_fills_in_hardly_more_than_the_lines_of_a_grid() -> None:
         factor = splu(K.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         fill.append(factor.L.nnz)
     assert fill[1] < 1.3 * fill[0]
+
+
+def test_resultants_of_a_section_without_symmetry_and_of_stress_at_rest_are_its_own() -> None:
+    """On one and the same grid, whatever section and stress it has had before."""
+    body, rng = quads("plate"), np.random.default_rng(0)
+    u = 0.01 * rng.standard_normal(body.n_free)
+    D = WALL.stiffness("nonsymmetric")
+    shell = ShellModel(body, MEASURES["exact"], section="nonsymmetric")
+    np.testing.assert_allclose(shell.mean_resultants(u), shell.mean_strains(u) @ D.T, rtol=0, atol=1e-12 * D.max())
+    stress = rng.standard_normal(11)
+    before, after = (ShellModel(body, MEASURES["exact"], initial=sign * stress).residual(u) for sign in (1, -1))
+    alone = ShellModel(body, MEASURES["exact"]).residual(u)
+    assert np.abs(after - before).max() > 1e-3 * np.abs(alone).max()
+    np.testing.assert_allclose(before + after, 2 * alone, rtol=0, atol=1e-12 * np.abs(alone).max())

@@ -275,6 +275,9 @@ def test_the_order_of_elimination_keeps_the_fill_low(periodic) -> None:
         tree = tree.refined(np.abs(np.hypot(a1 - 0.5, a2 - 3.0) - 0.3) < 0.15)
     grid = tree.grid()
     np.testing.assert_array_equal(np.sort(elimination_order(grid)), np.arange(grid.n_nodes))
+    if periodic:  # the line that opens the ring is cut out of all else
+        line = grid.on_line(1, 0.0)
+        np.testing.assert_array_equal(np.sort(elimination_order(grid)[-len(line) :]), line)
     fixed = np.zeros((grid.n_nodes, 6), bool)
     fixed[grid.on_line(0, 0.0)] = True
     filled = []
@@ -283,3 +286,15 @@ def test_the_order_of_elimination_keeps_the_fill_low(periodic) -> None:
         K = ShellModel(shell, MEASURES["exact"]).linearise(np.zeros(shell.n_free)).tangent
         filled.append(splu(K, permc_spec=rule, diag_pivot_thresh=1e-3, options={"SymmetricMode": True}).nnz)
     assert filled[0] < MOST_FILL * filled[1]
+
+
+def test_a_hinge_holds_the_middle_of_a_hanging_node(rng) -> None:
+    """On the line where it hangs between its ends, whatever these do."""
+    grid = Quadtree.over(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0])).refined(np.array([True, False])).grid()
+    assert grid.hanging is not None
+    hinged = np.zeros((grid.n_nodes, 3), bool)
+    hinged[grid.on_line(0, 1.0), 2] = True
+    shell = make_shell(Plate(), grid, hinged=hinged).discretisation
+    v = shell.expand(0.01 * rng.normal(size=shell.n_free))[grid.on_line(0, 1.0)]
+    assert np.abs(v[:, 4]).min() > 0
+    np.testing.assert_allclose(v[:, 4] + v[:, 5], 0.0, rtol=0, atol=1e-15)
