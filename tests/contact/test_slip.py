@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.coulomb import Motion
+from contact.coulomb import Friction, Motion
 from contact.obstacles.drum_sphere import Drum, Sphere
-from contact.obstacles.foundation import Candidates, RigidPlane
-from contact.slip import Slip, tangents
+from contact.obstacles.foundation import Candidates, RigidPlane, against
+from contact.problem import Linearised
+from contact.slip import Slip, stretched, tangents
 from support.problems.differences import central_difference
 
 M = 5
 EXACT = 1e-12  # of lengths of the order one
+
+
+def without_mechanics(u: np.ndarray, memory: object) -> Linearised:
+    raise TypeError("a slip is asked for, and nothing is solved")
 
 
 def unit(rng) -> np.ndarray:
@@ -83,3 +88,32 @@ def test_tangents_of_any_normal(rng) -> None:
     normals = np.vstack([np.eye(3), -np.eye(3), [unit(rng) for _ in range(20)]])
     frames = np.concatenate([tangents(normals), normals[:, None]], axis=1)
     np.testing.assert_allclose(np.linalg.det(frames), 1.0, rtol=0, atol=EXACT)
+
+
+def test_springs_leave_the_anchors_from_which_they_are_stretched(rng) -> None:
+    """Friction -epsilon w s is that of springs stretched by s, and the next step counts the slip s where it begins."""
+    slips, u, s = slip(rng, "plane", motion(rng)), rng.normal(size=3 * M), rng.normal(size=(M, 2))
+    plane, w = slips.foundation, rng.uniform(0.1, 2.0, M)
+    problem = against(without_mechanics, Candidates(slips.candidates.reference, slips.candidates.operator, w), plane)
+    np.testing.assert_allclose(stretched(problem, -3.0 * w[:, None] * s, 3.0), s, rtol=1e-14)
+    np.testing.assert_allclose(slips.since(slips.left(u, s))(u), s, rtol=0, atol=EXACT * 10)
+
+
+def test_friction_of_the_chosen_comes_back_in_their_places(rng) -> None:
+    whole = Friction(rng.normal(size=(M, 2)), np.ones(M, int), rng.normal(size=(M, 3)), rng.normal(size=(M, 3)), 2.0)
+    chosen, now = np.array([True, False, True, True, False]), rng.normal(size=(M, 3))
+    found = whole.only(chosen).of_all(chosen, now)
+    for name, other in (("force", 0.0), ("state", 0), ("since", now), ("anchors", now)):
+        mine = np.reshape(chosen, (M,) + (1,) * (getattr(whole, name).ndim - 1))
+        np.testing.assert_array_equal(getattr(found, name), np.where(mine, getattr(whole, name), other))
+    assert found.dissipation == 2.0
+
+
+def test_what_supports_leave_one_way_has_that_way_first_and_no_other(rng) -> None:
+    """Along (1, 1, 0) and up: two unknowns, of which the plane sees one way."""
+    along = np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
+    operator = sparse.csr_matrix(np.column_stack([along, [0.0, 0.0, 1.0]]))
+    candidates = Candidates(np.zeros((1, 3)), operator, np.ones(1))
+    slips = Slip(candidates, RigidPlane(np.array([0.0, 0.0, -1.0]), 0.0), Motion.none(), np.zeros((1, 3)))
+    np.testing.assert_allclose(np.abs(slips.directions[0, 0]), np.abs(along), rtol=0, atol=EXACT)
+    np.testing.assert_array_equal(slips.jacobian(np.zeros(2)).toarray()[1], 0.0)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from contact.events import EventKind, events
 from contact.problem import Outcome
 from contact.verify import judge
 from support.problems.contact_problems import applicable, dual_by_nnls, manufactured, random_quadratic, solve_from_rest
@@ -132,3 +133,16 @@ def test_finite_epsilon_obeys_its_law_and_converges_to_the_constraint(name) -> N
                 np.testing.assert_allclose(solution.pressure, law, rtol=0, atol=ROUNDING + GAP_ROUNDING * epsilon)
                 penetrations.append(np.max(-gap))
         assert abs(fitted_order(measured, penetrations) + 1) <= SLOPE
+
+
+@pytest.mark.parametrize("name", ["lcp", "qp"])
+def test_the_full_system_has_springs_by_area_and_the_set_of_its_own_answer(name) -> None:
+    """The answer of a finite epsilon on unequal areas is that of all others, and no step has to correct its set."""
+    for seed, epsilon in product(range(3), (1.0, 1e3, np.inf)):
+        data = random_quadratic(np.random.default_rng(seed), "definite")
+        known, found = (
+            solve_from_rest(each, data.problem(), len(data.f), epsilon, **options)
+            for each, options in (("semismooth", {}), (name, {"system": "full"}))
+        )
+        np.testing.assert_allclose(found.pressure, known.pressure, rtol=0, atol=ORACLE)
+        assert not events(found.history, EventKind.SUBSTITUTE)

@@ -15,7 +15,7 @@ from scipy import sparse
 from contact.algorithms.lcp import Lcp
 from contact.algorithms.qp import Qp
 from contact.problem import ContactSolution, Outcome
-from contact.solvers.lcp_pivoting import LcpError, active_set, by_nnls, lemke
+from contact.solvers.lcp_pivoting import LcpError, active_set, by_nnls, lemke, principal_pivot
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
 from support.problems.contact_problems import (
@@ -241,3 +241,12 @@ def test_single_swaps_that_come_back_are_given_up_at_once() -> None:
         M[-1, -1], q[-1] = -1.0, -1.0
         with pytest.raises(LcpError, match=r"after \d updates: M is no P-matrix"):
             active_set(M, q)
+
+
+def test_exchanged_forces_and_gaps_are_the_same_problem(rng) -> None:
+    """Any z and w = M z + q keep to the problem in which some of them have changed places."""
+    M, q, z = rng.normal(size=(6, 6)), rng.normal(size=6), rng.normal(size=6)
+    w = M @ z + q
+    for chosen in (np.zeros(6, bool), np.arange(6) % 3 == 0, np.ones(6, bool)):
+        M_, q_ = principal_pivot(M, q, chosen)
+        np.testing.assert_allclose(M_ @ np.where(chosen, w, z) + q_, np.where(chosen, z, w), rtol=0, atol=1e-12)

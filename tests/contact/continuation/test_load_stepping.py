@@ -12,8 +12,16 @@ from scipy import sparse
 import contact.events
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
-from contact.continuation.load_stepping import BRIEF, EASY_ITERATIONS, SMALLEST, WORTH, follow
-from contact.events import EventKind
+from contact.continuation.load_stepping import (
+    BRIEF,
+    EASY_ITERATIONS,
+    SMALLEST,
+    WORTH,
+    Attempt,
+    Stepper,
+    follow,
+)
+from contact.events import Event, EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
 from support.problems.contact_problems import Quadratic
 
@@ -271,3 +279,13 @@ def test_nothing_grows_after_the_last_step_to_a_target(tracking) -> None:
         assert [t for t, event in events(point) if "grows" in event] == pytest.approx(
             [point.requested - part for part in (0.75, 0.5, 0.25)], rel=EXACT
         )
+
+
+def test_what_has_passed_through_is_not_asked_for_as_far_again(tracking) -> None:
+    """The step that is cut is then the longest; after any other failure it may grow to what was asked for."""
+    rest = ContactSolution(np.zeros(1), np.zeros(1), np.zeros(1, bool), Outcome.CONVERGED)
+    begun = Stepper(tracking, Choosy(), 1.0, 1.0, SMALLEST, ((0.0, rest),), 1.0, ((0.0, rest),))
+    for kind, longest in ((EventKind.FAILED | EventKind.PASSED, 0.5), (EventKind.FAILED, 1.0)):
+        failure = Event(kind, "no state")
+        cut = begun.reject(Attempt(1.0, rest, failure), failure)
+        assert (cut.step, cut.asked) == (0.5, longest)

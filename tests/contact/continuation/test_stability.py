@@ -145,3 +145,20 @@ def tilted(load: float) -> float:
     for _ in range(50):
         angle -= (angle - load * math.sin(angle)) / (1 - load * math.cos(angle))
     return angle
+
+
+def test_an_element_with_a_mode_is_cut_in_two_at_the_least() -> None:
+    """Also where the drive of its stress alone asks for no cut."""
+
+    class One:
+        stiffness = (sparse.csc_matrix(np.diag([2.0, 0.0])), sparse.csc_matrix((2, 2)))
+        cuts, aspect = (1, 1), 1.0
+
+        def alternating(self, modes: np.ndarray) -> int:
+            return 1
+
+    data = Quadratic(np.diag([-1.0, 1.0]), np.zeros(2), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
+    problem = replace(data.problem(), element_modes=lambda u: One())
+    found = stability(problem, on(np.zeros(0, bool), 2))
+    assert (found.negative, found.element_modes, found.cuts) == (0, 1, (2, 1))
+    assert "elements cut in 2 along a1 have none" in found.sentence

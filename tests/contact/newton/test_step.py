@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
 
-from contact.newton.step import NewtonRun
+from contact.newton.step import ROUNDING_MARGIN, NewtonRun
+from contact.rounding import rounding_floor
 from contact.solvers.sparse import SingularMatrixError
 from support.problems.contact_problems import Quadratic, dense_step, random_quadratic
 
@@ -125,3 +127,14 @@ def test_a_pressure_that_acts_on_nothing_is_singular(rng) -> None:
     run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.array([True] + 5 * [False])
     with pytest.raises(SingularMatrixError):
         run.step(run.linearise(u, None), u, np.zeros(6), active)
+
+
+def test_a_pressure_of_rounding_is_one_of_forces_over_the_area() -> None:
+    """On an area of 1e-6 what rounding makes of a force is a large pressure, and swaps nothing; ten times that does."""
+    data = Quadratic(np.eye(1), np.ones(1), np.ones((1, 1)), -np.ones(1), np.array([1e-6]))
+    run, u = NewtonRun(data.problem()), np.ones(1)
+    lin = run.linearise(u, None)
+    known = run.at(lin, u, np.zeros(1), np.ones(1, bool))
+    rounding = ROUNDING_MARGIN * rounding_floor(lin, u, known.scale) / 1e-6
+    wrong = [run.misplaced(replace(known, pressure=np.array([-k * rounding])), solved=True)[0] for k in (0.9, 10.0)]
+    assert wrong == [False, True]
