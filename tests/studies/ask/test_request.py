@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from studies.ask.request import Request, Settings, text_of
+from studies.ask.request import Request, Settings, UsageError, text_of
+from studies.ask.settings import Setting
 from studies.output.atomic import plain
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
@@ -50,3 +51,14 @@ def test_values_have_a_type_where_they_are_read() -> None:
 def test_texts_read_back() -> None:
     values = (0.001, 1e-9, 510.451234, 4, 4.0, math.inf, (0.5, 1.0), "dead")
     assert [text_of(each) for each in values] == ["0.001", "1e-09", "510.451234", "4", "4", "inf", "0.5,1", "dead"]
+
+
+def test_lists_grow_and_hold_numbers_alone() -> None:
+    for kind, wrong in (("floats", "1,1"), ("floats", "2,1"), ("floats", [True, 2.0]), ("float", True)):
+        with pytest.raises(UsageError, match="must be"):
+            Setting("key", None, "", kind).parse(wrong)
+
+
+def test_leaves_are_asked_for() -> None:
+    request = complete("tyre", {})[1]
+    assert request.key() != replace(request, leaves=((1, 0, 0),)).key()

@@ -13,7 +13,7 @@ import pytest
 from studies.ask.request import Request, Settings
 from studies.ask.scene import UsageError
 from studies.commands.gate import comment
-from studies.gate.baseline import TOLERANCES, UPDATES, Update, bound_of, read_baseline, read_bounds
+from studies.gate.baseline import COMMAND, OUTCOME, TOLERANCES, UPDATES, Update, bound_of, read_baseline, read_bounds
 from studies.gate.compare import NothingComparedError, check, compared, failures, lines, measured, update
 
 EXACT = 6.69964  # mm, the cantilever's tip deflection under the whole load, as its scene says
@@ -278,3 +278,12 @@ def test_the_comment_of_a_review(baseline: Path) -> None:
     assert "| more | the cell |" in text
     same = comment("quick", campaign(), campaign(), bounds, "not asked for")
     assert "Nothing changed beyond the bounds." in same
+
+
+def test_a_cell_that_ends_otherwise_is_worse_only_where_it_has_been_solved() -> None:
+    before, now = (
+        pd.DataFrame([("a", COMMAND, "run"), ("a", OUTCOME, outcome)], columns=["label", "column", "value"])
+        for outcome in ("not-converged", "converged")
+    )
+    assert [each.what for each in compared(before, now, ())] == ["changed"]
+    assert [each.what for each in compared(now, before, ())] == ["worse"]

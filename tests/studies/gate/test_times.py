@@ -116,3 +116,9 @@ def test_too_few_samples_are_no_comparison(rng: np.random.Generator) -> None:
     verdicts = compare_times(mixed, mixed).set_index("label")["verdict"]
     assert verdicts["more"] == "same"
     assert verdicts["cell 0"] == "too few samples"
+
+
+def test_blocks_that_are_further_apart_than_halves_are_the_floor() -> None:
+    samples, blocks = np.linspace(1.0, 1.2, 100), np.repeat([0, 1], 50)
+    assert floor_of(samples) < 0.05
+    assert floor_of(samples, blocks) == pytest.approx(0.1 / 1.1, rel=0.02)

@@ -16,9 +16,10 @@ from studies.ask.scene import Stage
 from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, walk
 from studies.solving.branching import branches_of
-from studies.solving.certificate import certificate
+from studies.solving.certificate import _linearised_once, certificate
 from studies.solving.result import CAP_HIT, CONVERGED, NOT_CONVERGED, UNSTABLE, Result
 from studies.solving.solve import solve
+from support.problems.contact_problems import Quadratic
 
 KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding", "stability"}
 MESH = "12x12"
@@ -186,3 +187,11 @@ def test_of_two_equilibria_of_one_question_the_certificate_says_which_is_stable(
     forces = [row["force_N"] for row in branches_of(saddle) if row["found"]]
     assert len(forces) == 2
     assert max(forces) == pytest.approx(stable.steps[-1]["force_N"], rel=1e-6)
+
+
+def test_what_is_linearised_once_is_so_at_one_state_alone() -> None:
+    problem = Quadratic(np.eye(2), np.ones(2), np.zeros((0, 2)), np.zeros(0), np.zeros(0)).problem()
+    here, there = np.zeros(2), np.ones(2)
+    once = _linearised_once(problem, here)
+    assert once.linearise(here, None) is once.linearise(here, None)
+    np.testing.assert_array_equal(once.linearise(there, None).residual, problem.linearise(there, None).residual)

@@ -185,3 +185,12 @@ def test_coarse_grids_are_trusted_as_far_as_the_reference_shows() -> None:
     apart = difference(classical, exact[:4], limit)
     assert isinstance(apart, Difference)
     assert apart.value == pytest.approx(-0.259, abs=apart.within)
+
+
+def test_what_the_reference_misses_on_the_same_grids_counts_with_a_margin() -> None:
+    """Twice the reference, whose limit is 10 below what these grids say: 1.5 times as much, twice, is open."""
+    beside = [Seen(h, 100 + 0.8 * h**2) for h in (1.0, 0.5, 0.25)]
+    own = [Seen(each.size, 2 * each.value) for each in beside]
+    found = difference(own, beside, Estimate(90.0, 0.0, 0.0))
+    assert isinstance(found, Difference)
+    assert (found.value, found.within) == pytest.approx((110 / 90, 2 * 15 / 90))

@@ -24,7 +24,7 @@ from studies.scenes.friction_readings import FRICTION, in_space
 from studies.scenes.walk import walk
 from studies.solving.branching import branches_of
 from studies.solving.certificate import certificate
-from studies.solving.friction_stages import Stages
+from studies.solving.friction_stages import Slide, Stages
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -334,3 +334,9 @@ def test_soft_springs_slip_however_little_they_carry() -> None:
     result = solve(*complete("heavy-strip", {"mu": "0.0525", "epsilon": "1e-9"}, "4x1"))
     assert result.verdict == "converged"
     assert result.loads[-1].seen["slipping"] > 0
+
+
+def test_a_foundation_is_dragged_and_then_turned_about_the_origin() -> None:
+    """What lies at the origin is dragged along the first axis, and turned onto the second one with the foundation."""
+    x, y, z = np.eye(3)
+    np.testing.assert_allclose(Slide(z, x).motion(2.0, 90.0).out(np.zeros((1, 3))), [2 * y], rtol=0, atol=1e-15)

@@ -19,6 +19,7 @@ from studies.experiments.extremes import CONVERGED, FAILED, UNSTABLE, UNTOUCHED,
 from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate
+from studies.solving.solve import solve as solve_request
 
 MAPS = ("length-unit", "stress-unit")
 ROUNDING = 1e-8  # of forces; the tolerance of Newton is 1e-9
@@ -159,3 +160,10 @@ def test_what_rounding_leaves_is_not_called_converged_unless_it_is_known_to_move
     """Nearly incompressible, 2e6 times thinner than its radius: four times beyond where the last digits decide."""
     found = attempt(chart_of("nu-thin").point(nu, "5e-07"))
     assert found.kind == FAILED
+
+
+def test_what_is_read_off_a_panel_is_in_units_of_its_own() -> None:
+    asked = ({}, {"length_unit": 1e3, "stress_unit": 1e-3})
+    one, other = (solve_request(*complete("panel", each, "4x4")).quantities for each in asked)
+    assert one["peak_MPa"] > 0
+    assert other == pytest.approx(one, rel=1e-8)

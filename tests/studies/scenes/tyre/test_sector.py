@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from studies.ask.scene import UsageError
 from studies.cli import WRONG_USE, main
 from studies.scenes.complete import complete as resolve
+from studies.scenes.tyre import sector
 from studies.scenes.tyre.sector import check_patch, check_reach, with_line_at, within
 from studies.solving.result import Result
 from studies.solving.solve import solve
@@ -116,3 +118,12 @@ def test_a_patch_at_the_cut_is_refused() -> None:
 def test_auto_never_cuts() -> None:
     assert resolve("tyre", {})[1].model == "half"
     assert resolve("tyre", {}, model="sector")[1].settings["sector_deg"] == 90.0
+
+
+def test_all_parts_that_show_the_patch_have_the_error_of_their_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sector, "disturbance", lambda *_: (np.array([0.5, 1.4]), np.array([9.0, 1.0])))
+    one, four = (
+        sector.truncation_estimate(None, SimpleNamespace(copies=n, cut=1.5), np.zeros(1), np.zeros(1), 2.0, -3.0)
+        for n in (1, 4)
+    )
+    assert four == 4 * one == pytest.approx(4 * sector.SAFETY * 4 * 1.5 / sector.DECAY / 6)

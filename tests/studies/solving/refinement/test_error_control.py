@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.experiments.error_coverage import Case, error_coverage, shipped_cases
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.refinement.error_control import Round, estimate, parse_error, solve_to_error
+from studies.solving.refinement.error_control import Round, at_loads, estimate, parse_error, solve_to_error
 from studies.solving.refinement.grids import coarsest
 from studies.solving.refinement.records import growth
 from studies.solving.solve import solve
@@ -214,3 +215,13 @@ def test_the_isotropic_tyre_against_solids() -> None:
 def test_the_cases_name_what_scenes_have() -> None:
     assert sum(len(case.quantities) for case in shipped_cases()) * 2 >= 80
     assert {case.scene for case in shipped_cases()} <= set(SCENES)
+
+
+def test_the_rim_has_the_same_part_in_all_loads() -> None:
+    """A quarter of the last value is that of a value half as large, too."""
+    coarse, fine = (
+        SimpleNamespace(loads=[SimpleNamespace(seen={"q": v}) for v in values], end=SimpleNamespace(trace=None))
+        for values in ((-3.0, 5.0), (-2.0, 4.0))
+    )
+    found = at_loads(coarse, fine, "q", replace(rounds((5.0, 4.0))[0], rim=1.0))
+    assert [(each.value, each.finer, each.rim) for each in found] == [(-3.0, -2.0, 0.5), (5.0, 4.0, 1.0)]

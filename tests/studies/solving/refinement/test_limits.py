@@ -84,3 +84,8 @@ def test_a_quantity_that_is_nothing_has_a_limit() -> None:
     found = known([Seen(h, 0.0) for h in (4, 2, 1)])
     assert (found.limit, found.error) == (0.0, 0.0)
     assert found.interval == {"low": 0.0, "high": 0.0}
+
+
+def test_three_grids_in_contact_are_guarded_by_their_largest_difference() -> None:
+    grids = ladder(2.0, 3)
+    assert known(grids, touching=True).uncertainty * 100 == pytest.approx(grids[0].value - grids[1].value)

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from studies.solving.refinement.richardson import MeshSequence, correction, limit_of, order_against, order_of
+from studies.solving.refinement.richardson import SAME, MeshSequence, correction, limit_of, order_against, order_of
 
 SIZES = (1.0, 0.5, 0.25)
 
@@ -91,3 +91,9 @@ def test_a_limit_is_there_for_every_sequence_and_says_what_the_sequence_says() -
                 assert (found.value, found.uncertainty) == (sequence.limit, sequence.uncertainty)
     with pytest.raises(ValueError, match="a limit takes three"):
         limit_of((1, 0.5), (1.0, 1.0))
+
+
+def test_what_is_the_same_on_every_mesh_is_as_uncertain_as_all_of_them() -> None:
+    found = MeshSequence((1.0, 0.5, 0.25, 0.125), (1 + 8e-6, 1 + 1e-6, 1.0, 1.0))
+    assert (found.verdict, found.limit) == (SAME, 1.0)
+    assert found.uncertainty == pytest.approx(8e-6)
