@@ -65,6 +65,7 @@ def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
         for key, choices, _ in OPTIONS
         if key in own
         for choice in choices
+        if choice != "quads"
     ]
     for name, values, said in presets + alone:
         if values not in seen:
