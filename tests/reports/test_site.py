@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from reports import markdown
+from reports import markdown, site
 from reports.cells import Cell
 from reports.chapter import INDEX_TITLE, Chapter
 from reports.compare import differences, same_number
@@ -434,3 +434,19 @@ def test_every_page_ends_with_the_foot_and_the_one_file_has_it_once(files: dict[
     assert whole.count("footprint 0, commit unknown") == 1
     assert "MIT licence" in end
     assert 'href="#data--licence-and-citation"' in end
+
+
+def test_who_changes_a_table_of_a_cell_changes_it_for_nobody_else(tmp_path: Path) -> None:
+    (tmp_path / "curve.csv").write_text("newton_iterations,limit_point\n3,0\n", encoding="utf-8")
+    cell = Cell("a", "ring", "", tmp_path, {}, "converged", "")
+    changed = cell.table("curve")
+    changed["limit_point"] = 1
+    assert cell.table("curve")["limit_point"].tolist() == [0]
+
+
+@pytest.mark.parametrize("name", ["/a.md", "../a.md", "figures/../../a.svg"])
+def test_no_page_is_written_outside_its_folder(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(site, "load_store", lambda *_: Store(tmp_path, "a", ()))
+    monkeypatch.setattr(site, "rendered", lambda *_, **__: {name: ""})
+    with pytest.raises(StoreError, match="leads out of its folder"):
+        write_pages(tmp_path, tmp_path / "out")

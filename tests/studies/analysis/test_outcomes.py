@@ -80,3 +80,10 @@ def test_intervals_are_those_of_scenes_and_rest_on_five_problems(contact: pd.Dat
     found = contact_summary(few).set_index("algorithm").loc["lcp"]
     assert found["both"] == 4
     assert math.isnan(found["seconds_ratio"])
+
+
+def test_of_equal_problems_the_one_that_is_solved_counts(contact) -> None:
+    lost = contact[contact["contact"] == "semismooth"].assign(outcome="cap-hit")
+    both = [outcomes(table) for table in (contact, pd.concat([lost, contact], ignore_index=True))]
+    own = [found[found["name"] == "semismooth"]["solved"].tolist() for found in both]
+    assert own[0] == own[1]

@@ -18,7 +18,7 @@ from contact.problem import Linearisation
 from studies.ask.scene import has_contact
 from studies.ask.settings import parameters_of
 from studies.cli import main
-from studies.fuzz import posed
+from studies.fuzz import comparing, posed
 from studies.fuzz.attempt import CONVERGED, Asked, Broken, attempt
 from studies.fuzz.cases import COMMANDS, FRICTION, KINDS, asked_of, changed, first_asked, kind_of, parsed, request_of
 from studies.fuzz.comparing import AGREES, Answer, compared, error_of, unstable
@@ -108,6 +108,23 @@ def test_a_difference_is_explained_only_where_it_is() -> None:
     assert compared(one, Answer(other, found, Semismooth())) == ""
     loose = replace(one, state=replace(answer, u=answer.u * (1 + 1e-4)))
     assert "tolerance" in compared(one, loose)
+
+
+def test_a_difference_is_that_of_a_tolerance_or_confirmed_from_both_sides(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, answer = posed.made(3, np.inf)
+    one, other = (Answer(problem, replace(answer), Semismooth()) for _ in range(2))
+    sure, error = list[Answer](), 0.0
+    monkeypatch.setattr(comparing, "difference", lambda *_: 1e-3)
+    monkeypatch.setattr(comparing, "error_of", lambda _: error)
+    monkeypatch.setattr(comparing, "confirms", lambda who, state: who in sure)
+    for confirming in ([], [one], [other]):
+        sure = confirming
+        assert compared(one, other) == ""
+    sure = [one, other]
+    assert compared(one, other).startswith(comparing.BRANCHES)
+    for share, word in ((0.9, comparing.BRANCHES), (1.1, comparing.TOLERANCE)):
+        error = share * 1e-3 / comparing.MARGIN
+        assert compared(one, other).startswith(word)
 
 
 def test_friction_is_no_error_of_a_state() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from studies.ask.scene import UsageError
 from studies.scenes.complete import complete as resolve
-from studies.scenes.tyre.foundation import PARAMETERS
+from studies.scenes.tyre.foundation import PARAMETERS, foundation
 from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
@@ -123,3 +123,9 @@ def test_a_tyre_does_not_go_through_the_edge_of_a_box(monkeypatch: pytest.Monkey
         assert swept == ([["swept"]] if (steps, checked) == (1, False) else [[]])
     assert forces[1, True] == pytest.approx(forces[20, False], rel=1e-6)
     assert forces[1, False] < 0.7 * forces[20, False]
+
+
+@pytest.mark.parametrize("name", PARAMETERS)
+def test_the_foremost_point_is_at_the_origin_and_the_tyre_before_it(name: str) -> None:
+    found = foundation({"foundation": name, **PARAMETERS[name]})
+    np.testing.assert_allclose(found.gap(np.array([[0.0, 0, 0], [-1.0, 0, 0]])), [0.0, 1.0], rtol=0, atol=1e-12)
