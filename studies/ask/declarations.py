@@ -75,7 +75,7 @@ class Sheet:
 
     up: what points upwards, "x", "-x" or "z"; azimuth, elevation [deg] of the viewer around it and above the horizon.
     mesh: where the default one is more, or less, than a picture shows.  settings: instead of what the first ladder asks
-    for.  model: another than "auto".
+    for.  model: another than "auto".  listed: whether the campaigns with pictures of all scenes solve it.
     """
 
     up: str = "z"
@@ -84,6 +84,7 @@ class Sheet:
     mesh: str = ""
     settings: Mapping[str, str] = field(default_factory=dict)
     model: str = ""
+    listed: bool = True
 
 
 @dataclass(frozen=True)

@@ -122,6 +122,6 @@ def frames() -> Iterator[Cell]:
 
 
 def sheet_cells() -> Iterator[Cell]:
-    """All of them."""
-    yield from map(sheet_cell, SCENES)
+    """All of those that are listed."""
+    yield from (sheet_cell(name) for name, scene in SCENES.items() if sheet_of(scene).listed)
     yield from frames()

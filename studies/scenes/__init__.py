@@ -29,6 +29,12 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "pinched-cylinder": "studies.scenes.benchmarks.pinched_cylinder",
     "free-hyperboloid": "studies.scenes.benchmarks.hyperboloid",
     "pagano": "studies.scenes.benchmarks.pagano",
+    # on quadrilaterals that follow no lines of curvature
+    "twisted-beam": "studies.scenes.benchmarks.twisted_beam",
+    "raasch-hook": "studies.scenes.benchmarks.raasch_hook",
+    "hypar": "studies.scenes.benchmarks.hypar",
+    "morley-skew-plate": "studies.scenes.benchmarks.skew_plate",
+    "slender-beam": "studies.scenes.benchmarks.slender_beam",
     # contact
     "strip-contact": "studies.scenes.contact.strip",
     "heavy-strip": "studies.scenes.contact.heavy_strip",

@@ -1,0 +1,84 @@
+"""Morley's skew plate: a rhombus with angles of 30 and 150 degrees, simply supported, under a uniform pressure.
+
+The moments are singular at the obtuse corners, so that all elements converge slowly; edges hold the deflection alone.
+The deflection of the thin plate is Morley's series, 0.000408 p a^4/D as it is quoted; that of a = 100 h is one of
+three-dimensional elasticity, 0.000423 p a^4/D. Both are recalled: no page of either was seen.
+Sources: Morley, Skew plates and structures (1963); Babuska, Scapolla, IJNME 28 (1989) 155-184.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.section.laminate import Ply
+from formulations.shell import ShellModel
+from studies.ask.declarations import Sheet
+from studies.ask.request import Request
+from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.scenes.benchmarks.quads import SETTINGS, MappedShell, OnQuads
+from studies.scenes.element import centred_laminate
+from studies.scenes.statics import StaticModel, area_load
+
+E, NU, SIDE, ANGLE, PRESSURE = 1e7, 0.3, 100.0, np.pi / 6, 1.0  # MPa, -, mm, rad, MPa
+KNOWN = ((1000.0, 0.408, "Morley (1963), recalled"), (100.0, 0.423, "Babuska, Scapolla (1989), recalled"))
+
+
+def rhombus(s: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Both sides are 100 mm long, with 30 degrees between them."""
+    x = SIDE * (s + t * np.cos(ANGLE))
+    return np.stack([x, SIDE * t * np.sin(ANGLE), np.zeros_like(x)], axis=-1)
+
+
+def _supports(free: Supports, square: Grid) -> Supports:
+    """No deflection of the middle on any edge; three more motions are held, in the plane, at two corners."""
+    edges = np.unique(np.concatenate([square.on_line(axis, end) for axis in (0, 1) for end in (0.0, 1.0)]))
+    held = free.hinged(edges, (2,))
+    return held.hinged(np.array([square.node_at(0.0, 0.0)]), (0, 1)).hinged(np.array([square.node_at(1.0, 0.0)]), (1,))
+
+
+class MorleySkewPlate(OnQuads):
+    """The whole rhombus: s along x, t at 30 degrees to it."""
+
+    name: str = "morley-skew-plate"
+    title: str = "Morley's skew plate under pressure, simply supported"
+    default_mesh: tuple[int, int] = (32, 32)
+    settings: tuple[Setting, ...] = (
+        Setting("a_over_h", 1000.0, "side over thickness", low=10.0, high=1e4),
+        *SETTINGS,
+    )
+    references: tuple[Reference, ...] = tuple(
+        Reference("w_bar", value, {"a_over_h": ratio, "measure": "linear"}, "read", source, 0.005)
+        for ratio, value, source in KNOWN
+    )
+    quantities: Mapping[str, str] = {"w_bar": "1000 D w/(p a^4) in the middle, D = E h^3/(12 (1 - nu^2))"}
+    sheet: Sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
+
+    def build(self, request: Request) -> SceneModel:
+        """Half of the pressure on each face, so small that the deflection is 1/1000 of the thickness.
+
+        Raises UsageError for odd numbers of elements, which have no node in the middle.
+        """
+        if any(n % 2 for n in request.mesh):
+            raise UsageError(f"mesh {request.mesh[0]}x{request.mesh[1]} must have even numbers: a node in the middle")
+        h = SIDE / request.number("a_over_h")
+        plate = MappedShell.of(
+            request, rhombus, centred_laminate(request, Ply.isotropic(E, NU, h)), _supports, (True,) * 4
+        )
+        flexural = E * h**3 / (12 * (1 - NU**2))
+        pressure = PRESSURE * h**4 * E / SIDE**4
+        n1, n2 = request.mesh
+        middle = (n1 // 2) * (n2 + 1) + n2 // 2
+        w_one = pressure * SIDE**4 / (1000 * flexural)
+
+        def read(model: ShellModel, u: np.ndarray) -> dict[str, float]:
+            return {"w_bar": float(plate.mean_motion(u, middle)[2] / w_one)}
+
+        load = area_load(plate.body, lambda a1, a2: np.array([0.0, 0.0, pressure]))
+        return StaticModel.of(request, plate.body, read, forces=load)
+
+
+SCENES: tuple[Scene, ...] = (MorleySkewPlate(),)

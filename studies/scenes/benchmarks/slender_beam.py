@@ -1,0 +1,88 @@
+"""Slender cantilever of MacNeal and Harder on six rectangles, trapezoids or parallelograms, with angles of 45 degrees.
+
+No four-noded element can pass the patch test and bend in its plane without locking once it is a trapezoid (MacNeal,
+IJNME 24 (1987) 1793-1799): on six of them it takes a part of the load in plane only. Values are Timoshenko's beam.
+Source: MacNeal, Harder, Finite Elem. Anal. Des. 1 (1985) 3-20.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from formulations.section.laminate import Ply
+from formulations.shell import ShellModel
+from studies.ask.declarations import Sheet
+from studies.ask.request import Request
+from studies.ask.scene import Reference, Scene, SceneModel, Setting
+from studies.scenes.benchmarks.quads import SETTINGS, Map, MappedShell, OnQuads
+from studies.scenes.element import LINES, centred_laminate
+from studies.scenes.statics import StaticModel
+
+E, NU, LENGTH, WIDTH, H = 1e7, 0.3, 6.0, 0.2, 0.1  # MPa, -, mm, mm, mm
+G, SIX = E / (2 * (1 + NU)), 6
+LOADS = {"extension": 0, "in-plane": 1, "out-of-plane": 2}  # a force of 1 N at the end along x, y or z
+SHAPES = {  # how the five lines between the six elements lean: to either side by the width over their length
+    "rectangle": np.zeros(SIX + 1),
+    "trapezoid": np.array([0, 1, -1, 1, -1, 1, 0.0]),
+    "parallelogram": np.array([0, 1, 1, 1, 1, 1, 0.0]),
+}
+
+
+def _bending(inertia: float) -> float:
+    return LENGTH**3 / (3 * E * inertia) + 1.2 * LENGTH / (G * WIDTH * H)
+
+
+VALUES = {
+    "extension": LENGTH / (E * WIDTH * H),
+    "in-plane": _bending(H * WIDTH**3 / 12),
+    "out-of-plane": _bending(WIDTH * H**3 / 12),
+}
+
+
+def strip(shape: str) -> Map:
+    """x = L s + b (t - 1/2) lean(s), y = b (t - 1/2), with a lean that is linear over each of the six elements."""
+
+    def mapped(s: np.ndarray, t: np.ndarray) -> np.ndarray:
+        lean = np.interp(s, np.linspace(0.0, 1.0, SIX + 1), SHAPES[shape])
+        y = WIDTH * (t - 0.5)
+        return np.stack([LENGTH * s + y * lean, y, np.zeros_like(y)], axis=-1)
+
+    return mapped
+
+
+class SlenderBeam(OnQuads):
+    """s from the clamp along x, t along y; finer meshes of 6 k elements cut the six into parts."""
+
+    name: str = "slender-beam"
+    title: str = "Slender cantilever on rectangles, trapezoids and parallelograms (MacNeal, Harder)"
+    default_mesh: tuple[int, int] = (SIX, 1)
+    coarsest_mesh: tuple[int, int] = (SIX, 1)
+    settings: tuple[Setting, ...] = (
+        Setting.one_of("shape", SHAPES, "rectangle", "the shape of its elements"),
+        Setting.one_of("load", LOADS, "in-plane", "force of 1 N at the end: along it (x), across (y), or normal (z)"),
+        *(setting for setting in SETTINGS if setting is not LINES),
+    )
+    references: tuple[Reference, ...] = tuple(
+        Reference("tip_deflection_mm", value, {"load": load, "measure": "linear"}, "exact", "Timoshenko's beam", 0.01)
+        for load, value in VALUES.items()
+    )
+    quantities: Mapping[str, str] = {"tip_deflection_mm": "along the force, mean over the loaded end and both faces"}
+    sheet: Sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
+
+    def build(self, request: Request) -> SceneModel:
+        """The force is spread over the end, half on each face."""
+        axis = LOADS[request.choice("load")]
+        wall = centred_laminate(request, Ply.isotropic(E, NU, H))
+        mapped = strip(request.choice("shape"))
+        beam = MappedShell.of(request, mapped, wall, lambda supports, square: supports.clamped(square.on_line(0, 0.0)))
+        tip = beam.square.on_line(0, 1.0)
+
+        def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+            return {"tip_deflection_mm": float(beam.mean_motion(u, tip)[axis])}
+
+        return StaticModel.of(request, beam.body, at_tip, forces=beam.edge_forces(0, 1.0, np.eye(3)[axis]))
+
+
+SCENES: tuple[Scene, ...] = (SlenderBeam(),)
