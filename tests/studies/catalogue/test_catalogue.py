@@ -8,6 +8,7 @@ import shlex
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -18,11 +19,11 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES, SANDERS
 from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
 from formulations.strains.quantities import QUANTITIES, STRAINS
-from studies.ask.scene import Setting, UsageError, has_contact, settings_beside, sheet_of
+from studies.ask.scene import Setting, UsageError, has_contact, ladders_of, settings_beside, sheet_of
 from studies.catalogue.bodies import built, skin
 from studies.catalogue.descriptions import describe, meaning_of
 from studies.catalogue.tables import facts, laws, parts, plies, settings, terms
-from studies.catalogue.values import answered, definition, unit, values
+from studies.catalogue.values import _limit, answered, definition, unit, values
 from studies.catalogue.words import loads, shape_of, supports
 from studies.cli import main
 from studies.output.vtu import read_vtu, write_vtu
@@ -290,3 +291,11 @@ def test_a_default_as_it_is_printed_asks_for_the_same() -> None:
         for setting in (*scene.settings, *settings_beside(scene)):
             if setting.default is not None:
                 assert setting.parse(setting.default_text) == setting.parse(setting.default), setting.key
+
+
+def test_the_uncertainty_of_a_limit_is_a_part_of_it() -> None:
+    ladder = ladders_of(SCENES["ring"])[0]
+    told = {"ladder": ladder.name, "quantity": "flat_half_length", "element": "refined", "mesh": "1x80", "verdict": ""}
+    known = pd.DataFrame([{**told, "limit": -4.0, "uncertainty": 0.2}])
+    found = _limit("ring", "flat_half_length", SimpleNamespace(settings=ladder.settings), known)
+    assert found["limit_uncertainty"] == pytest.approx(0.05)
