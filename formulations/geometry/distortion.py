@@ -6,6 +6,8 @@ element enters here.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from formulations.geometry.grid import CORNERS, QuadGrid, TensorGrid
@@ -47,7 +49,8 @@ def distorted(grid: TensorGrid, kind: str, amount: float, stay: np.ndarray | Non
     if stay is not None:
         by_node[stay] = 0.0
     corners = grid.points(CORNERS) + by_node[grid.elements]
-    return QuadGrid.of(grid.nodes + by_node, grid.elements, corners, periodic=grid.periodic)
+    moved_grid = QuadGrid.of(grid.nodes + by_node, grid.elements, corners, periodic=grid.periodic)
+    return replace(moved_grid, node_shape=grid.node_shape)
 
 
 def _smaller_side(line: np.ndarray, closed: int) -> np.ndarray:

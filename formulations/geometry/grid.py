@@ -143,9 +143,13 @@ class TensorGrid(Grid):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class QuadGrid(Grid):
-    """Any quadrilaterals in the parameter plane; ``corners`` (E, 4, 2) are theirs, unwrapped across a periodic seam."""
+    """Any quadrilaterals in the parameter plane; ``corners`` (E, 4, 2) are theirs, unwrapped across a periodic seam.
+
+    node_shape: of the tensor grid whose nodes were moved, None where there was none.
+    """
 
     corners: np.ndarray
+    node_shape: tuple[int, int] | None = None
 
     @classmethod
     def of(cls, nodes: np.ndarray, elements: np.ndarray, corners: np.ndarray, *, periodic: bool = False) -> QuadGrid:

@@ -23,8 +23,9 @@ def elimination_order(grid: Grid, last: np.ndarray | None = None, positions: np.
 
     positions (N, 3): of the nodes in space, by which a mesh of quadrilaterals is divided.
     """
-    if isinstance(grid, TensorGrid):
-        return dissection(grid.node_shape, periodic=grid.periodic, last=last)
+    shape = grid.node_shape if isinstance(grid, TensorGrid | QuadGrid) else None
+    if shape is not None:
+        return dissection(shape, periodic=grid.periodic, last=last)
     cut = np.zeros(0, np.intp) if last is None else last
     if isinstance(grid, QuadGrid):
         positions = grid.nodes if positions is None else positions
@@ -45,19 +46,21 @@ def _each_last(order: np.ndarray) -> np.ndarray:
 def _bisected(elements: np.ndarray, centres: np.ndarray) -> Iterator[np.ndarray]:
     """Nodes of the elements (e, 4), those between two halves after both; a node may come more than once.
 
-    The halves lie along the direction in which the centres (e, 3) extend most, and near the middle the cut goes where
-    it meets the fewest nodes. Source: recursive coordinate bisection, Simon, Comput. Systems Eng. 2 (1991) 135-148.
+    The halves lie along one of the two directions in which the centres (e, 3) extend most; near the middle the cut goes
+    where it meets the fewest nodes. Source: recursive coordinate bisection, Simon, Comput. Systems Eng. 2 (1991) 135.
     """
     n = len(elements)
     if n <= SMALLEST:
         yield elements.ravel()
         return
     away = centres - centres.mean(axis=0)
-    order = np.argsort(away @ np.linalg.eigh(away.T @ away)[1][:, -1], kind="stable")
-    first, last = _first_and_last(elements[order])
     cuts = np.unique(np.linspace(n * (0.5 - UNEVEN), n * (0.5 + UNEVEN), 2 * TRIED + 1).astype(int))
-    between = [np.count_nonzero((first < cut) & (last >= cut)) for cut in cuts]
-    cut = cuts[np.argmin(between)]
+    found = []
+    for direction in np.linalg.eigh(away.T @ away)[1].T[:-3:-1]:
+        order = np.argsort(away @ direction, kind="stable")
+        first, last = _first_and_last(elements[order])
+        found += [(np.count_nonzero((first < cut) & (last >= cut)), cut, order) for cut in cuts]
+    _, cut, order = min(found, key=lambda each: each[0])
     one, other = order[:cut], order[cut:]
     yield from _bisected(elements[one], centres[one])
     yield from _bisected(elements[other], centres[other])

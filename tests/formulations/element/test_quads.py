@@ -1,5 +1,6 @@
 """The element on any quadrilateral: rigid motions, patches, derivatives, areas, and the order of elimination."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -194,7 +195,7 @@ def test_distortion_keeps_edges_and_refuses_what_does_not_exist() -> None:
 
 def test_bisection_fills_in_hardly_more_than_the_lines_of_a_grid() -> None:
     grid = Grid.tensor(np.linspace(0, 1, 41), np.linspace(0, 1.5, 61))
-    quad = distorted(grid, "random", 0.3)
+    quad = replace(distorted(grid, "random", 0.3), node_shape=None)
     fill = []
     for order in (elimination_order(grid), elimination_order(quad)):
         np.testing.assert_array_equal(np.sort(order), np.arange(grid.n_nodes))
