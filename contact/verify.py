@@ -137,7 +137,7 @@ class Verdict:
         return list(self.exceeded(**bounds))
 
     def gap_bound(self, share: float = GAP) -> float:
-        """Size [mm] of a gap that is none: a share of a large one, and the rounding of the foundation's position."""
+        """Largest gap [mm] that counts as closed: a share of a large one, and the rounding of the foundation."""
         return share * self.length + self.gap_rounding
 
 

@@ -12,7 +12,8 @@ from scipy import sparse
 
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.conditions.hanging import Hangers
-from formulations.element.quads import NodalFaces, QuadGeometry
+from formulations.element.quad_geometry import QuadGeometry
+from formulations.element.quad_sampling import NodalFaces
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry
 from formulations.geometry.grid import CORNERS, Grid

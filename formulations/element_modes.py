@@ -30,7 +30,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from formulations.element.mixed import N_M
+from formulations.element.modes import N_M
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.shell import ShellModel

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.element.mixed import MODE_ROWS
+from formulations.element.modes import MODE_ROWS
 from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E

@@ -15,8 +15,10 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
-from formulations.element.mixed import N_M, MixedElement
-from formulations.element.quads import QuadElement, QuadGeometry
+from formulations.element.mixed import MixedElement
+from formulations.element.modes import N_M
+from formulations.element.quad_element import QuadElement
+from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
 from formulations.loads.pressure import Couples, Pressure
@@ -173,11 +175,11 @@ class ShellModel:
         return symmetric and not follows and (self.initial is None or not np.any(self.initial))
 
     def resultants(self, u: np.ndarray) -> np.ndarray:
-        """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.mixed.MODES`."""
+        """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.modes.MODES`."""
         return self._element.resultants(self.mode_strains(u))
 
     def mode_strains(self, u: np.ndarray) -> np.ndarray:
-        """Mode strains E (E, 22), in the order of :data:`formulations.element.mixed.MODES`."""
+        """Mode strains E (E, 22), in the order of :data:`formulations.element.modes.MODES`."""
         return self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
 
     def gauss_strains(self, u: np.ndarray) -> np.ndarray:

@@ -24,11 +24,7 @@ def test_friction(mesh, mu):
 """
 HEMISPHERE = "tests/studies/scenes/test_cantilever_hemisphere.py"
 KNOWN = {  # test: parameter, and why it changes no request
-    f"{HEMISPHERE}::test_cantilever_converges_to_the_elastica: quantity": "what is looked at",
-    f"{HEMISPHERE}::test_refined_hemisphere_has_less_than_half_the_error_of_the_paper_on_sixteen_elements: quantity": (
-        "what is looked at"
-    ),
-    "tests/studies/scenes/test_nonlinear.py::test_an_edge_load_is_uniform_on_lines_of_any_spacing: cut": (
+    "tests/studies/scenes/test_loads.py::test_an_edge_load_is_uniform_on_lines_of_any_spacing: cut": (
         "the request is changed afterwards"
     ),
     "tests/studies/test_cli.py::test_a_refusal_is_an_outcome_and_one_line_of_a_solve: at": "another algorithm",

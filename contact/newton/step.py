@@ -59,7 +59,7 @@ class Iterate:
 
 
 def gap_rounding(problem: ContactProblem, large: float) -> float:
-    """Size [mm] of a gap that is none where one of the size ``large`` [mm] is a large one."""
+    """Largest gap [mm] that counts as closed where one of the size ``large`` [mm] is a large one."""
     return GAP_TOLERANCE * large + ROUNDING_MARGIN * float(np.finfo(float).eps) * problem.gap_size
 
 
@@ -146,7 +146,7 @@ class NewtonRun(LinearSolves):
         return bool(np.max(mismatch, initial=0.0) <= self.gap_rounding(at, largest))
 
     def gap_rounding(self, at: Iterate, moved: float = 0.0) -> float:
-        """Size [mm] of a gap that is none; ``moved`` [mm]: how far a gap has come since the iterate."""
+        """Largest gap [mm] that counts as closed; ``moved`` [mm]: how far a gap has come since the iterate."""
         return gap_rounding(self.problem, max(at.length, moved))
 
     def misplaced(self, at: Iterate, c: float = 1.0, *, solved: bool = False) -> np.ndarray:

@@ -31,23 +31,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from formulations.element.modes import E33_MODES, MODE_ROWS, MODE_WEIGHTS, MODES, N_M, ON_GAUSS
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
 from formulations.operations import product, spend
 from formulations.strains.measure import StrainFunction, StrainMeasure, strain_and_gradient, through_thickness
 from formulations.strains.quantities import E33, N_BETA, N_E, N_Q, N_V
 
-# Strain rows carried by each mode (r1, r2); the order of the modes is the order of the 22 mode strains.
-MODES = {
-    (0, 0): tuple(range(N_E)),
-    (0, 1): (0, 1, 6, 7, 10),
-    (1, 0): (2, 3, 8, 9, 10),
-    (1, 1): (10,),
-}
-MODE_ROWS = [(mode, row) for mode, rows in MODES.items() for row in rows]
-MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), _ in MODE_ROWS])
-N_M = len(MODE_WEIGHTS)
-E33_MODES = [m for m, (_, row) in enumerate(MODE_ROWS) if row == E33]
 N_SAMPLES = N_GAUSS * N_E
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
 THICKNESS_STRAINS = {"projected": 0.0, "balanced": 0.5, "nodal": 1.0}  # share of E33 that is sampled at the nodes
@@ -62,17 +52,6 @@ OF_MEASURE = product(N_GAUSS, N_E, N_Q, N_Q)  # dE/dq of a quadratic one, and it
 ALL = slice(None)  # elements
 Samples = tuple[np.ndarray, ...]  # of q, or of derivatives by it, at the points where an element takes its strains
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
-
-
-def _on_gauss() -> np.ndarray:
-    """(4, 22, 11): the strains at the Gauss points that belong to the modes."""
-    at_gauss = np.zeros((N_GAUSS, N_M, N_E))
-    for m, ((r1, r2), row) in enumerate(MODE_ROWS):
-        at_gauss[:, m, row] = GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2
-    return at_gauss
-
-
-ON_GAUSS = _on_gauss()
 
 
 def _projections(share: float) -> tuple[np.ndarray, np.ndarray | None]:

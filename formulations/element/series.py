@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.element.mixed import MODE_WEIGHTS, N_M, MixedElement
+from formulations.element.mixed import MixedElement
+from formulations.element.modes import MODE_WEIGHTS, N_M
 from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
 from formulations.operations import product, spend
 from formulations.strains.measure import QuadraticMeasure

@@ -23,7 +23,7 @@ from studies.ask.request import Request, Settings
 from studies.run.answers import Answers, number
 from studies.run.scene_cells import SHARES, SHEETS
 from studies.run.times import interval, read_times, times_path
-from studies.scenes.element import PRESETS
+from studies.scenes.element import ELEMENTS
 from studies.solving.result import UNSUPPORTED, seen_in
 
 MISSING = "missing"
@@ -163,7 +163,7 @@ def _element(settings: Mapping[str, Any]) -> str:
     """The name of the three options of the element, if they have one."""
     if "element" in settings:
         return str(settings["element"])
-    names = (name for name, preset in PRESETS.items() if all(settings.get(k) == v for k, v in preset.items()))
+    names = (name for name, preset in ELEMENTS.items() if all(settings.get(k) == v for k, v in preset.items()))
     return next(names, "")
 
 

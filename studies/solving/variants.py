@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, Request, Settings, UsageError, Value
 from studies.ask.scene import Scene, SettlingScene
-from studies.scenes.element import OPTIONS, PRESETS
+from studies.scenes.element import ON_MESHES, OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
 MEASURE, ELEMENT, MODEL = "measure", "element", "model"
@@ -56,16 +56,14 @@ def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
     own = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
     seen = [own]
     presets: list[tuple[str, dict[str, Value], dict[str, str]]] = [
-        (name, {**own, **values}, {"element": name})
-        for name, values in PRESETS.items()
-        if "element" in declared and values["interpolation"] != "quads"  # the same error on a grid, for more seconds
+        (name, {**own, **values}, {"element": name}) for name, values in PRESETS.items() if "element" in declared
     ]
     alone: list[tuple[str, dict[str, Value], dict[str, str]]] = [
         (f"{key}={choice}", {**own, key: choice}, {key: choice})
         for key, choices, _ in OPTIONS
         if key in own
         for choice in choices
-        if choice != "quads"
+        if choice not in ON_MESHES
     ]
     for name, values, said in presets + alone:
         if values not in seen:

@@ -87,7 +87,7 @@ class MappedShell:
         held, hinged = supported(Supports.none(square), square).masks
         body = Discretisation.build(
             NodalSurface.of(middle, normals, first),
-            QuadGrid.over(square.elements),
+            replace(QuadGrid.over(square.elements), node_shape=getattr(square, "node_shape", None)),
             laminate,
             held,
             hinged,

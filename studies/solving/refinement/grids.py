@@ -15,7 +15,7 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from formulations.element.quads import QuadGeometry
+from formulations.element.quad_geometry import QuadGeometry
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.shell import ShellModel

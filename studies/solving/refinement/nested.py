@@ -25,7 +25,7 @@ from contact.continuation.candidates import Start, Starts, none_known
 from contact.continuation.critical_points import State
 from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
-from formulations.element.mixed import MODE_ROWS
+from formulations.element.modes import MODE_ROWS
 from formulations.geometry.transfer import Transfer
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space, subspace_angles
 
-from formulations.element.mixed import MEMBRANES, N_M, THICKNESS_STRAINS
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.modes import N_M
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate

@@ -52,7 +52,6 @@ FINER = (
     ("morley-skew-plate", "64x64", W, {"a_over_h": "1000", **EDGES}, 0.9903, 0.01),
     ("raasch-hook", "112x32", TIP, EDGES, 0.9912, 0.01),
     ("morley-skew-plate", "96x96", W, {"a_over_h": "1000", **EDGES}, 1.0015, 0.005),
-    ("morley-skew-plate", "96x96", W, {"a_over_h": "100", **EDGES}, 0.9960, 0.005),
     ("slender-beam", "192x32", TIP, {"load": "in-plane"}, 0.9906, 0.01),
 )
 COLUMNS = ("scene", "mesh", "quantity", "given", "expected", "bound")
@@ -72,7 +71,7 @@ def test_published_values_on_finer_meshes(scene, mesh, quantity, given, expected
 
 
 def test_the_thin_strip_out_of_its_plane_is_softer_in_other_shells() -> None:
-    """By 0.18 % of the S4 limit, beside which that of flat triangles, 1.29294e-3, is 0.17 % off, too."""
+    """By 0.18 % of the limit of S4."""
     assert share("twisted-beam", "96x16", load="out-of-plane", **THIN, **EDGES) == pytest.approx(0.9982, abs=2e-4)
 
 
@@ -84,7 +83,7 @@ def test_the_thin_strip_out_of_its_plane_is_softer_in_other_shells() -> None:
         ("raasch-hook", "56x16", TIP, EDGES),
         pytest.param("hypar", "96x48", TIP, {"t_over_L": "0.01", **EDGES}, marks=pytest.mark.slow),
         pytest.param("hypar", "96x48", TIP, {"t_over_L": "0.001", **EDGES}, marks=pytest.mark.slow),
-        pytest.param("morley-skew-plate", "64x64", W, {"a_over_h": "100"}, marks=pytest.mark.slow),
+        pytest.param("morley-skew-plate", "96x96", W, EDGES, marks=pytest.mark.slow),
     ],
 )
 def test_moved_nodes_lead_to_the_same_limit(scene: str, mesh: str, quantity: str, given: dict[str, str]) -> None:
@@ -104,13 +103,14 @@ def test_the_thinnest_shells_lock_on_moved_nodes() -> None:
 
 
 def test_six_trapezoids_cannot_bend_in_their_plane() -> None:
-    """MacNeal's theorem; E22 is constant across, so that Poisson's ratio stiffens rectangles, by 1/(1 - nu^2)."""
+    """MacNeal's theorem. E22 is constant across an element, so that Poisson's ratio stiffens rectangles, too."""
     for shape, expected in {"rectangle": 0.867, "trapezoid": 0.039, "parallelogram": 0.166}.items():
         assert share("slender-beam", "6x1", shape=shape) == pytest.approx(expected, abs=1e-3)
 
 
 def test_a_beam_of_rectangles_without_poissons_ratio_is_timoshenkos(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(slender_beam, "NU", 0.0)
+    assert share("slender-beam", "6x1") == pytest.approx(0.993, abs=1e-3)
     for load in slender_beam.LOADS:
         assert share("slender-beam", "96x8", load=load) == pytest.approx(1.0, abs=1e-3)
 

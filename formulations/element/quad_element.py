@@ -1,0 +1,248 @@
+"""The mixed element on any quadrilateral: its geometry from the nodes alone, and where it takes its strains.
+
+Both faces are bilinear between the nodes, X- = X + d- n and X+ = X + d+ n with the nodal normals n, and so are
+Cartesian displacements: an exact measure meets rigid motions exactly, and every measure counts from the interpolated
+positions, as on an isoparametric grid. No coordinates are needed. What differs from an isoparametric grid:
+
+- E_ab of a face is taken along the axes of the laminate at the Gauss points, turned to the base vectors at the centre
+  of the element, each of unit length, and projected on its modes (E11 on 1, xi2; E22 on 1, xi1; 2E12 on 1) with the
+  area at the Gauss points as weight. A constant strain is a constant there and has its own mean: any quadrilateral
+  passes the patch tests of membrane and bending. Covariant components of each point would not be constant.
+  Source: Pian, Sumihara, IJNME 20 (1984) 1685-1695.
+- 2E_a3 of a face is taken at the middle of the two sides along xi_a, in a frame along the side, as the covariant strain
+  of that side; between them it is linear. A plate bent to a constant curvature has none there. Of the catalogue
+  novozhilov alone can tell that frame from others: its 2E_a3 is no vector, and what it converges to depends on the
+  directions of the sides. Source: Bathe, Dvorkin, IJNME 21 (1985) 367-383.
+- E33 as on a grid.
+
+The modes turn to the axes of the laminate at every Gauss point, so that of an element::
+
+    S = sum over Gauss points g of w_g A_g^T D A_g,    A_g (11, 22): strains in these axes from those of the modes
+
+On rectangles S is D mode by mode, and all that is left of the difference is where the shears are taken. No strain
+measure by name, no load and no support may enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.element.mixed import ALL, THICKNESS_STRAINS, MixedElement, Samples
+from formulations.element.modes import E33_MODES, MODE_WEIGHTS, N_M, mode_index
+from formulations.element.quad_geometry import ACROSS, TAKEN, QuadGeometry
+from formulations.element.quad_sampling import N_SIDE, N_SIDE_DOF, N_TAKEN, PAIRS, SIDE_CORNERS, along_side
+from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
+from formulations.strains.measure import QuadraticMeasure, StrainFunction, restricted, strain_and_gradient
+from formulations.strains.quantities import N_Q, N_V
+
+SHEARS = (np.array([6, 7]), np.array([8, 9]))  # 2E13-+, 2E23-+
+
+
+def _sides_to_modes() -> np.ndarray:
+    """(8, 22): strains of the modes from the shears of both faces along the four sides."""
+    onto = np.zeros((2, 2, 2, N_M))
+    for a, (rows, linear) in enumerate(zip(SHEARS, ACROSS, strict=True)):
+        for face, row in enumerate(rows.tolist()):
+            onto[a, :, face, mode_index((0, 0), row)] = 0.5
+            onto[a, :, face, mode_index(linear, row)] = [-0.5, 0.5]
+    return onto.reshape(N_TAKEN, N_M)
+
+
+SIDES_TO_MODES = _sides_to_modes()
+SHEAR_MODES = np.flatnonzero(SIDES_TO_MODES.any(axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class QuadElement(MixedElement):
+    """:class:`MixedElement` on quadrilaterals: mode_stiffness (E, 22, 22) and initial (E, 22) are those of each.
+
+    H of a mode is what does the work MODE_WEIGHTS H dE an area.  taken: the measure at the Gauss points, without shears
+    across the wall.  sides: that along the sides, of 2E13 and of 2E23.  onto (E, 28, 22): from what is taken to the
+    modes.  axes_stiffness (11, 11): D in the axes of the laminate.  side_stiffness: see
+    :func:`_side_stiffness`; node_stiffness (E, 4, 6, 6): the same of E33 at the nodes.
+    """
+
+    taken: StrainFunction
+    sides: dict[tuple[int, int], StrainFunction]
+    onto: np.ndarray
+    axes_stiffness: np.ndarray
+    side_stiffness: np.ndarray | None
+    node_stiffness: np.ndarray | None
+
+    @classmethod
+    def on(
+        cls, geometry: QuadGeometry, element: MixedElement, D: np.ndarray, initial: np.ndarray, thickness_strain: str
+    ) -> QuadElement:
+        """An element of grids put on quadrilaterals; D (11, 11) and H0 (11,) in the axes of the laminate.
+
+        Made once for all steps of a path: what differs from element to element costs as much as an iteration.
+        """
+        key = (element.measure, D.tobytes(), initial.tobytes(), thickness_strain, element.relaxed)
+        if key not in geometry.elements:
+            geometry.elements[key] = cls._made(geometry, element, D, initial, thickness_strain)
+        return geometry.elements[key]
+
+    @classmethod
+    def _made(
+        cls, geometry: QuadGeometry, element: MixedElement, D: np.ndarray, initial: np.ndarray, thickness_strain: str
+    ) -> QuadElement:
+        weighted = geometry.share[..., None, None] * geometry.turn
+        stiffness = np.einsum("egim,ij,egjn->emn", weighted, D, geometry.turn, optimize=True)
+        onto = geometry.projection.copy()
+        onto[..., E33_MODES] *= 1.0 - THICKNESS_STRAINS[thickness_strain]
+        measure, through = element.measure, element.through
+        sides = {(a, f): restricted(measure, SHEARS[a][f : f + 1], along_side(a, f)) for a, f in PAIRS}
+        return cls(
+            measure=measure,
+            through=through,
+            mode_stiffness=stiffness / MODE_WEIGHTS[:, None],
+            initial=np.einsum("egim,i->em", weighted, initial) / MODE_WEIGHTS,
+            projection=element.projection,
+            nodal=element.nodal,
+            relaxed=element.relaxed,
+            taken=restricted(measure, TAKEN, np.arange(N_Q)),
+            sides=sides,
+            onto=onto,
+            axes_stiffness=D,
+            side_stiffness=_side_stiffness(geometry, sides),
+            node_stiffness=_turned(through.quadratic[0], geometry.at_nodes)
+            if isinstance(through, QuadraticMeasure)
+            else None,
+        )
+
+    def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+        """H = S E on the modes, (e, 22), of the elements of the part."""
+        return np.matmul(self.mode_stiffness[part], strains[..., None])[..., 0]
+
+    def mean_resultants(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Means H (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
+        return self.mean_strains(geometry, strains) @ self.axes_stiffness.T
+
+    def mean_strains(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Means E (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
+        assert isinstance(geometry, QuadGeometry)
+        return np.asarray(np.einsum("eg,egi->ei", geometry.share, self.at_gauss(geometry, strains)))
+
+    def at_gauss(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Strains (E, 4, 11) at the Gauss points in the axes of the laminate, of mode strains (E, 22)."""
+        assert isinstance(geometry, QuadGeometry)
+        return np.asarray(np.matmul(geometry.turn, strains[:, None, :, None])[..., 0])
+
+    def linear_initial_force(self, geometry: ElementGeometry) -> np.ndarray:
+        """The work of H0 on the linear strains, (E, 24): balanced in the reference state, so it is taken off."""
+        at_rest = np.zeros((len(geometry.Q), N_DOF))
+        if not np.any(self.initial):
+            return at_rest
+        work = MODE_WEIGHTS * self.initial * geometry.weight[:, None]
+        return np.matmul(work[:, None], self.mode_gradient(geometry, at_rest))[:, 0]
+
+    def _weighted_stiffness(self, part: slice) -> np.ndarray:
+        return MODE_WEIGHTS[:, None] * self.mode_stiffness[part]
+
+    def _initial(self, part: slice) -> np.ndarray:
+        return self.initial[part]
+
+    def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> Samples:
+        """The q of v at the Gauss points (e, 4, 15), its beta at the nodes (e, 4, 3), and q of the sides (e, 8, 6)."""
+        assert isinstance(geometry, QuadGeometry)
+        nodal = v[part].reshape(-1, 4, N_V)
+        q = np.matmul(geometry.Q[part], v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
+        beta = np.einsum("erij,erj->eri", geometry.at_nodes[part], nodal)
+        ends = nodal[:, np.repeat(SIDE_CORNERS, 2, axis=0)].reshape(-1, N_TAKEN, N_SIDE_DOF)
+        return q, beta, np.einsum("esij,esj->esi", geometry.side_Q[part], ends)
+
+    def _strains(self, geometry: ElementGeometry, part: slice, samples: Samples) -> tuple[np.ndarray, Samples]:
+        """Mode strains (e, 22); dE/dq at the Gauss points (e, 4, 7, 15), and of sides (e, 8, 6), times their length."""
+        assert isinstance(geometry, QuadGeometry)
+        assert geometry.offset is not None
+        q, beta, along = samples
+        strain, gradient = strain_and_gradient(self.taken, q, geometry.offset[part])
+        on_modes = np.matmul(strain.reshape(len(q), 1, -1), self.onto[part])[:, 0]
+        shears, slopes = np.empty((len(q), N_TAKEN)), np.empty((len(q), N_TAKEN, N_SIDE))
+        for key, pair in PAIRS.items():
+            each, slope = strain_and_gradient(self.sides[key], along[:, pair], geometry.side_offset[part, pair])
+            shears[:, pair], slopes[:, pair] = each[..., 0], slope[..., 0, :]
+        length = geometry.side_length[part]
+        on_modes += (length * shears) @ SIDES_TO_MODES
+        if self.nodal is not None:
+            on_modes += self.through.strain(beta)[..., 0] @ self.nodal
+        self._relax(on_modes, geometry, part)
+        return on_modes, (gradient, length[..., None] * slopes)
+
+    def _mode_gradient(
+        self, geometry: ElementGeometry, part: slice, gradients: Samples, samples: Samples, out: np.ndarray
+    ) -> None:
+        assert isinstance(geometry, QuadGeometry)
+        (gradient, slopes), beta, n = gradients, samples[1], len(out)
+        taken = np.matmul(gradient, geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF))
+        np.matmul(self.onto[part].swapaxes(1, 2), taken.reshape(n, -1, N_DOF), out=out)
+        along = np.einsum("esi,esij->esj", slopes, geometry.side_Q[part]).reshape(n, len(SIDE_CORNERS), 2, 2, N_V)
+        sides = np.zeros((n, len(SIDE_CORNERS), 2, 4, N_V))
+        for side, corners in enumerate(SIDE_CORNERS):
+            sides[:, side][:, :, corners] = along[:, side]
+        out[:, SHEAR_MODES] = np.matmul(SIDES_TO_MODES[:, SHEAR_MODES].T, sides.reshape(n, -1, N_DOF))
+        if self.nodal is not None:
+            of_nodes = np.einsum("eri,erij->erj", self.through.gradient(beta)[..., 0, :], geometry.at_nodes[part])
+            out.reshape(n, N_M, 4, N_V)[:, E33_MODES] += self.nodal.T[E33_MODES, :, None] * of_nodes[:, None]
+        self._relax(out, geometry, part)
+
+    def _stiffen(
+        self, tangent: np.ndarray, work: np.ndarray, geometry: ElementGeometry, part: slice, samples: Samples
+    ) -> None:
+        assert isinstance(geometry, QuadGeometry)
+        assert geometry.offset is not None
+        q, beta, along = samples
+        self._relax(work, geometry, part)
+        n, Q = len(q), geometry.Q[part]
+        H = np.matmul(self.onto[part], work[..., None]).reshape(n, N_GAUSS, -1)
+        M = self.taken.contract(geometry.offset[part] + q, H)
+        MQ = np.matmul(M, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(Q.shape)
+        tangent += np.matmul(Q.swapaxes(1, 2), MQ)
+        H = (work @ SIDES_TO_MODES.T) * geometry.side_length[part]
+        own = self._of_sides(geometry, part, along, H).reshape(n, len(SIDE_CORNERS), 2, N_V, 2, N_V)
+        blocks = tangent.reshape(n, 4, N_V, 4, N_V)
+        for side, corners in enumerate(SIDE_CORNERS):
+            for i, row in enumerate(corners):
+                for j, column in enumerate(corners):
+                    blocks[:, row, :, column] += own[:, side, i, :, j]
+        if self.nodal is not None:
+            own = self._of_nodes(geometry, part, beta, work @ self.nodal.T).reshape(n, 4, N_V, N_V)
+            for corner in range(4):
+                blocks[:, corner, :, corner] += own[:, corner]
+
+    def _of_sides(self, geometry: QuadGeometry, part: slice, along: np.ndarray, H: np.ndarray) -> np.ndarray:
+        """Geometric stiffness (e, 4, 144) of both faces of the sides under the forces H (e, 8)."""
+        n = len(H)
+        if self.side_stiffness is not None:
+            unit = self.side_stiffness[part].reshape(n, -1, 2, N_SIDE_DOF**2)
+            return np.einsum("esf,esfk->esk", H.reshape(n, -1, 2), unit)
+        M = np.empty((*H.shape, N_SIDE, N_SIDE))
+        at, side_Q = geometry.side_offset[part] + along, geometry.side_Q[part]
+        for key, pair in PAIRS.items():
+            M[:, pair] = self.sides[key].contract(at[:, pair], H[:, pair, None])
+        return np.asarray(_turned(M, side_Q).reshape(n, -1, 2, N_SIDE_DOF**2).sum(axis=2))
+
+    def _of_nodes(self, geometry: QuadGeometry, part: slice, beta: np.ndarray, H: np.ndarray) -> np.ndarray:
+        """Geometric stiffness (e, 4, 6, 6) of E33 at the nodes under the forces H (e, 4)."""
+        if self.node_stiffness is not None:
+            return H[..., None, None] * self.node_stiffness[part]
+        return _turned(self.through.contract(beta, H[..., None]), geometry.at_nodes[part])
+
+
+def _turned(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Q^T M Q."""
+    return np.matmul(Q.swapaxes(-1, -2), np.matmul(M, Q))
+
+
+def _side_stiffness(geometry: QuadGeometry, sides: Mapping[tuple[int, int], StrainFunction]) -> np.ndarray | None:
+    """Geometric stiffness (E, 8, 12, 12) of the sides under unit forces; None where it depends on the displacements."""
+    unit = np.empty((*geometry.side_Q.shape[:2], N_SIDE_DOF, N_SIDE_DOF))
+    for key, pair in PAIRS.items():
+        side = sides[key]
+        if not isinstance(side, QuadraticMeasure):
+            return None
+        unit[:, pair] = _turned(side.quadratic[0], geometry.side_Q[:, pair])
+    return unit
