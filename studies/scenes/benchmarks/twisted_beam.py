@@ -41,8 +41,8 @@ def twisted(s: np.ndarray, t: np.ndarray) -> np.ndarray:
 class TwistedBeam(OnQuads):
     """s along x from the clamp to the loaded end, t across. The force is (h/0.32 mm)^3 N, so that all deflect alike.
 
-    At h = 0.0032 mm the rounding of the forces, E A u eps/h, is no small part of that load: one linear solve has four
-    digits, but no state is so near to balance that a solve calls it converged. At 0.032 mm it does.
+    At h = 0.0032 mm the rounding of the forces, E A u eps/h, is no small part of that load: a linear solve has three
+    digits, and no state is so near to balance that a solve calls it converged. At 0.032 mm it does.
     """
 
     name: str = "twisted-beam"

@@ -20,6 +20,8 @@ TIP, W = "tip_deflection_mm", "w_bar"
 FAMILY = sorted(name for name, scene in SCENES.items() if isinstance(scene, OnQuads))
 EDGES, MOVED = {"lines": "edges"}, {"distort": "0.2"}
 THIN = {"h_mm": "0.0032"}
+MESHES = ("24x4", "48x8", "96x16")
+ROUNDING = 2e-3  # of the thin twisted strip, whose load is hardly more than the rounding of its forces
 
 
 def share(scene: str, mesh: str, quantity: str = TIP, **given: str) -> float:
@@ -38,8 +40,6 @@ def share(scene: str, mesh: str, quantity: str = TIP, **given: str) -> float:
 WITHIN = (  # scene, mesh, quantity, settings, share of the reference, bound
     ("twisted-beam", "48x8", TIP, {"load": "in-plane"}, 0.9971, 0.005),
     ("twisted-beam", "96x16", TIP, {"load": "out-of-plane"}, 0.9960, 0.005),
-    ("twisted-beam", "48x8", TIP, {"load": "in-plane", **THIN, **EDGES}, 0.9997, 0.001),
-    ("twisted-beam", "96x16", TIP, {"load": "in-plane", **THIN, **EDGES}, 1.0004, 0.001),
     ("raasch-hook", "56x16", TIP, EDGES, 0.9901, 0.01),
     ("hypar", "48x24", TIP, {"t_over_L": "0.01", **EDGES}, 0.9978, 0.01),
     ("hypar", "48x24", "strain_energy", {"t_over_L": "0.001", **EDGES}, 0.9943, 0.01),
@@ -48,7 +48,6 @@ WITHIN = (  # scene, mesh, quantity, settings, share of the reference, bound
     ("slender-beam", "12x2", TIP, {"load": "out-of-plane", "shape": "parallelogram"}, 0.9911, 0.01),
 )
 FINER = (
-    ("hypar", "96x48", "strain_energy", {"t_over_L": "0.0001", **EDGES}, 0.9939, 0.01),
     ("morley-skew-plate", "64x64", W, {"a_over_h": "1000", **EDGES}, 0.9903, 0.01),
     ("raasch-hook", "112x32", TIP, EDGES, 0.9912, 0.01),
     ("morley-skew-plate", "96x96", W, {"a_over_h": "1000", **EDGES}, 1.0015, 0.005),
@@ -70,9 +69,10 @@ def test_published_values_on_finer_meshes(scene, mesh, quantity, given, expected
     test_published_values_on_stated_meshes(scene, mesh, quantity, given, expected, bound)
 
 
-def test_the_thin_strip_out_of_its_plane_is_softer_in_other_shells() -> None:
-    """By 0.18 % of the limit of S4."""
-    assert share("twisted-beam", "96x16", load="out-of-plane", **THIN, **EDGES) == pytest.approx(0.9982, abs=2e-4)
+@pytest.mark.parametrize(("load", "expected"), [("in-plane", 1.000), ("out-of-plane", 0.998)])
+def test_the_thin_strip_is_known_to_what_rounding_leaves(load: str, expected: float) -> None:
+    """Shares of the limit of S4. Another order of elimination moves them by 1e-3: no digit more is the element's."""
+    assert share("twisted-beam", "96x16", load=load, **THIN, **EDGES) == pytest.approx(expected, abs=ROUNDING)
 
 
 @pytest.mark.parametrize(
@@ -92,14 +92,23 @@ def test_moved_nodes_lead_to_the_same_limit(scene: str, mesh: str, quantity: str
 
 
 @pytest.mark.slow
+def test_the_thinnest_hypar_is_met_within_what_rounding_leaves() -> None:
+    """t/L = 1e-4: 0.9939 and 0.9994 of the energy by two orders of elimination on one mesh."""
+    assert share("hypar", "96x48", "strain_energy", t_over_L="0.0001", **EDGES) == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.slow
 def test_the_thinnest_shells_lock_on_moved_nodes() -> None:
     """Known and not hidden: h/b = 0.003 twisted, t/L = 1e-4; what is lost comes back with the size of elements."""
-    for load, lost in {"in-plane": (0.198, 0.041, 0.004), "out-of-plane": (0.296, 0.040, 0.004)}.items():
-        for mesh, part in zip(("24x4", "48x8", "96x16"), lost, strict=True):
-            given = {"load": load, **THIN}
-            gap = share("twisted-beam", mesh, **given) - share("twisted-beam", mesh, **given, **MOVED)
-            assert gap == pytest.approx(part, abs=2e-3)
-    assert share("hypar", "48x24", t_over_L="0.0001", **MOVED) == pytest.approx(0.870, abs=2e-3)
+    for load in ("in-plane", "out-of-plane"):
+        even, moved = (
+            [share("twisted-beam", mesh, load=load, **THIN, **more) for mesh in MESHES] for more in ({}, MOVED)
+        )
+        lost = np.subtract(even, moved)
+        assert lost[0] > 0.15
+        assert 0.03 < lost[1] < 0.06
+        assert lost[2] < 0.01
+    assert share("hypar", "48x24", t_over_L="0.0001", **MOVED) < 0.9
 
 
 def test_six_trapezoids_cannot_bend_in_their_plane() -> None:
