@@ -16,7 +16,7 @@ from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.quad_sampling import NodalFaces
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry
-from formulations.geometry.grid import CORNERS, Grid
+from formulations.geometry.grid import CORNERS, Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import Surface, laminate_axes, normal
 from formulations.section.laminate import Laminate
@@ -61,7 +61,8 @@ class Discretisation:
         order = None
         if ordered:
             followed = None if images is None else images.followed
-            order = elimination_order(grid, followed, surface.position(*grid.nodes.T))
+            positions = surface.position(*grid.nodes.T) if isinstance(grid, QuadGrid) else None
+            order = elimination_order(grid, followed, positions)
         hangers = Hangers.of(grid, surface, laminate, interpolation, fixed, hinged)
         carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
         dof_map = DofMap.build(fixed, hinged, images, order, carried)

@@ -25,6 +25,7 @@ from studies.commands.options import (
 )
 from studies.output.atomic import Table, write_by
 from studies.output.terminal import columns
+from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving import branching
 from studies.solving.refinement import mesh_error
@@ -32,13 +33,15 @@ from studies.solving.result import UNSTABLE, WRONG, Result, Step
 from studies.solving.solve import Interrupted
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
+DECK = ".inp"  # what the name of a deck of Abaqus or CalculiX ends in
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
 def add_solve(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
-    parser.add_argument("scene", help="footprint list scenes")
-    parser.add_argument("--measure", default="exact", help="of strain, footprint list measures; by default exact")
+    parser.add_argument("scene", help="footprint list scenes; or a shell in a deck of Abaqus or CalculiX, FILE.inp")
+    measures = "of strain, footprint list measures; by default exact, of a deck without NLGEOM linear"
+    parser.add_argument("--measure", help=measures)
     mesh = "N1xN2, elements along both directions; by default that of the scene"
     add_solving(parser, "footprint list algorithms; by default semismooth", mesh)
     parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
@@ -57,10 +60,26 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
 def run_solve(options: argparse.Namespace) -> int:
     """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
     with np.errstate(over="ignore", invalid="ignore"):
+        if options.scene.lower().endswith(DECK) and options.scene not in SCENES:
+            return _run_deck(options)
+        options.measure = options.measure or Request.measure
         return _run(options)
 
 
-def _run(options: argparse.Namespace) -> int:
+def _run_deck(options: argparse.Namespace) -> int:
+    """Of a shell from a file, which has one mesh and so no error of it."""
+    from studies.scenes.mesh_file.scene import UNKNOWN_ERROR, entered  # only who has a deck waits for its reader
+
+    if options.error is not None:
+        raise UsageError(f"--error {options.error}: {UNKNOWN_ERROR}")
+    options.start, options.no_error = mesh_error.COLD, True
+    with entered(options.scene) as deck:
+        print("\n".join(deck.told()))
+        options.measure = options.measure or deck.measure
+        return _run(options, UNKNOWN_ERROR)
+
+
+def _run(options: argparse.Namespace, *remarks: str) -> int:
     scene, request, wanted = _asked(options)
     _check_places(options, scene)
     with progress_line() as tell:
@@ -71,6 +90,7 @@ def _run(options: argparse.Namespace) -> int:
             result, enough, step_lines = stopped.result, False, []
     if result.unsupported:
         raise UsageError(result.unsupported)
+    result.remarks += remarks
     asked = options.branch and result.outcome.converged
     if asked:
         branching.branches_of(result)

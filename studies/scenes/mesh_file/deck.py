@@ -1,0 +1,147 @@
+"""What a deck says of a shell, in its own numbers. No geometry and no keyword enters here."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from studies.ask.request import UsageError
+from studies.scenes.mesh_file.keywords import Card, Row, listed, named, shown
+
+MOST_MEMBERS = 4_000_000  # of all sets
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A ply of the section: thickness [mm], material, angle [deg] from the first axis."""
+
+    thickness: float
+    material: str
+    angle: float
+    row: Row
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """Constants of a material as they stand: kind ISOTROPIC, LAMINA or ENGINEERING CONSTANTS."""
+
+    kind: str
+    values: tuple[float, ...]
+    card: Card
+
+
+@dataclass
+class Deck:
+    """What was read; numbers of nodes and elements are those of the deck.
+
+    nodes: positions.  normals: of nodes, where the deck has them.  elements: four nodes each.  degrees: held, by node.
+    forces: (1, 2 or 3) and value by node.  pressures: by element, along its normal.  seen: sets that loads or output
+    requests name.  silent: keywords without effect, how often each.
+    """
+
+    path: Path
+    nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    normals: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    elements: dict[int, tuple[int, ...]] = field(default_factory=dict)
+    node_sets: dict[str, list[int]] = field(default_factory=dict)
+    element_sets: dict[str, list[int]] = field(default_factory=dict)
+    materials: dict[str, Elastic | None] = field(default_factory=dict)
+    layers: list[Layer] = field(default_factory=list)
+    covered: set[int] = field(default_factory=set)
+    orientations: dict[str, tuple[tuple[float, ...], float]] = field(default_factory=dict)
+    orientation: str = ""
+    degrees: dict[int, set[int]] = field(default_factory=dict)
+    forces: dict[int, dict[int, float]] = field(default_factory=dict)
+    pressures: dict[int, float] = field(default_factory=dict)
+    seen: list[str] = field(default_factory=list)
+    silent: dict[str, int] = field(default_factory=dict)
+    steps: int = 0
+    nonlinear: bool = False
+    static: bool = False
+    ended: bool = False
+    material: str = ""
+    sections: int = 0
+    members: int = 0
+
+    def check(self) -> None:
+        """Raise UsageError for what is missing, and for what names nothing."""
+        name = self.path.name
+        for missing, what in (
+            (self.elements, "no quadrilaterals: *ELEMENT, TYPE=S4"),
+            (self.layers, "no *SHELL SECTION"),
+            (self.static, "no *STEP with *STATIC"),
+            (self.degrees, "no support: *BOUNDARY"),
+            (self.forces or self.pressures, "no load: *CLOAD or *DLOAD"),
+        ):
+            if not missing:
+                raise UsageError(f"{name}: {what}")
+        for layer in self.layers:
+            if self.materials.get(layer.material) is None:
+                layer.row.refuse(f"there is no material {shown(layer.material)} with *ELASTIC")
+        bare = [each for each in self.elements if each not in self.covered]
+        if bare:
+            raise UsageError(f"{name}: no *SHELL SECTION for the elements {listed(bare)}")
+        for number, corners in self.elements.items():
+            lost = [node for node in corners if node not in self.nodes]
+            if lost:
+                raise UsageError(f"{name}: element {number} names node {lost[0]}, which is not there")
+        used = {node for corners in self.elements.values() for node in corners}
+        for what, of in (("force", self.forces), ("support", self.degrees)):
+            lost = [node for node in of if node not in used]
+            if lost:
+                raise UsageError(f"{name}: a {what} on nodes of no element: {listed(lost)}")
+
+    def listed(
+        self,
+        card: Card,
+        known: Collection[int],
+        sets: dict[str, list[int]],
+        what: str,
+    ) -> Iterator[int]:
+        """The numbers of a set, which may name other sets, or give first, last and step."""
+        numbers: Sequence[int]
+        for row in card.rows:
+            if self.members > MOST_MEMBERS:
+                row.refuse(f"more than {MOST_MEMBERS} members of sets")
+            if "GENERATE" in card.parameters:
+                row.at_most(3)
+                numbers = range(row.whole(0), row.whole(1) + 1, row.whole(2, 1))
+                if len(numbers) > len(known):
+                    row.refuse(f"{len(numbers)} {what}s, of {len(known)} that there are")
+                for number in numbers:
+                    if number not in known:
+                        row.refuse(f"there is no {what} {number}")
+                yield from numbers
+                self.members += len(numbers)
+            else:
+                for word in filter(None, row.fields):
+                    numbers = self.members_of(row, word, known, sets, what)
+                    yield from numbers
+                    self.members += len(numbers)
+
+    def members_of(
+        self,
+        at: Row | Card,
+        word: str,
+        known: Collection[int],
+        sets: dict[str, list[int]],
+        what: str,
+    ) -> list[int]:
+        """The number itself, or the members of the set of that name."""
+        if word.isascii() and word.isdigit():
+            if len(word) > 12 or int(word) not in known:
+                at.refuse(f"there is no {what} {shown(word)}")
+            return [int(word)]
+        if named(word) not in sets:
+            at.refuse(f"there is no set of {what}s {shown(named(word))}")
+        return sets[named(word)]
+
+    def add(self, sets: dict[str, list[int]], name: str, numbers: Collection[int]) -> None:
+        """Put numbers into a set, which may be there already."""
+        sets[name] = list(dict.fromkeys([*sets.get(name, []), *numbers]))
+
+    def see(self, name: str) -> None:
+        """Read off the displacements of a set."""
+        if name not in self.seen:
+            self.seen.append(name)

@@ -1,0 +1,65 @@
+"""A deck from its file: every card is understood, is named as one without effect, or is refused with its line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from studies.scenes.mesh_file import load_cards, mesh_cards, wall_cards
+from studies.scenes.mesh_file.deck import Deck
+from studies.scenes.mesh_file.keywords import Card, cards_of
+
+SILENT = (  # read, and without effect
+    *("HEADING", "NODE FILE", "EL FILE", "NODE PRINT", "EL PRINT", "ENERGY PRINT", "SECTION PRINT", "CONTACT FILE"),
+    *("OUTPUT", "NODE OUTPUT", "ELEMENT OUTPUT", "ENERGY OUTPUT", "FILE FORMAT", "PREPRINT", "MONITOR", "DENSITY"),
+)
+OUTPUT_OF_NODES = ("NODE FILE", "NODE PRINT", "NODE OUTPUT")
+BEFORE_STEP: dict[str, Callable[[Deck, Card], None]] = {
+    "NODE": mesh_cards.node,
+    "ELEMENT": mesh_cards.element,
+    "NORMAL": mesh_cards.normal,
+    "MATERIAL": wall_cards.material,
+    "ELASTIC": wall_cards.elastic,
+    "ORIENTATION": wall_cards.orientation,
+    "SHELL SECTION": wall_cards.shell_section,
+}
+ANYWHERE: dict[str, Callable[[Deck, Card], None]] = {
+    "NSET": mesh_cards.node_set,
+    "ELSET": mesh_cards.element_set,
+    "BOUNDARY": load_cards.boundary,
+    "STEP": load_cards.step,
+}
+IN_STEP: dict[str, Callable[[Deck, Card], None]] = {
+    "STATIC": load_cards.static,
+    "CLOAD": load_cards.cload,
+    "DLOAD": load_cards.dload,
+    "END STEP": load_cards.end_step,
+}
+
+
+def read_deck(path: Path) -> Deck:
+    """All cards in order; raises UsageError for what is not understood, and OSError."""
+    deck = Deck(path)
+    for card in cards_of(path):
+        _take(deck, card)
+    deck.check()
+    return deck
+
+
+def _take(deck: Deck, card: Card) -> None:
+    if deck.ended:
+        card.refuse("stands behind *END STEP: one step is understood")
+    if card.keyword in SILENT:
+        deck.silent[card.keyword] = deck.silent.get(card.keyword, 0) + 1
+        name = card.parameters.get("NSET", "")
+        if card.keyword in OUTPUT_OF_NODES and name in deck.node_sets:
+            deck.see(name)
+    elif card.keyword in BEFORE_STEP and deck.steps:
+        card.refuse("stands behind *STEP")
+    elif card.keyword in IN_STEP and not deck.steps:
+        card.refuse("stands before *STEP")
+    else:
+        take = {**BEFORE_STEP, **ANYWHERE, **IN_STEP}.get(card.keyword)
+        if take is None:
+            card.refuse("is not understood")
+        take(deck, card)

@@ -1,0 +1,209 @@
+"""A deck as a scene: what it says in settings, its shell, its loads, and what is read off."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from formulations.discretisation import Discretisation
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.strain_operator import ElementGeometry
+from formulations.geometry.grid import QuadGrid
+from formulations.geometry.surfaces import NodalSurface
+from formulations.loads.pressure import Pressure
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import MEASURES
+from studies.ask.declarations import Reference
+from studies.ask.request import Request, UsageError
+from studies.ask.scene import SOLVER, SceneModel, Setting
+from studies.scenes import SCENES
+from studies.scenes.element import centred_laminate
+from studies.scenes.mesh_file.reading import read_deck
+from studies.scenes.mesh_file.supports import planes_of, supports_of
+from studies.scenes.mesh_file.surface import Mesh
+from studies.scenes.mesh_file.wall import first_axes, plies_of
+from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel
+
+DEAD, FOLLOWER = "dead", "follower"
+MOST_SETS = 8  # whose displacements are read off
+UNKNOWN_ERROR = "the error of the mesh is not known: there are no coarser grids of a mesh from a file"
+
+
+@dataclass(frozen=True, eq=False)
+class PressureOnElements(Pressure):
+    """Pressure [MPa] that differs from element to element: value times ``shares`` (E,)."""
+
+    shares: np.ndarray = None  # type: ignore[assignment]  # behind fields with defaults
+
+    def weights(self, geometry: ElementGeometry) -> np.ndarray:
+        """Area times share that each Gauss point carries, (E, 4)."""
+        return super().weights(geometry) * self.shares[:, None]
+
+
+class DeckScene:
+    """The shell of a deck; the deck names its elements, so that there is one mesh only."""
+
+    references: tuple[Reference, ...] = ()
+    models: tuple[str, ...] = ("auto", "full")
+
+    def __init__(self, path: Path, name: str) -> None:
+        self.name = name
+        self.deck = read_deck(path)
+        self.title = f"shell from {path.name}"
+        self.mesh = Mesh.of(self.deck)
+        self.mesh = self.mesh.in_planes(planes_of(self.deck, self.mesh))
+        self.plies = plies_of(self.deck)
+        self.default_mesh: tuple[int, int] = (len(self.mesh.elements), 1)
+        follows = FOLLOWER if self.deck.nonlinear else DEAD
+        self.settings: tuple[Setting, ...] = (
+            LOAD_FRACTION,
+            Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4),
+            Setting.one_of("thickness_strain", THICKNESS_STRAINS, "balanced", "where the thickness strain is sampled"),
+            Setting.one_of("membrane", MEMBRANES, "relaxed", "linear modes of the membrane strain"),
+            Setting.one_of("pressure", (DEAD, FOLLOWER), follows, "whether pressure keeps its direction"),
+            Setting.positive("fold_deg", 20.0, "largest angle between the normals of neighbours", 60.0),
+            SOLVER,
+        )
+        self.quantities: Mapping[str, str] = {
+            "largest_mm": "largest displacement of all nodes, mean of both faces",
+            "largest_at_node": "number of that node in the deck",
+            "along_forces_mm": "mean displacement along the forces, sum of F.u over sum of |F|",
+            **{f"reaction_{i}_N": f"sum of the forces of the supports along axis {i}" for i in (1, 2, 3)},
+        }
+
+    @property
+    def measure(self) -> str:
+        """That of the step: exact with NLGEOM, else linear."""
+        return "exact" if self.deck.nonlinear else "linear"
+
+    def settle(self, request: Request) -> Request:
+        """Raises UsageError for another mesh."""
+        if request.mesh != self.default_mesh:
+            raise UsageError(f"--mesh {request.mesh_text}: {self.name} has a mesh of its own")
+        return replace(request, model="full")
+
+    def build(self, request: Request) -> SceneModel:
+        """Half of each force on either face, pressure on the inner one."""
+        mesh = self.mesh
+        mesh.check_folds(request.number("fold_deg"))
+        grid = QuadGrid.over(mesh.elements)
+        supports = supports_of(self.deck, mesh, grid)
+        if supports.held.all():
+            raise UsageError(f"{mesh.file}: every displacement is held")
+        surface = NodalSurface.of(mesh.middle, mesh.normals, first_axes(self.deck, mesh))
+        laminate = centred_laminate(request, *self.plies)
+        kinematics = MEASURES[request.measure].kinematics
+        try:
+            shell = Discretisation.build(surface, grid, laminate, *supports.masks, kinematics, "quads", ordered=True)
+        except ValueError as error:
+            raise UsageError(f"{mesh.file}: {error}") from None
+        loads = self._loads(request.choice("pressure") == FOLLOWER)
+        return DeckModel.of(request, shell, self._reading(shell), **loads)
+
+    def _loads(self, follower: bool) -> Loads:
+        loads = Loads()
+        if self.deck.forces:
+            loads["forces"] = np.repeat(0.5 * self._forces(), 2, axis=1)
+        if self.deck.pressures:
+            shares = np.array([self.deck.pressures.get(number, 0.0) for number in self.mesh.labels.tolist()])
+            loads["pressure"] = PressureOnElements(1.0, follower, shares=shares)
+        return loads
+
+    def _forces(self) -> np.ndarray:
+        """(N, 3) Cartesian."""
+        forces = np.zeros_like(self.mesh.middle)
+        for node, components in self.deck.forces.items():
+            for degree, value in components.items():
+                forces[self.mesh.at([node]), degree - 1] = value
+        return forces
+
+    def _sets(self) -> dict[str, np.ndarray]:
+        """Sets that loads or output requests name, as far as they have elements."""
+        named = {name: self.mesh.at(self.deck.node_sets[name]) for name in self.deck.seen}
+        return dict([(name, nodes) for name, nodes in named.items() if len(nodes)][:MOST_SETS])
+
+    def _reading(self, shell: Discretisation) -> _Reading:
+        return _Reading(shell, self.mesh.numbers, self._forces(), self._sets())
+
+    def told(self) -> Iterator[str]:
+        """What was read, for people."""
+        deck, mesh = self.deck, self.mesh
+        unused = f", {mesh.unused} nodes of no element left out" if mesh.unused else ""
+        yield f"read {mesh.file}: {len(mesh.numbers)} nodes, {len(mesh.elements)} quadrilaterals{unused}"
+        given = np.count_nonzero(mesh.given)
+        yield f"normals: {given} from the deck, {len(mesh.given) - given} means of the elements by area"
+        thickness = sum(ply.thickness for ply in self.plies)
+        made = ", ".join(
+            f"{layer.material} {layer.thickness:g} at {np.degrees(ply.angle):g}"
+            for layer, ply in zip(deck.layers, self.plies, strict=True)
+        )
+        yield f"thickness {thickness:g} mm, plies from inside (mm, degrees): {made}"
+        kinds = dict[str, int]()
+        for degrees in deck.degrees.values():
+            kind = "".join(map(str, sorted(degrees)))
+            kinds[kind] = kinds.get(kind, 0) + 1
+        yield "supports: " + ", ".join(f"degrees {kind} at {count} nodes" for kind, count in sorted(kinds.items()))
+        if deck.forces:
+            total = " ".join(f"{x + 0.0:.6g}" for x in self._forces().sum(axis=0))
+            yield f"forces on {len(deck.forces)} nodes, in all {total} N, dead"
+        if deck.pressures:
+            low, high = min(deck.pressures.values()), max(deck.pressures.values())
+            span = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+            yield f"pressure {span} MPa along the normals of {len(deck.pressures)} elements"
+        rotations = "finite" if deck.nonlinear else "small"
+        yield f"step: {rotations} rotations, measure {self.measure} unless another is asked for"
+        if deck.silent:
+            silent = ", ".join(f"*{name}" for name in sorted(deck.silent))
+            yield f"read and without effect: {silent}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`."""
+
+    shell: Discretisation
+    numbers: np.ndarray
+    forces: np.ndarray
+    sets: Mapping[str, np.ndarray]
+
+    def __call__(self, shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+        middle = np.mean(self.shell.cartesian(u), axis=0)
+        size = np.linalg.norm(middle, axis=1)
+        largest = int(np.argmax(size))
+        seen = {"largest_mm": float(size[largest]), "largest_at_node": float(self.numbers[largest])}
+        total = np.sum(np.linalg.norm(self.forces, axis=1))
+        if total > 0:
+            seen["along_forces_mm"] = float(np.sum(self.forces * middle) / total)
+        for name, nodes in self.sets.items():
+            word = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
+            seen |= {f"u{i + 1}_{word}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
+        return seen
+
+
+class DeckModel(StaticModel):
+    """With the forces of the supports."""
+
+    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
+        """Forces of the deck on what a support holds are borne by the support."""
+        assert isinstance(self.measure_at, _Reading)
+        dof_map = self.shell.discretisation.map
+        own = np.where(dof_map.held | dof_map.hinged, np.repeat(0.5 * self.measure_at.forces, 2, axis=1), 0.0)
+        borne = self.shell.scaled(fraction).reactions(u) - fraction * own
+        total = borne.reshape(-1, 3, 2).sum(axis=(0, 2))
+        named = {f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}
+        return {**super()._displacements(u, fraction), **named}
+
+
+@contextmanager
+def entered(name: str) -> Iterator[DeckScene]:
+    """The scene of a file in the catalogue as long as it lasts; raises UsageError for what is no deck, and OSError."""
+    scene = DeckScene(Path(name), name)
+    SCENES[name] = scene
+    try:
+        yield scene
+    finally:
+        del SCENES[name]

@@ -1,0 +1,141 @@
+"""The surface of a deck: its nodes counted from 0, the way round of its quadrilaterals, nodal normals, folds.
+
+A director for each node follows a smooth surface alone: folds and edges of three elements are refused, and so are
+neighbours that go round against each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from studies.ask.request import UsageError
+from studies.scenes.mesh_file.deck import Deck
+from studies.scenes.mesh_file.keywords import listed
+
+NO_AREA = 1e-12  # of the longest side of an element squared
+LAID = 0.35  # sine of the largest angle by which a normal is laid into a plane of symmetry
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """numbers (N,), labels (E,): of nodes and elements in the deck.  middle (N, 3): positions.  elements (E, 4).
+
+    areas (E, 3): area vectors, half the cross product of the diagonals.  normals (N, 3): of unit length.
+    given (N,) bool: those that the deck has.  unused: nodes of no element, which are left out.
+    """
+
+    file: str
+    numbers: np.ndarray
+    labels: np.ndarray
+    middle: np.ndarray
+    elements: np.ndarray
+    areas: np.ndarray
+    normals: np.ndarray
+    given: np.ndarray
+    unused: int
+
+    @classmethod
+    def of(cls, deck: Deck) -> Mesh:
+        """Normals are the mean of those of the elements by area, where the deck has none; raises UsageError."""
+        labels = np.array(list(deck.elements))
+        numbers, elements = np.unique(np.array(list(deck.elements.values())), return_inverse=True)
+        elements = elements.reshape(-1, 4)
+        middle = np.array([deck.nodes[number] for number in numbers.tolist()])
+        corners = middle[elements]
+        areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        given = np.isin(numbers, list(deck.normals))
+        unused = len(deck.nodes) - len(numbers)
+        mesh = cls(deck.path.name, numbers, labels, middle, elements, areas, np.zeros_like(middle), given, unused)
+        mesh._check_elements()
+        mesh._edges()
+        return replace(mesh, normals=mesh._nodal_normals(deck))
+
+    def at(self, nodes: list[int]) -> np.ndarray:
+        """Places of nodes of the deck; those of no element are left out."""
+        found = np.asarray(nodes, dtype=np.int64)
+        return np.searchsorted(self.numbers, found[np.isin(found, self.numbers)])
+
+    def _check_elements(self) -> None:
+        corners = self.middle[self.elements]
+        sides = np.roll(corners, -1, axis=1) - corners
+        size = np.max(np.sum(sides**2, axis=-1), axis=1)
+        turns = np.einsum("erx,ex->er", np.cross(np.roll(sides, 1, axis=1), sides), self.areas)
+        flat = np.linalg.norm(self.areas, axis=1) <= NO_AREA * size
+        bad = np.flatnonzero(flat | np.any(turns <= 0, axis=1))
+        if len(bad):
+            raise UsageError(
+                f"{self.file}: elements with an angle of 180 degrees or more, or without an area: "
+                f"{listed(self.labels[bad].tolist())}"
+            )
+
+    def _edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of the edges between two elements: both nodes (k, 2) and both elements (k, 2); raises UsageError."""
+        start, end = self.elements.ravel(), np.roll(self.elements, -1, axis=1).ravel()
+        low, high = np.minimum(start, end), np.maximum(start, end)
+        order = np.lexsort((high, low))
+        low, high, forwards, element = low[order], high[order], (start < end)[order], order // 4
+        same = (low[1:] == low[:-1]) & (high[1:] == high[:-1])
+        third = np.flatnonzero(same[1:] & same[:-1])
+        if len(third):
+            edge = self._edge(low[third[0]], high[third[0]])
+            raise UsageError(f"{self.file}: more than two elements meet at the edge {edge}, which no surface does")
+        first = np.flatnonzero(same)
+        against = first[forwards[first] == forwards[first + 1]]
+        if len(against):
+            i = against[0]
+            one, other = self.labels[element[i]], self.labels[element[i + 1]]
+            edge = self._edge(low[i], high[i])
+            raise UsageError(
+                f"{self.file}: elements {one} and {other} go round against each other at the edge {edge}: reverse the "
+                "order of the nodes of one, until all normals of a part point to the same side"
+            )
+        return np.stack([low[first], high[first]], axis=-1), np.stack([element[first], element[first + 1]], axis=-1)
+
+    def _edge(self, one: int, other: int) -> str:
+        return f"of nodes {self.numbers[one]} and {self.numbers[other]}"
+
+    def check_folds(self, largest_deg: float) -> None:
+        """Raise UsageError where the normals of neighbours are further apart than that."""
+        nodes, elements = self._edges()
+        normals = _unit(self.areas)[elements]
+        angle = np.degrees(np.arccos(np.clip(np.sum(normals[:, 0] * normals[:, 1], axis=-1), -1, 1)))
+        if len(angle) and angle.max() > largest_deg:
+            worst = int(np.argmax(angle))
+            folds = np.count_nonzero(angle > largest_deg)
+            raise UsageError(
+                f"{self.file}: a fold of {angle[worst]:.3g} degrees at the edge {self._edge(*nodes[worst])}, {folds} "
+                f"in all above fold_deg = {largest_deg:g}: one director for each node follows smooth surfaces alone"
+            )
+
+    def _nodal_normals(self, deck: Deck) -> np.ndarray:
+        total = np.zeros_like(self.middle)
+        for corner in range(4):
+            np.add.at(total, self.elements[:, corner], self.areas)
+        known = self.numbers[self.given].tolist()
+        told = np.array([deck.normals[number] for number in known]).reshape(-1, 3)
+        against = np.sum(told * total[self.given], axis=-1) <= 0
+        if against.any():
+            raise UsageError(
+                f"{self.file}: normals that do not point to the side of their elements, at nodes "
+                f"{listed(np.array(known)[against].tolist())}"
+            )
+        total[self.given] = told
+        none = np.linalg.norm(total, axis=-1) == 0
+        if none.any():
+            lost = listed(self.numbers[none].tolist())
+            raise UsageError(f"{self.file}: nodes whose elements have no normal in common: {lost}")
+        return _unit(total)
+
+    def in_planes(self, across: np.ndarray) -> Mesh:
+        """With the normals at nodes on planes of symmetry laid into these; across (N, 3) bool: axes normal to them.
+
+        So half a surface has the normals of the whole: the mean over an element and its image.
+        """
+        near = across & ~self.given[:, None] & (np.abs(self.normals) <= LAID)
+        return replace(self, normals=_unit(np.where(near, 0.0, self.normals)))
+
+
+def _unit(x: np.ndarray) -> np.ndarray:
+    return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))

@@ -1,0 +1,108 @@
+"""The wall of a deck: its plies, and the axis from which their angles count."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from formulations.element.strain_operator import GAUSS, shape_functions
+from formulations.section.laminate import Ply
+from studies.ask.request import UsageError
+from studies.scenes.mesh_file.deck import Deck, Elastic, Layer
+from studies.scenes.mesh_file.surface import Mesh
+
+SAME = 1e-9  # relative: constants that a transversely isotropic ply has alike
+EVEN = 0.5  # of a unit tangent between nodes
+UPRIGHT = 0.95  # cosine between axis and normal, above which the angle of a ply has no direction to count from
+
+
+def plies_of(deck: Deck) -> tuple[Ply, ...]:
+    """From the inner face, on the negative side of the normal, outwards; raises UsageError naming the constant."""
+    turn = deck.orientations[deck.orientation][1] if deck.orientation else 0.0
+    return tuple(_ply(deck, layer, math.radians(layer.angle + turn)) for layer in deck.layers)
+
+
+def _ply(deck: Deck, layer: Layer, angle: float) -> Ply:
+    law = deck.materials[layer.material]
+    assert law is not None  # checked when it was read
+    try:
+        if law.kind == "ISOTROPIC":
+            return Ply.isotropic(law.values[0], law.values[1], layer.thickness)
+        return _fibres(law, angle, layer.thickness)
+    except ValueError as error:
+        if isinstance(error, UsageError):
+            raise
+        law.card.refuse(f": {error}")
+
+
+def _fibres(law: Elastic, angle: float, thickness: float) -> Ply:
+    """Transversely isotropic about the first axis; the plane of a ply cannot tell 2 from 3 of a LAMINA."""
+    if law.kind == "LAMINA":
+        e1, e2, nu12, g12, g13, g23 = law.values
+        _same(law, ("G12", g12), ("G13", g13))
+        return Ply(e1, e2, g12, g23, nu12, e2 / (2 * g23) - 1 if g23 > 0 else 0.0, angle, thickness)
+    e1, e2, e3, nu12, nu13, nu23, g12, g13, g23 = law.values
+    for pair in ((("E2", e2), ("E3", e3)), (("nu12", nu12), ("nu13", nu13)), (("G12", g12), ("G13", g13))):
+        _same(law, *pair)
+    return Ply(e1, e2, g12, g23, nu12, nu23, angle, thickness)
+
+
+def _same(law: Elastic, one: tuple[str, float], other: tuple[str, float]) -> None:
+    if not math.isclose(one[1], other[1], rel_tol=SAME):
+        unlike = f"{one[0]} = {one[1]:g} and {other[0]} = {other[1]:g} differ"
+        law.card.refuse(f": {unlike}: plies are transversely isotropic about axis 1")
+
+
+def first_axes(deck: Deck, mesh: Mesh) -> np.ndarray:
+    """(N, 3) unit tangents at the nodes: the axis of the orientation, or the global x axis, laid on the surface.
+
+    Where all plies are isotropic any tangents serve that turn little within an element, and another axis, or a tangent
+    carried from one normal to all others, stands in. Raises UsageError where there are none.
+    """
+    axis = np.array(deck.orientations[deck.orientation][0] if deck.orientation else (1.0, 0.0, 0.0))
+    if not np.any(axis):
+        raise UsageError(f"{mesh.file}: orientation {deck.orientation} has no first axis")
+    if all(law.kind == "ISOTROPIC" for layer in deck.layers if (law := deck.materials[layer.material])):
+        nearest = mesh.normals[np.argmax(mesh.normals, axis=0)]
+        tried = [_laid(axis, mesh), _carried(mesh), *(_laid(each, mesh) for each in (*np.eye(3), *nearest))]
+        best = max(tried, key=lambda tangents: _evenness(tangents, mesh))
+        if _evenness(best, mesh) < EVEN:
+            raise UsageError(f"{mesh.file}: found no direction along all of the surface, as on some closed ones")
+        return best
+    steep = np.abs(mesh.normals @ axis) > UPRIGHT * np.linalg.norm(axis)
+    if steep.any():
+        node = mesh.numbers[np.flatnonzero(steep)[0]]
+        raise UsageError(f"{mesh.file}: the axis of the plies is nearly normal to the shell at node {node}")
+    return _laid(axis, mesh)
+
+
+def _laid(axis: np.ndarray, mesh: Mesh) -> np.ndarray:
+    """The axis less its part along the normals; anything where nothing is left."""
+    tangents = axis - (mesh.normals @ axis)[:, None] * mesh.normals
+    length = np.linalg.norm(tangents, axis=-1, keepdims=True)
+    least = np.eye(3)[np.argmin(np.abs(mesh.normals), axis=-1)]
+    tangents = np.where(length > SAME, tangents, np.cross(mesh.normals, least))
+    return np.asarray(tangents / np.linalg.norm(tangents, axis=-1, keepdims=True))
+
+
+def _carried(mesh: Mesh) -> np.ndarray:
+    """A tangent at the mean normal m, turned about m x n by the angle from m to n; anything where n = -m.
+
+    With k = m x n: t + k x t + k x (k x t)/(1 + m.n). Source: Rodrigues' formula.
+    """
+    mean = mesh.areas.sum(axis=0)
+    mean = mean / np.linalg.norm(mean) if np.any(mean) else mesh.normals[0]
+    tangent = np.cross(mean, np.eye(3)[np.argmin(np.abs(mean))])
+    k, c = np.cross(mean, mesh.normals), mesh.normals @ mean
+    turned = tangent + np.cross(k, tangent) + np.cross(k, np.cross(k, tangent)) / np.maximum(1 + c, SAME)[:, None]
+    turned -= np.sum(turned * mesh.normals, axis=-1, keepdims=True) * mesh.normals
+    length = np.linalg.norm(turned, axis=-1, keepdims=True)
+    return np.asarray(np.where(length > SAME, turned / np.maximum(length, SAME), _laid(np.ones(3), mesh)))
+
+
+def _evenness(tangents: np.ndarray, mesh: Mesh) -> float:
+    """The shortest that unit tangents, or those at right angles to them, get between the nodes of an element."""
+    both = np.stack([tangents, np.cross(mesh.normals, tangents)], axis=1)[mesh.elements]
+    between = np.einsum("gr,erax->egax", shape_functions(GAUSS)[0], both)
+    return float(np.linalg.norm(between, axis=-1).min())

@@ -1,0 +1,262 @@
+"""Shells from decks: against scenes on the same mesh, and what is refused with which words."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from formulations.geometry.surfaces import cylinder, normal
+from formulations.section.laminate import Ply
+from studies.cli import OK, WRONG_USE, main
+from studies.scenes import SCENES
+from studies.scenes.benchmarks.scordelis_lo import HALF_ANGLE, LENGTH, RADIUS, WEIGHT
+from studies.scenes.complete import complete
+from studies.scenes.element import centred_laminate, patch
+from studies.scenes.statics import StaticModel, area_load
+from studies.solving.solve import solve
+
+QUADS = ["--set", "element=quads"]
+
+
+def numbers(values: Sequence[float] | np.ndarray) -> str:
+    return ", ".join(f"{float(value):.17g}" for value in values)
+
+
+def mesh_lines(x: np.ndarray, elements: np.ndarray, normals: np.ndarray | None = None) -> list[str]:
+    """Nodes and elements from 1, all in the set ALL."""
+    rows = x if normals is None else np.hstack([x, normals])
+    lines = ["*NODE", *(f"{i}, {numbers(row)}" for i, row in enumerate(rows, 1)), "*ELEMENT, TYPE=S4, ELSET=ALL"]
+    return [*lines, *(f"{i}, {', '.join(map(str, row))}" for i, row in enumerate(elements + 1, 1))]
+
+
+def plate(n1: int, n2: int, length: float, width: float) -> tuple[np.ndarray, np.ndarray]:
+    a, b = np.meshgrid(np.linspace(0, length, n1 + 1), np.linspace(0, width, n2 + 1), indexing="ij")
+    number = np.arange(a.size).reshape(a.shape)
+    elements = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1)
+    return np.stack([a.ravel(), b.ravel(), np.zeros(a.size)], axis=-1), elements.reshape(-1, 4)
+
+
+ISOTROPIC = ["*MATERIAL, NAME=M", "*ELASTIC", "1.2e6, 0.", "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.1"]
+CLAMPED = ["*NSET, NSET=ROOT", "1, 2", "*BOUNDARY", "ROOT, 1, 6"]
+SHEARED = ["*NSET, NSET=TIP", "33, 34", "*STEP, NLGEOM", "*STATIC", "*CLOAD", "TIP, 3, 2.", "*NODE FILE", "U"]
+STRIP = ["*HEADING", "a strip", *mesh_lines(*plate(16, 1, 10.0, 1.0)), *ISOTROPIC, *CLAMPED, *SHEARED, "*END STEP"]
+
+
+def written(tmp_path: Path, lines: Sequence[str], name: str = "panel.inp") -> str:
+    path = tmp_path / name
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def answered(tmp_path: Path, lines: Sequence[str], *options: str, code: int = OK) -> Mapping[str, float]:
+    out = tmp_path / "out"
+    assert main(["solve", written(tmp_path, lines), "--out", str(out), *options]) == code
+    assert (out / "fields.vtu").is_file()
+    return json.loads((out / "result.json").read_text())
+
+
+def refused(tmp_path: Path, capsys: pytest.CaptureFixture[str], lines: Sequence[str], *options: str) -> str:
+    code = main(["solve", written(tmp_path, lines), "--out", str(tmp_path / "out"), *options])
+    said = capsys.readouterr().err.strip()
+    assert code == WRONG_USE, said
+    assert "\n" not in said
+    return said
+
+
+def swapped(lines: Sequence[str], old: str, *new: str) -> list[str]:
+    """The deck with a line replaced."""
+    assert old in lines
+    at = list(lines).index(old)
+    return [*lines[:at], *new, *lines[at + 1 :]]
+
+
+def test_a_cantilever_is_that_of_the_scene(tmp_path, capsys) -> None:
+    result = answered(tmp_path, STRIP, "--set", "load_fraction=0.25,0.5,0.75,1")
+    scene = solve(*complete("cantilever", {"element": "quads"}))
+    for ours, step in zip(scene.steps, result["steps"], strict=True):
+        assert step["u3_TIP_mm"] == pytest.approx(ours["tip_deflection_mm"], rel=1e-10)
+        assert step["u1_TIP_mm"] == pytest.approx(-ours["tip_shortening_mm"], rel=1e-10)
+        assert step["reaction_3_N"] == pytest.approx(-4.0 * step["load_fraction"], rel=1e-9)
+    last = result["steps"][-1]
+    assert last["largest_at_node"] in (33, 34)
+    assert last["along_forces_mm"] == pytest.approx(last["u3_TIP_mm"], rel=1e-12)
+    assert result["measure"] == "exact"
+    assert any("not known" in note for note in result["notes"])
+    said = capsys.readouterr().out
+    assert "34 nodes, 16 quadrilaterals" in said
+    assert "without effect: *HEADING, *NODE FILE" in said
+    assert not any(name.endswith(".inp") for name in SCENES)  # entered for that call alone
+
+
+def test_without_nlgeom_the_measure_is_linear(tmp_path) -> None:
+    lines = swapped(STRIP, "*STEP, NLGEOM", "*STEP")
+    assert answered(tmp_path, lines)["measure"] == "linear"
+    tip = answered(tmp_path, lines)["quantities"]["u3_TIP_mm"]
+    assert tip == pytest.approx(4.0 * 10.0**3 / (3 * 1.2e6 * 0.1**3 / 12), rel=2e-3)  # P L^3/(3 E I), and shear
+    assert answered(tmp_path, lines, "--measure", "exact")["quantities"]["u3_TIP_mm"] < 0.6 * tip
+
+
+def test_a_roof_on_soft_diaphragms(tmp_path) -> None:
+    """Scordelis-Lo with the supports that a deck can tell: u_x = u_y = 0 on the diaphragm, the director free."""
+    _, request = complete("scordelis-lo", {"element": "quads"}, "8x8", measure="linear")
+    laminate = centred_laminate(request, Ply.isotropic(4.32e8, 0.0, 0.25))
+    edges = ("diaphragm", "symmetric", "symmetric", "free")
+    roof = patch(request, cylinder(RADIUS), (0, LENGTH / 2), (0, HALF_ANGLE), laminate, edges)
+    nodal = area_load(roof, lambda a1, a2: WEIGHT * np.array([-1.0, 0.0, 0.0]))
+    model = StaticModel.of(request, roof, lambda shell, u: {}, forces=nodal)
+    problem = model.problem_at(1.0)
+    step = problem.linearise(np.zeros(model.n_unknowns), None)
+    u = np.linalg.solve(step.tangent.toarray(), -step.residual)
+    corner = roof.grid.node_at(LENGTH / 2, HALF_ANGLE)
+    ours = np.mean(roof.cartesian(u), axis=0)[corner]
+
+    a1, a2 = roof.grid.nodes.T
+    frame = roof.surface.frame(a1, a2)
+    forces = np.einsum("nif,nij->nj", nodal.reshape(-1, 3, 2), frame)
+    mesh = mesh_lines(roof.surface.position(a1, a2), roof.grid.elements[:, ::-1], normal(roof.surface, a1, a2))
+    material = ["*MATERIAL, NAME=M", "*ELASTIC", "4.32e8, 0.", "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.25"]
+    lines = [*mesh, *material, "*BOUNDARY"]
+    for value, axis, support in ((0.0, 0, "1, 2"), (LENGTH / 2, 0, "ZSYMM"), (0.0, 1, "YSYMM")):
+        lines += [f"{node + 1}, {support}" for node in roof.grid.on_line(axis, value)]
+    lines += ["*STEP", "*STATIC", "*CLOAD"]
+    lines += [f"{n + 1}, {i + 1}, {forces[n, i]:.17g}" for n, i in np.argwhere(forces)]
+    lines += ["*NSET, NSET=EDGE", str(corner + 1), "*NODE PRINT, NSET=EDGE", "U", "*END STEP"]
+    seen = answered(tmp_path, lines)["quantities"]
+    found = [seen[f"u{i}_EDGE_mm"] for i in (1, 2, 3)]
+    assert np.allclose(found, ours, rtol=0, atol=1e-9 * np.abs(ours).max())
+    exact_normals = seen["u1_EDGE_mm"]
+
+    bare = [
+        line if at > len(roof.grid.nodes) or not at else ",".join(line.split(",")[:4]) for at, line in enumerate(lines)
+    ]
+    by_means = answered(tmp_path, bare)["quantities"]["u1_EDGE_mm"]
+    print(exact_normals, by_means)
+    assert by_means == pytest.approx(exact_normals, rel=0.02)  # normals of the free edge are those of one element
+
+
+def test_plies_and_pressure(tmp_path, capsys) -> None:
+    """A cross-ply strip, one end clamped, under pressure: the beam of its plies, p b L^4/(8 D), nu = 0."""
+    lines = [
+        *mesh_lines(*plate(32, 1, 100.0, 5.0)),
+        *("*MATERIAL, NAME=FIBRES", "*ELASTIC, TYPE=LAMINA", "100000., 4000., 0., 2000., 2000., 2000."),
+        *("*MATERIAL, NAME=SAME", "*ELASTIC, TYPE=ENGINEERING CONSTANTS"),
+        *("100000., 4000., 4000., 0., 0., 0., 2000., 2000.", "2000."),
+        *("*ORIENTATION, NAME=O", "0., 1., 0., -1., 0., 0.", "3, -90."),
+        "*SHELL SECTION, ELSET=ALL, COMPOSITE, ORIENTATION=O",
+        *("0.5, 3, FIBRES, 0.", "1.0, 3, SAME, 90.", "0.5, 3, FIBRES, 0."),
+        *("*NSET, NSET=ROOT", "1, 2", "*NSET, NSET=TIP, GENERATE", "65, 66, 1", "*BOUNDARY", "ROOT, ENCASTRE"),
+        *("*STEP", "*STATIC", "*DLOAD", "ALL, P, 0.0001", "*NODE PRINT, NSET=TIP", "U", "*END STEP"),
+    ]
+    seen = answered(tmp_path, lines)["quantities"]
+    bending = (100000.0 * (2.0**3 - 1.0**3) + 4000.0 * 1.0**3) / 12
+    deflection = 1e-4 * 100.0**4 / (8 * bending)
+    assert seen["u3_TIP_mm"] == pytest.approx(deflection, rel=6e-3)  # shear of the wall and 32 elements
+    assert seen["reaction_3_N"] == pytest.approx(-1e-4 * 500.0, rel=1e-9)
+    assert "plies from inside" in capsys.readouterr().out
+    half = answered(tmp_path, swapped(lines, "ALL, P, 0.0001", *(f"{i}, P, 0.0001" for i in range(1, 17))))
+    assert half["quantities"]["reaction_3_N"] == pytest.approx(-1e-4 * 250.0, rel=1e-9)
+
+
+def test_pressure_follows_with_nlgeom(tmp_path) -> None:
+    """A quarter of a ring under inner pressure, symmetric at both ends: it turns nowhere, R grows by p R^2/(E h)."""
+    a = np.linspace(0, np.pi / 2, 17)
+    x, elements = plate(16, 1, np.pi / 2, 1.0)
+    x = np.stack([10 * np.cos(x[:, 0]), 10 * np.sin(x[:, 0]), x[:, 1]], axis=-1)
+    assert len(a) * 2 == len(x)
+    lines = [
+        *mesh_lines(x, elements),
+        *("*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.", "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.1"),
+        *("*BOUNDARY", "1, YSYMM", "2, YSYMM", "33, XSYMM", "34, XSYMM", "1, 3, 3"),
+        *("*STEP, NLGEOM", "*STATIC", "*DLOAD", "ALL, P, 0.01", "*END STEP"),
+    ]
+    result = answered(tmp_path, lines)
+    assert result["settings"]["pressure"] == "follower"
+    assert result["quantities"]["largest_mm"] == pytest.approx(0.01 * 10.0**2 / (1000.0 * 0.1), rel=0.03)
+    dead = answered(tmp_path, lines, "--set", "pressure=dead")
+    assert dead["quantities"]["largest_mm"] == pytest.approx(0.01, rel=0.03)
+
+
+TWO = ["*NODE", "1, 0, 0, 0", "2, 1, 0, 0", "3, 1, 1, 0", "4, 0, 1, 0", "5, 2, 0, 0", "6, 2, 1, 0"]
+REST = [*ISOTROPIC, "*NSET, NSET=ROOT", "1, 4", "*BOUNDARY", "ROOT, 1, 6"]
+LOADED = ["*STEP", "*STATIC", "*CLOAD", "5, 3, 1.", "*END STEP"]
+PAIR = [*TWO, "*ELEMENT, TYPE=S4, ELSET=ALL", "1, 1, 2, 3, 4", "2, 2, 5, 6, 3", *REST, *LOADED]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("*ELEMENT, TYPE=S4, ELSET=ALL", ["*ELEMENT, TYPE=S3, ELSET=ALL"], "line 8: *ELEMENT, TYPE=S3 is a triangle"),
+        ("*ELEMENT, TYPE=S4, ELSET=ALL", ["*ELEMENT, TYPE=S8R, ELSET=ALL"], "Mesh.ElementOrder = 1"),
+        ("*ELEMENT, TYPE=S4, ELSET=ALL", ["*ELEMENT, TYPE=C3D8, ELSET=ALL"], "C3D8 is no quadrilateral shell"),
+        ("1, 1, 2, 3, 4", ["1, 1, 2, 3, 3"], "element 1 has a node twice"),
+        ("1, 1, 2, 3, 4", ["1, 1, 2, 3, 7"], "element 1 names node 7"),
+        ("1, 1, 2, 3, 4", ["2, 1, 2, 3, 4"], "element 2 twice"),
+        ("1, 1, 2, 3, 4", ["1, 1, 3, 2, 4"], "angle of 180 degrees or more, or without an area: 1"),
+        (
+            "2, 2, 5, 6, 3",
+            ["2, 3, 6, 5, 2"],
+            "elements 1 and 2 go round against each other at the edge of nodes 2 and 3",
+        ),
+        ("2, 1, 0, 0", ["2, nan, 0, 0"], "line 3: nan is no finite number"),
+        ("2, 1, 0, 0", ["2, 1e999, 0, 0"], "line 3: 1e999 is no finite number"),
+        ("2, 1, 0, 0", ["99999999999, 1, 0, 0"], "99999999999 is no whole number in [1, 2147483647]"),
+        ("2, 1, 0, 0", ["1, 1, 0, 0"], "node 1 twice"),
+        ("1, 4", ["1, 4, LOST"], "there is no set of nodes LOST"),
+        ("ROOT, 1, 6", ["LOST, 1, 6"], "there is no set of nodes LOST"),
+        ("ROOT, 1, 6", ["ROOT, 1, 11"], "degrees of freedom 1 to 11: understood are 1 to 6"),
+        ("ROOT, 1, 6", ["ROOT, 1, 3, 0.5"], "a prescribed displacement of 0.5 is not understood"),
+        ("ROOT, 1, 6", ["ROOT, 4, 6"], "degrees 4, 5, 6 at node 1, whose normal is (0, 0, 1)"),
+        ("ROOT, 1, 6", ["ROOT, ZSYMM"], "planes of symmetry in which the normal lies"),
+        ("*NSET, NSET=ROOT", ["*NSET, NSET=ROOT, GENERATE"], "there is no node"),
+        ("0.1", ["-0.1"], "thickness = -0.1 must be a positive number"),
+        ("1.2e6, 0.", ["1.2e6, 0.5"], "nu = 0.5 must lie in (-1, 0.5)"),
+        ("5, 3, 1.", ["5, 4, 1."], "a moment, degree of freedom 4, is not understood"),
+        ("5, 3, 1.", ["5, 3, 1.", "5, 3, 1."], "a second force on node 5"),
+        ("*CLOAD", ["*CLOAD, AMPLITUDE=A"], "*CLOAD has a parameter AMPLITUDE that is not understood"),
+        ("*STATIC", ["*STATIC, RIKS"], "*STATIC has a parameter RIKS"),
+        ("*STATIC", ["*FREQUENCY"], "*FREQUENCY is not understood"),
+        ("*END STEP", ["*END STEP", "*STEP"], "one step is understood"),
+        ("*NODE", ["*INCLUDE, INPUT=other.inp", "*NODE"], "line 1: *INCLUDE is not understood"),
+        ("*NODE", ["*PART, NAME=P", "*NODE"], "line 1: *PART is not understood"),
+    ],
+)
+def test_what_is_not_understood_is_refused_by_name(tmp_path, capsys, old, new, words) -> None:
+    if "GENERATE" in new[0]:
+        lines = swapped(swapped(PAIR, old, *new), "1, 4", "1, 2000000000, 1")
+        words = "2000000000 nodes, of 6 that there are"
+    else:
+        lines = swapped(PAIR, old, *new)
+    assert words in refused(tmp_path, capsys, lines)
+
+
+def test_a_fold_is_refused_with_its_edge(tmp_path, capsys) -> None:
+    folded = swapped(swapped(PAIR, "5, 2, 0, 0", "5, 1, 0, 1"), "6, 2, 1, 0", "6, 1, 1, 1")
+    assert "a fold of 90 degrees at the edge of nodes 2 and 3" in refused(tmp_path, capsys, folded)
+    third = swapped(PAIR, "2, 2, 5, 6, 3", "2, 2, 5, 6, 3", "3, 3, 2, 7, 8")
+    third = swapped(third, "6, 2, 1, 0", "6, 2, 1, 0", "7, 1, 0, 1", "8, 1, 1, 1")
+    assert "more than two elements meet at the edge of nodes 2 and 3" in refused(tmp_path, capsys, third)
+
+
+def test_options_that_a_deck_does_not_have(tmp_path, capsys) -> None:
+    assert "has a mesh of its own" in refused(tmp_path, capsys, PAIR, "--mesh", "4x4")
+    assert "--error 1%" in refused(tmp_path, capsys, PAIR, "--error", "1%")
+    assert "has no setting 'distort'" in refused(tmp_path, capsys, PAIR, "--set", "distort=0.2")
+    assert "no keywords" in refused(tmp_path, capsys, [])
+    assert "data before the first keyword" in refused(tmp_path, capsys, ["\x00\x01\x02"])
+    assert main(["solve", str(tmp_path / "none.inp"), "--out", str(tmp_path / "out")]) == WRONG_USE
+
+
+def test_a_deck_of_bricks_is_refused(tmp_path, capsys) -> None:
+    deck = tmp_path / "bricks.inp"
+    assert main(["export", "cantilever", "--mesh", "4x1", "--format", "inp", "--out", str(deck)]) == OK
+    assert main(["solve", str(deck), "--out", str(tmp_path / "out")]) == WRONG_USE
+    assert "C3D20" in capsys.readouterr().err
+
+
+def test_a_shell_that_is_free_to_move_is_no_answer(tmp_path) -> None:
+    lines = swapped(PAIR, "ROOT, 1, 6", "ROOT, 3, 3")
+    assert main(["solve", written(tmp_path, lines), "--out", str(tmp_path / "out")]) not in (OK, WRONG_USE)
