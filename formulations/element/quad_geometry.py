@@ -17,8 +17,10 @@ from formulations.element.quad_sampling import (
     Orientation,
     across_normal,
     at_gauss_points,
+    jacobian_of,
     mid_lines,
     on_sides,
+    turn_between,
     unit,
 )
 from formulations.element.strain_operator import AREAS, GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
@@ -43,7 +45,7 @@ class QuadGeometry(ElementGeometry):
     turn (E, 4, 11, 22): the A_g.
     frame (E, 4, 3, 3): that of the inner face at the Gauss points, to which ``value`` belongs.
     left_handed (E,): the corners go round against the normals.
-    side_Q (E, 8, 6, 12), side_offset (E, 8, 6): l, w, t and beta in the middle of a side of a face from its two nodes.
+    side_Q (E, 48, 24), side_offset (E, 8, 6): l, w, t and beta in the middle of a side of a face, as Q and offset.
     side_length (E, 8): over that of the element at its centre.
     at_nodes (E, 4, 3, 6): beta along (two tangents, normal) from the displacements of a node.
     """
@@ -67,7 +69,7 @@ class QuadGeometry(ElementGeometry):
         mid = X.mean(axis=2)  # of both faces (E, 4, 3)
         sides = Orientation.of(mid, faces)
         frame = sides.frames(mid, faces)
-        jacobian = np.einsum("egax,gbr,erx->egab", frame[:, :, :2], shape_functions(GAUSS)[1], mid)
+        jacobian = jacobian_of(frame, mid)
         weight = sides.turns[:, None] * np.linalg.det(jacobian)
         bad = np.flatnonzero(~_convex(mid))
         if len(bad):
@@ -86,7 +88,7 @@ class QuadGeometry(ElementGeometry):
             face_weight=face_area.sum(axis=1),
             director=np.kron(np.eye(3), [-1.0, 1.0]) / h,
             relaxation=1.0 / (1.0 + (bent / h) ** 2),
-            value=shape_functions(GAUSS)[0][:, :, None, None] * np.einsum("egix,erjx->egrij", inner, faces.frame),
+            value=shape_functions(GAUSS)[0][:, :, None, None] * turn_between(inner, faces.frame),
             kinematics=kinematics,
             interpolation="quads",
             offset=offset,

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.element.strain_operator import GAUSS, N_GAUSS, shape_functions
+from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, shape_functions
 from formulations.strains.quantities import BETA, N_Q, N_V, Kinematics
 
 SIDES = (((0, 1), (3, 2)), ((0, 3), (1, 2)))  # corners of the two sides along xi1, and along xi2
 SIDE_CORNERS = np.array([side for pair in SIDES for side in pair])
-N_SIDE, N_SIDE_DOF = 6, 2 * N_V
+N_SIDE = 6
 # a shear that is taken: direction, side, face; and those of one direction and face, on both sides
 N_TAKEN = 8
 PAIRS = {(a, face): slice(4 * a + face, 4 * a + 4, 2) for a in (0, 1) for face in (0, 1)}
@@ -45,6 +45,22 @@ def unit(x: np.ndarray) -> np.ndarray:
     return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))
 
 
+def tangents_of(x: np.ndarray) -> np.ndarray:
+    """Derivatives (E, 4, 2, 3) at the Gauss points of a nodal field (E, 4, 3), by xi1 and xi2."""
+    slope = shape_functions(GAUSS)[1]
+    return np.matmul(slope.reshape(-1, 4), x).reshape(-1, N_GAUSS, 2, 3)
+
+
+def jacobian_of(frame: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """The same derivatives of positions along the first two directions of frames (E, 4, 3, 3): [direction, xi]."""
+    return np.matmul(frame[:, :, :2], tangents_of(x).swapaxes(-1, -2))
+
+
+def turn_between(at_gauss: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
+    """e_i at a Gauss point . e_j at a node, (E, 4, 4, 3, 3): [point, node, i, j]."""
+    return np.matmul(at_gauss[:, :, None], at_nodes[:, None].swapaxes(-1, -2))
+
+
 def mid_lines(x: np.ndarray) -> np.ndarray:
     """Difference (E, 2, 3) of a nodal field across the element, along both of its middle lines."""
     return 2.0 * np.einsum("br,erx->ebx", shape_functions(np.zeros((1, 2)))[1][0], x)
@@ -72,7 +88,7 @@ class Orientation:
 
     def frames(self, nodal: np.ndarray, faces: NodalFaces) -> np.ndarray:
         """Frames (E, 4, 3, 3) at the Gauss points of a surface through nodes (E, 4, 3)."""
-        tangents = np.einsum("gbr,erx->egbx", shape_functions(GAUSS)[1], nodal)
+        tangents = tangents_of(nodal)
         e3 = unit(np.cross(tangents[:, :, 0], tangents[:, :, 1]))
         return self.along_axes((self.hand * self.turns)[:, None, None] * e3, faces)
 
@@ -99,13 +115,12 @@ def at_gauss_points(
     area, frames = np.empty((n, N_GAUSS, 2)), [sides.frames(X[:, :, face], faces) for face in (0, 1)]
     for face in (0, 1):
         own, at = frames[face], X[:, :, face]
-        area[..., face] = np.abs(np.linalg.det(np.einsum("egax,gbr,erx->egab", own[:, :, :2], slope, at)))
+        area[..., face] = np.abs(np.linalg.det(jacobian_of(own, at)))
         if kinematics.thin:
             own, at = sides.frames(faces.middle, faces), faces.middle
-        jacobian = np.einsum("egax,gbr,erx->egab", own[:, :, :2], slope, at)
-        inverse = np.linalg.inv(jacobian)  # d xi_b/d s_a: [b, a]
+        inverse = np.linalg.inv(jacobian_of(own, at))  # d xi_b/d s_a: [b, a]
         along = np.einsum("gbr,egba->egar", slope, inverse)
-        turned = np.einsum("egix,erjx->egrij", own, faces.frame)
+        turned = turn_between(own, faces.frame)
         for a in (0, 1):
             for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
                 place = 6 * a + 2 * row + face
@@ -115,7 +130,7 @@ def at_gauss_points(
                 Q[:, :, 6 * a + 4 + face, :, face::2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
     director = np.einsum("gr,erx->egx", value, faces.normal)
     length = np.linalg.norm(director, axis=-1)
-    turned = np.einsum("egix,erjx->egrij", sides.along_axes(director / length[..., None], faces), faces.frame)
+    turned = turn_between(sides.along_axes(director / length[..., None], faces), faces.frame)
     for face in (0, 1):
         for i in range(3):
             Q[:, :, BETA.start + i, :, face::2] = (2 * face - 1) / h * value[:, :, None] * turned[:, :, :, i, :]
@@ -126,7 +141,7 @@ def at_gauss_points(
 def on_sides(
     faces: NodalFaces, X: np.ndarray, h: float, kinematics: Kinematics
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """side_Q (E, 8, 6, 12), side_offset (E, 8, 6) and half the lengths (E, 8) of the sides of both faces.
+    """side_Q (E, 48, 24), side_offset (E, 8, 6) and half the lengths (E, 8) of the sides of both faces.
 
     beta counts over the height of the mean director above the side, and that height in the length: a small rotation
     turns both alike, and a linear shear does not see it.
@@ -163,4 +178,7 @@ def on_sides(
                     share = (other - 0.5) / (h * across[:, sides, face, None, None])
                     Q[:, sides, face, place, :, other::2] = share * own[:, sides, face, :, i]
     height = (taken * across).reshape(n, N_TAKEN)
-    return Q.reshape(n, N_TAKEN, N_SIDE, N_SIDE_DOF), offset.reshape(n, N_TAKEN, N_SIDE), height
+    of_all = np.zeros((n, 4, 2, N_SIDE, 4, N_V))
+    for side, corners in enumerate(SIDE_CORNERS):
+        of_all[:, side][..., corners, :] = Q[:, side]
+    return of_all.reshape(n, N_TAKEN * N_SIDE, N_DOF), offset.reshape(n, N_TAKEN, N_SIDE), height

@@ -147,9 +147,11 @@ def _factor(coefficient: float) -> str:
 
 
 def strain_and_gradient(
-    measure: StrainFunction, q: np.ndarray, start: np.ndarray | None = None
+    measure: StrainFunction, q: np.ndarray, start: np.ndarray | None = None, at_start: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """E(start + q) - E(start), (..., 11), and dE/dq at start + q, (..., 11, 15); start 0 unless given.
+
+    at_start: dE/dq at ``start``, where that is known.
 
     Of a quadratic measure the mean of dE/dq at both ends times q, which costs next to nothing beside dE/dq and loses no
     digits where q is far smaller than ``start``; of any other measure the difference.
@@ -157,6 +159,8 @@ def strain_and_gradient(
     at = q if start is None else start + q
     gradient = measure.gradient(at)
     if isinstance(measure, QuadraticMeasure):
+        if at_start is not None:
+            return 0.5 * np.einsum("...ni,...i->...n", at_start + gradient, q), gradient
         before = measure.linear if start is None else measure.gradient(start)
         return 0.5 * (_times(before, q) + _times(gradient, q)), gradient
     return measure.strain(at) - (0.0 if start is None else measure.strain(start)), gradient

@@ -17,7 +17,8 @@ from formulations.geometry.surfaces import NodalSurface, Plate, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from formulations.strains.catalogue import MEASURES
+from formulations.strains.catalogue import EXACT_TERMS, MEASURES
+from formulations.strains.measure import EXACT_LAW, StrainMeasure, quadratic_measure
 
 WALL = Laminate((Ply(1000.0, 500.0, 200.0, 150.0, 0.3, 0.3, 0.4, 0.05), Ply.isotropic(700.0, 0.3, 0.07)), -0.05)
 PIECES = {  # surface, ends of a1 and a2; some frames are left-handed
@@ -69,12 +70,17 @@ def test_classical_measures_keep_their_laws_on_a_patch() -> None:
         np.testing.assert_allclose(strain, expected, atol=1e-12, err_msg=name)
 
 
-@pytest.mark.parametrize("name", MEASURES)
-def test_the_tangent_is_the_derivative_of_the_residual(name: str) -> None:
+STRANGE = {**EXACT_TERMS, "E11": {"l1": 1, "beta3 l1": 1}}  # the strain of a face knows of the director
+
+
+@pytest.mark.parametrize(
+    "measure", [*MEASURES.values(), quadratic_measure("strange", STRANGE, reference="", rigid_body_law=EXACT_LAW)]
+)
+def test_the_tangent_is_the_derivative_of_the_residual(measure: StrainMeasure) -> None:
     rng = np.random.default_rng(1)
     shell = ShellModel(
         quads("torus", n=2),
-        MEASURES[name],
+        measure,
         newton="plain",
         thickness_strain="balanced",
         membrane="relaxed",
