@@ -193,6 +193,10 @@ def test_distortion_keeps_edges_and_refuses_what_does_not_exist() -> None:
         np.testing.assert_array_equal(moved.ends, grid.ends)
         assert len(moved.on_line(0, 0.0)) == len(grid.on_line(0, 0.0)) == 8
         assert np.ptp(moved.corners, axis=1).max() < 2.5 * np.pi / 4  # unwrapped across the seam
+    open_grid = Grid.tensor(np.linspace(0, 1, 6), np.linspace(0, 2.0, 9))
+    for end in open_grid.ends[1]:  # a seam there may not move: no step of a smooth map may be left beside it
+        edge = open_grid.on_line(1, end)
+        np.testing.assert_allclose(distorted(open_grid, "skew", 0.3).nodes[edge], open_grid.nodes[edge], atol=1e-15)
     with pytest.raises(ValueError, match="distortion 'wild' is not one of random, trapezoid, skew"):
         distorted(grid, "wild", 0.1)
     with pytest.raises(ValueError, match=r"distort = 0.5 must be in \[0, 0.4\]"):
