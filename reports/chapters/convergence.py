@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reports.chapter import chapter
+from reports.chapters.distortion import distortion_part
 from reports.chapters.locking import locking_part
 from reports.chapters.measures import options_part
 from reports.figures.drawing import BLACK, canvas, legend_above, lines, svg, ticks
@@ -43,6 +44,7 @@ def convergence_page(store: Store) -> Part:
         "elements": elements_part(store),
         "options": options_part(store),
         "locking": locking_part(store),
+        "distortion": distortion_part(store),
         "commands": commands(data.drop_duplicates("family", keep="last")["command"]),
     }
     limits = {**_families(store, data), **_unsteady(data)}
@@ -230,6 +232,7 @@ CHAPTER = chapter(
         *("rules", "convergence", "convergence_errors", "convergence_summary", "element_choice", "thickness_share"),
         *("manufactured", "manufactured_contact", "manufactured_statements"),
         *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
+        *("distortion", "distorted_shells", "distortion_orders"),
     ),
     always=True,
 )

@@ -197,6 +197,16 @@ def manufactured_orders(data: pd.DataFrame) -> pd.DataFrame:
     return found.assign(near=(off <= NEAR) & pd.Series(solved), coarse=coarse, rising=rising)
 
 
+def distortion_orders(data: pd.DataFrame) -> pd.DataFrame:
+    """The orders of all measures and distortions on meshes of quadrilaterals.
+
+    times: error of the displacement on the finest mesh over that of the same mesh whose nodes stay.
+    """
+    found = orders(data, ("measure", "distortion", "amount"), tuple(THEORY))
+    still = found[found["amount"] == 0].set_index("measure")["error_displacement"]
+    return found.assign(times=found["error_displacement"] / found["measure"].map(still))
+
+
 def contact_orders(data: pd.DataFrame) -> pd.DataFrame:
     """The orders with contact, for every measure, surface and radius.
 

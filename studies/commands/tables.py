@@ -11,6 +11,7 @@ import pandas as pd
 from studies.arena.collected.rule import STEPS
 from studies.experiments import (
     choices,
+    distortion,
     epsilon,
     error_coverage,
     extreme_limits,
@@ -62,6 +63,8 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "manufactured": manufactured.manufactured,
     "manufactured_contact": manufactured.manufactured_contact,
     "manufactured_statements": manufactured.statements,
+    "distortion": distortion.distortion,
+    "distorted_shells": distortion.distorted_shells,
     "fuzz_faults": planted_faults.planted_faults,
     "friction_dragged": scenes.dragged_table,
     "friction_turned": scenes.turned_table,

@@ -221,6 +221,9 @@ LISTS: dict[str, CellList] = {
         "Manufactured solutions (tables)",
         tables=("manufactured", "manufactured_contact", "manufactured_statements"),
     ),
+    "distortion": CellList(
+        "Meshes that follow no coordinates: what moved nodes cost (tables)", tables=("distortion", "distorted_shells")
+    ),
     "limits": CellList("Where a shell is not enough (a table)", tables=("shell_limits",)),
     "faults": CellList("After how many random cases planted faults are found (a table)", tables=("fuzz_faults",)),
     "arena": CellList("The collection of frozen contact problems (tables)", tables=("problems", "problems_left_out")),

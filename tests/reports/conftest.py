@@ -40,7 +40,13 @@ from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
 from support.stores.friction import made_up_friction
 from support.stores.made_up import analysed_again, linked, said_again
-from support.stores.manufactured import made_up_manufactured, made_up_statements, made_up_touching
+from support.stores.manufactured import (
+    made_up_distortion,
+    made_up_manufactured,
+    made_up_shells,
+    made_up_statements,
+    made_up_touching,
+)
 from support.stores.programs import made_up_programs
 from support.stores.rings import made_up_laws, made_up_ring
 from support.stores.sheets import BUILT, DRAWN, cube_text, sheet_answer
@@ -325,6 +331,8 @@ def write_tables(directory: Path) -> None:
         "manufactured": made_up_manufactured(),
         "manufactured_contact": made_up_touching(),
         "manufactured_statements": made_up_statements(),
+        "distortion": made_up_distortion(),
+        "distorted_shells": made_up_shells(),
         "shell_limits": made_up_walls(),
         "programs": made_up_programs(),
         "fuzz": random_cases(),

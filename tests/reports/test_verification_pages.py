@@ -21,6 +21,7 @@ from reports.chapters.convergence import (
     manufactured_part,
     sequences,
 )
+from reports.chapters.distortion import distortion_part
 from reports.chapters.locking import excess, rates
 from reports.formats import quantity as words
 from reports.store import Store, load_store
@@ -233,3 +234,14 @@ def test_left_over_locking_has_the_rates_it_was_made_with(loaded: Store) -> None
     np.testing.assert_allclose(found[8] / found[16], 64, rtol=1e-6)
     assert rates(data) == ("101", "64")
     assert rates(data[data["elements"] > min(MESHES)])[1] == "–"  # an excess of rounding
+
+
+def test_distorted_meshes_lose_what_they_were_made_to_lose(loaded: Store) -> None:
+    text = str(distortion_part(loaded))
+    (exact,) = rows(text, "`exact`")
+    assert exact[1] == "2.00"
+    assert exact[2:] == 3 * ["1.20", "2.00", "1.00"]
+    (beam,) = rows(text, "cantilever")
+    assert beam == ["8x8", *3 * ["-0.40 %"], "16x8", *3 * ["-0.10 %"]]
+    assert rows(text, "`nodal`")[0] == ["`compatible`", *3 * ["0.15 %", "0.20 %"]]
+    assert sentence(loaded, "distorted-shells").startswith("Nodes moved by 0.2 of the size of an element change")
