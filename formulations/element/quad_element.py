@@ -9,10 +9,10 @@ positions, as on an isoparametric grid. No coordinates are needed. What differs 
   area at the Gauss points as weight. A constant strain is a constant there and has its own mean: any quadrilateral
   passes the patch tests of membrane and bending. Covariant components of each point would not be constant.
   Source: Pian, Sumihara, IJNME 20 (1984) 1685-1695.
-- 2E_a3 of a face is taken at the middle of the two sides along xi_a, in a frame along the side, as the covariant strain
-  of that side; between them it is linear. A plate bent to a constant curvature has none there. Of the catalogue
-  novozhilov alone can tell that frame from others: its 2E_a3 is no vector, and what it converges to depends on the
-  directions of the sides. Source: Bathe, Dvorkin, IJNME 21 (1985) 367-383.
+- 2E_a3 of a face is taken at the middle of the two sides along xi_a, as the covariant strain of that side; between
+  them it is linear. A plate bent to a constant curvature has none there. It is made of both shears along the axes of
+  the laminate: those of novozhilov and elongation are no vector, and a shear of a frame that turns with the side would
+  lead to an answer of its own on every mesh. Source: Bathe, Dvorkin, IJNME 21 (1985) 367-383.
 - E33 as on a grid.
 
 The modes turn to the axes of the laminate at every Gauss point, so that of an element::
@@ -33,27 +33,27 @@ import numpy as np
 from formulations.element.mixed import ALL, THICKNESS_STRAINS, MixedElement, Samples
 from formulations.element.modes import E33_MODES, MODE_WEIGHTS, N_M, mode_index
 from formulations.element.quad_geometry import ACROSS, TAKEN, QuadGeometry
-from formulations.element.quad_sampling import N_SIDE, N_TAKEN, PAIRS, along_side
+from formulations.element.quad_sampling import N_SIDES
 from formulations.element.quad_stiffness import UnitStiffness
 from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
 from formulations.strains.measure import StrainFunction, restricted, strain_and_gradient
 from formulations.strains.quantities import N_Q, N_V
 
-SHEARS = (np.array([6, 7]), np.array([8, 9]))  # 2E13-+, 2E23-+
+SHEARS = np.arange(6, 10)  # 2E13-+, 2E23-+
 
 
 def _sides_to_modes() -> np.ndarray:
-    """(8, 22): strains of the modes from the shears of both faces along the four sides."""
+    """(4, 2, 22): strains of the modes from the shears along the four sides, of both faces."""
     onto = np.zeros((2, 2, 2, N_M))
-    for a, (rows, linear) in enumerate(zip(SHEARS, ACROSS, strict=True)):
-        for face, row in enumerate(rows.tolist()):
+    for a, linear in enumerate(ACROSS):
+        for face, row in enumerate(SHEARS[2 * a : 2 * a + 2].tolist()):
             onto[a, :, face, mode_index((0, 0), row)] = 0.5
             onto[a, :, face, mode_index(linear, row)] = [-0.5, 0.5]
-    return onto.reshape(N_TAKEN, N_M)
+    return onto.reshape(N_SIDES, 2, N_M)
 
 
 SIDES_TO_MODES = _sides_to_modes()
-SHEAR_MODES = np.flatnonzero(SIDES_TO_MODES.any(axis=0))
+SHEAR_MODES = np.flatnonzero(SIDES_TO_MODES.any(axis=(0, 1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,16 +61,18 @@ class QuadElement(MixedElement):
     """:class:`MixedElement` on quadrilaterals: mode_stiffness (E, 22, 22), S, and initial (E, 22) are those of each.
 
     H of a mode is what does the work MODE_WEIGHTS H dE an area.  taken: the measure at the Gauss points, without shears
-    across the wall.  sides: that along the sides, of 2E13 and of 2E23.  at_rest (E, 4, 7, 15) and side_rest (E, 8, 6):
-    dE/dq of both in the reference state.  onto (E, 28, 22): from what is taken to the modes.  axes_stiffness (11, 11):
-    D in the axes of the laminate.  units: None where the geometric stiffness is made anew of each state.
+    across the wall.  shears: these, in the middle of the sides.  at_rest (E, 4, 7, 15) and side_rest (E, 4, 4, 15):
+    dE/dq of both in the reference state.  onto (E, 28, 22), side_onto (E, 16, 8): from what is taken to the modes, and
+    to SHEAR_MODES.  axes_stiffness (11, 11): D in the axes of the laminate.  units: None where the geometric stiffness
+    is made anew of each state.
     """
 
     taken: StrainFunction
-    sides: dict[tuple[int, int], StrainFunction]
+    shears: StrainFunction
     at_rest: np.ndarray
     side_rest: np.ndarray
     onto: np.ndarray
+    side_onto: np.ndarray
     axes_stiffness: np.ndarray
     units: UnitStiffness | None
 
@@ -98,11 +100,8 @@ class QuadElement(MixedElement):
         onto[..., E33_MODES] *= 1.0 - THICKNESS_STRAINS[thickness_strain]
         measure, through = element.measure, element.through
         assert geometry.offset is not None
-        taken = restricted(measure, TAKEN, np.arange(N_Q))
-        sides = {(a, f): restricted(measure, SHEARS[a][f : f + 1], along_side(a, f)) for a, f in PAIRS}
-        side_rest = np.empty_like(geometry.side_offset)
-        for key, pair in PAIRS.items():
-            side_rest[:, pair] = sides[key].gradient(geometry.side_offset[:, pair])[..., 0, :]
+        taken, shears = (restricted(measure, rows, np.arange(N_Q)) for rows in (TAKEN, SHEARS))
+        side_onto = np.einsum("esfa,sfm->esafm", geometry.side, SIDES_TO_MODES[..., SHEAR_MODES])
         return cls(
             measure=measure,
             through=through,
@@ -112,12 +111,13 @@ class QuadElement(MixedElement):
             nodal=element.nodal,
             relaxed=element.relaxed,
             taken=taken,
-            sides=sides,
+            shears=shears,
             at_rest=taken.gradient(geometry.offset),
-            side_rest=side_rest,
+            side_rest=shears.gradient(geometry.side_offset),
             onto=onto,
+            side_onto=side_onto.reshape(len(onto), N_SIDES * len(SHEARS), -1),
             axes_stiffness=D,
-            units=UnitStiffness.of(geometry, taken, sides, through, onto, element.nodal),
+            units=UnitStiffness.of(geometry, taken, shears, through, onto, element.nodal),
         )
 
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
@@ -153,42 +153,36 @@ class QuadElement(MixedElement):
         return self.initial[part]
 
     def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> Samples:
-        """The q of v at the Gauss points (e, 4, 15), its beta at the nodes (e, 4, 3), and q of the sides (e, 8, 6)."""
+        """The q of v at the Gauss points (e, 4, 15), its beta at the nodes (e, 4, 3), and q of the sides (e, 4, 15)."""
         assert isinstance(geometry, QuadGeometry)
         nodal = v[part].reshape(-1, 4, N_V)
         q = np.matmul(geometry.Q[part], v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
         beta = np.einsum("erij,erj->eri", geometry.at_nodes[part], nodal)
-        along = np.matmul(geometry.side_Q[part], v[part, :, None]).reshape(-1, N_TAKEN, N_SIDE)
-        return q, beta, along
+        return q, beta, np.matmul(geometry.side_Q[part], v[part, :, None]).reshape(-1, N_SIDES, N_Q)
 
     def _strains(self, geometry: ElementGeometry, part: slice, samples: Samples) -> tuple[np.ndarray, Samples]:
-        """Mode strains (e, 22); dE/dq at the Gauss points (e, 4, 7, 15), and of sides (e, 8, 6), times their length."""
+        """Mode strains (e, 22); dE/dq at the Gauss points (e, 4, 7, 15) and of the sides (e, 4, 4, 15)."""
         assert isinstance(geometry, QuadGeometry)
         assert geometry.offset is not None
         q, beta, along = samples
         strain, gradient = strain_and_gradient(self.taken, q, geometry.offset[part], self.at_rest[part])
         on_modes = np.matmul(strain.reshape(len(q), 1, -1), self.onto[part])[:, 0]
-        shears, slopes = np.empty((len(q), N_TAKEN)), np.empty((len(q), N_TAKEN, N_SIDE))
-        for key, pair in PAIRS.items():
-            start, before = geometry.side_offset[part, pair], self.side_rest[part, pair, None]
-            each, slope = strain_and_gradient(self.sides[key], along[:, pair], start, before)
-            shears[:, pair], slopes[:, pair] = each[..., 0], slope[..., 0, :]
-        length = geometry.side_length[part]
-        on_modes += (length * shears) @ SIDES_TO_MODES
+        shear, slope = strain_and_gradient(self.shears, along, geometry.side_offset[part], self.side_rest[part])
+        on_modes[:, SHEAR_MODES] = np.matmul(shear.reshape(len(q), 1, -1), self.side_onto[part])[:, 0]
         if self.nodal is not None:
             on_modes += self.through.strain(beta)[..., 0] @ self.nodal
         self._relax(on_modes, geometry, part)
-        return on_modes, (gradient, length[..., None] * slopes)
+        return on_modes, (gradient, slope)
 
     def _mode_gradient(
         self, geometry: ElementGeometry, part: slice, gradients: Samples, samples: Samples, out: np.ndarray
     ) -> None:
         assert isinstance(geometry, QuadGeometry)
-        (gradient, slopes), beta, n = gradients, samples[1], len(out)
+        (gradient, slope), beta, n = gradients, samples[1], len(out)
         taken = np.matmul(gradient, geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF))
         np.matmul(self.onto[part].swapaxes(1, 2), taken.reshape(n, -1, N_DOF), out=out)
-        sides = np.matmul(slopes[:, :, None], geometry.side_Q[part].reshape(n, N_TAKEN, N_SIDE, N_DOF))[:, :, 0]
-        out[:, SHEAR_MODES] = np.matmul(SIDES_TO_MODES[:, SHEAR_MODES].T, sides)
+        taken = np.matmul(slope, geometry.side_Q[part].reshape(-1, N_SIDES, N_Q, N_DOF))
+        out[:, SHEAR_MODES] = np.matmul(self.side_onto[part].swapaxes(1, 2), taken.reshape(n, -1, N_DOF))
         if self.nodal is not None:
             of_nodes = np.einsum("eri,erij->erj", self.through.gradient(beta)[..., 0, :], geometry.at_nodes[part])
             out.reshape(n, N_M, 4, N_V)[:, E33_MODES] += self.nodal.T[E33_MODES, :, None] * of_nodes[:, None]
@@ -199,30 +193,21 @@ class QuadElement(MixedElement):
     ) -> None:
         assert isinstance(geometry, QuadGeometry)
         self._relax(work, geometry, part)
-        of_sides = (work @ SIDES_TO_MODES.T) * geometry.side_length[part]
         if self.units is not None:
-            self.units.add(tangent, part, work, of_sides)
+            self.units.add(tangent, part, work, np.tensordot(work, SIDES_TO_MODES, (1, 2)))
         else:
-            self._stiffen_anew(tangent, work, of_sides, geometry, part, samples)
+            self._stiffen_anew(tangent, work, geometry, part, samples)
 
     def _stiffen_anew(
-        self,
-        tangent: np.ndarray,
-        work: np.ndarray,
-        of_sides: np.ndarray,
-        geometry: QuadGeometry,
-        part: slice,
-        samples: Samples,
+        self, tangent: np.ndarray, work: np.ndarray, geometry: QuadGeometry, part: slice, samples: Samples
     ) -> None:
         """What :meth:`UnitStiffness.add` does, of any measure in its state."""
         assert geometry.offset is not None
         (q, beta, along), n = samples, len(work)
         H = np.matmul(self.onto[part], work[..., None]).reshape(n, N_GAUSS, -1)
         _add_turned(tangent, self.taken.contract(geometry.offset[part] + q, H), geometry.Q[part])
-        M, at = np.empty((n, N_TAKEN, N_SIDE, N_SIDE)), geometry.side_offset[part] + along
-        for key, pair in PAIRS.items():
-            M[:, pair] = self.sides[key].contract(at[:, pair], of_sides[:, pair, None])
-        _add_turned(tangent, M, geometry.side_Q[part])
+        H = np.matmul(self.side_onto[part], work[:, SHEAR_MODES, None]).reshape(n, N_SIDES, -1)
+        _add_turned(tangent, self.shears.contract(geometry.side_offset[part] + along, H), geometry.side_Q[part])
         if self.nodal is not None:
             M, at_nodes = self.through.contract(beta, (work @ self.nodal.T)[..., None]), geometry.at_nodes[part]
             own = np.matmul(at_nodes.swapaxes(-1, -2), np.matmul(M, at_nodes))

@@ -13,6 +13,7 @@ import numpy as np
 
 from formulations.element.modes import E33_MODES, MODE_ROWS, N_M, mode_index
 from formulations.element.quad_sampling import (
+    N_SIDES,
     NodalFaces,
     Orientation,
     across_normal,
@@ -45,8 +46,8 @@ class QuadGeometry(ElementGeometry):
     turn (E, 4, 11, 22): the A_g.
     frame (E, 4, 3, 3): that of the inner face at the Gauss points, to which ``value`` belongs.
     left_handed (E,): the corners go round against the normals.
-    side_Q (E, 48, 24), side_offset (E, 8, 6): l, w, t and beta in the middle of a side of a face, as Q and offset.
-    side_length (E, 8): over that of the element at its centre.
+    side_Q (E, 60, 24), side_offset (E, 4, 15): the same as Q and offset in the middle of the sides.
+    side (E, 4, 2, 2): half of each side [side, face, a] along both axes, over the length of the element along it.
     at_nodes (E, 4, 3, 6): beta along (two tangents, normal) from the displacements of a node.
     """
 
@@ -58,7 +59,7 @@ class QuadGeometry(ElementGeometry):
     left_handed: np.ndarray
     side_Q: np.ndarray
     side_offset: np.ndarray
-    side_length: np.ndarray
+    side: np.ndarray
     at_nodes: np.ndarray
 
     @classmethod
@@ -78,7 +79,7 @@ class QuadGeometry(ElementGeometry):
         lengths = np.linalg.norm(centre, axis=-1)
 
         Q, offset, face_area, inner = at_gauss_points(faces, X, sides, h, kinematics)
-        side_Q, side_offset, side_length = on_sides(faces, X, h, kinematics)
+        side_Q, side_offset, side = on_sides(faces, X, sides, h, kinematics)
         plane = _plane_strains(_carried(frame, centre / lengths[..., None]))
         bent = np.sum(mid_lines(faces.normal) * mid_lines(mid), axis=-1)  # k l^2
         return cls(
@@ -98,9 +99,9 @@ class QuadGeometry(ElementGeometry):
             turn=_modes_to_axes(jacobian, lengths, plane),
             frame=inner,
             left_handed=sides.turns * sides.hand < 0,
-            side_Q=side_Q,
+            side_Q=side_Q.reshape(len(X), N_SIDES * N_Q, N_DOF),
             side_offset=side_offset,
-            side_length=side_length / np.repeat(lengths, 4, axis=1),
+            side=side / np.repeat(lengths, 2, axis=1)[..., None, None],
             at_nodes=_directors(faces, h),
         )
 

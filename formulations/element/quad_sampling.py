@@ -10,20 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, shape_functions
+from formulations.element.strain_operator import GAUSS, N_GAUSS, shape_functions
 from formulations.strains.quantities import BETA, N_Q, N_V, Kinematics
 
-SIDES = (((0, 1), (3, 2)), ((0, 3), (1, 2)))  # corners of the two sides along xi1, and along xi2
-SIDE_CORNERS = np.array([side for pair in SIDES for side in pair])
-N_SIDE = 6
-# a shear that is taken: direction, side, face; and those of one direction and face, on both sides
-N_TAKEN = 8
-PAIRS = {(a, face): slice(4 * a + face, 4 * a + 4, 2) for a in (0, 1) for face in (0, 1)}
-
-
-def along_side(a: int, face: int) -> np.ndarray:
-    """Places in q of l_a, w_a, t_a of a face, and of beta."""
-    return np.append(6 * a + face + 2 * np.arange(3), np.arange(N_Q)[BETA])
+SIDE_CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])  # of the two sides along xi1, and along xi2
+MIDDLES = np.array([[0.0, -1.0], [0.0, 1.0], [-1.0, 0.0], [1.0, 0.0]])  # of these sides
+N_SIDES = len(MIDDLES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,20 +37,20 @@ def unit(x: np.ndarray) -> np.ndarray:
     return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))
 
 
-def tangents_of(x: np.ndarray) -> np.ndarray:
-    """Derivatives (E, 4, 2, 3) at the Gauss points of a nodal field (E, 4, 3), by xi1 and xi2."""
-    slope = shape_functions(GAUSS)[1]
-    return np.matmul(slope.reshape(-1, 4), x).reshape(-1, N_GAUSS, 2, 3)
+def tangents_of(x: np.ndarray, points: np.ndarray = GAUSS) -> np.ndarray:
+    """Derivatives (E, 4, 2, 3) at four points of a nodal field (E, 4, 3), by xi1 and xi2."""
+    slope = shape_functions(points)[1]
+    return np.matmul(slope.reshape(-1, 4), x).reshape(-1, len(points), 2, 3)
 
 
-def jacobian_of(frame: np.ndarray, x: np.ndarray) -> np.ndarray:
+def jacobian_of(frame: np.ndarray, x: np.ndarray, points: np.ndarray = GAUSS) -> np.ndarray:
     """The same derivatives of positions along the first two directions of frames (E, 4, 3, 3): [direction, xi]."""
-    return np.matmul(frame[:, :, :2], tangents_of(x).swapaxes(-1, -2))
+    return np.matmul(frame[:, :, :2], tangents_of(x, points).swapaxes(-1, -2))
 
 
-def turn_between(at_gauss: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
-    """e_i at a Gauss point . e_j at a node, (E, 4, 4, 3, 3): [point, node, i, j]."""
-    return np.matmul(at_gauss[:, :, None], at_nodes[:, None].swapaxes(-1, -2))
+def turn_between(at_points: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
+    """e_i at a point . e_j at a node, (E, 4, 4, 3, 3): [point, node, i, j]."""
+    return np.matmul(at_points[:, :, None], at_nodes[:, None].swapaxes(-1, -2))
 
 
 def mid_lines(x: np.ndarray) -> np.ndarray:
@@ -92,9 +84,9 @@ class Orientation:
         e3 = unit(np.cross(tangents[:, :, 0], tangents[:, :, 1]))
         return self.along_axes((self.hand * self.turns)[:, None, None] * e3, faces)
 
-    def along_axes(self, e3: np.ndarray, faces: NodalFaces) -> np.ndarray:
-        """Frames (E, 4, 3, 3) at the Gauss points with that e3, and e1 and e2 as near to both axes as they get."""
-        value = shape_functions(GAUSS)[0]
+    def along_axes(self, e3: np.ndarray, faces: NodalFaces, points: np.ndarray = GAUSS) -> np.ndarray:
+        """Frames (E, 4, 3, 3) at four points with that e3, and e1 and e2 as near to both axes as they get."""
+        value = shape_functions(points)[0]
         one, two = (across_normal(np.einsum("gr,erx->egx", value, faces.axes[:, :, axis]), e3) for axis in (0, 1))
         e1 = unit(one + self.hand[:, None, None] * np.cross(two, e3))
         return np.stack([e1, self.hand[:, None, None] * np.cross(e3, e1), e3], axis=-2)
@@ -109,7 +101,6 @@ def at_gauss_points(
     of a position is left over but the length of that director, and no linear strain sees a small rotation. What leaves
     the stretch of the faces out has the gradients of the reference surface on both.
     """
-    value, slope = shape_functions(GAUSS)
     n = len(X)
     Q, offset = np.zeros((n, N_GAUSS, N_Q, 4, N_V)), np.zeros((n, N_GAUSS, N_Q))
     area, frames = np.empty((n, N_GAUSS, 2)), [sides.frames(X[:, :, face], faces) for face in (0, 1)]
@@ -118,67 +109,73 @@ def at_gauss_points(
         area[..., face] = np.abs(np.linalg.det(jacobian_of(own, at)))
         if kinematics.thin:
             own, at = sides.frames(faces.middle, faces), faces.middle
-        inverse = np.linalg.inv(jacobian_of(own, at))  # d xi_b/d s_a: [b, a]
-        along = np.einsum("gbr,egba->egar", slope, inverse)
-        turned = turn_between(own, faces.frame)
-        for a in (0, 1):
-            for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
-                place = 6 * a + 2 * row + face
-                Q[:, :, place, :, face::2] = sign * along[:, :, a, :, None] * turned[:, :, :, i, :]
-            if kinematics.shallow:  # t_a = -v3,a with v3 = u . n: the turning of n is taken off
-                turning = np.einsum("gbr,erx,egb->egx", slope, faces.normal, inverse[..., a])
-                Q[:, :, 6 * a + 4 + face, :, face::2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
-    director = np.einsum("gr,erx->egx", value, faces.normal)
-    length = np.linalg.norm(director, axis=-1)
-    turned = turn_between(sides.along_axes(director / length[..., None], faces), faces.frame)
-    for face in (0, 1):
-        for i in range(3):
-            Q[:, :, BETA.start + i, :, face::2] = (2 * face - 1) / h * value[:, :, None] * turned[:, :, :, i, :]
+        _put_gradients(Q, face, own, at, faces, kinematics, GAUSS)
+    director, length = _directors(faces, GAUSS)
+    _put_beta(Q, sides.along_axes(director, faces), np.full_like(length, h), faces, GAUSS)
     offset[..., BETA.start + 2] = length - 1.0
     return Q, offset, area, frames[0]
 
 
 def on_sides(
-    faces: NodalFaces, X: np.ndarray, h: float, kinematics: Kinematics
+    faces: NodalFaces, X: np.ndarray, sides: Orientation, h: float, kinematics: Kinematics
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """side_Q (E, 48, 24), side_offset (E, 8, 6) and half the lengths (E, 8) of the sides of both faces.
+    """Q (E, 4, 15, 4, 6) and offset (E, 4, 15) in the middle of the sides; half of each side (E, 4, 2, 2) of the faces.
 
-    beta counts over the height of the mean director above the side, and that height in the length: a small rotation
-    turns both alike, and a linear shear does not see it.
+    All of q has one frame there, along the director and the axes of the laminate, in whose plane lengths are counted:
+    half of a side [side, face, a] is along both axes. beta counts over the height of the director, and that height in
+    the side: a small rotation turns both alike, and a linear shear does not see it.
     """
     n, ends = len(X), X[:, SIDE_CORNERS]  # (E, side, end, face, 3)
-    half = 0.5 * (ends[:, :, 1] - ends[:, :, 0])  # (E, side, face, 3)
-    taken = np.linalg.norm(half, axis=-1)
+    Q, offset = np.zeros((n, N_SIDES, N_Q, 4, N_V)), np.zeros((n, N_SIDES, N_Q))
+    director, length = _directors(faces, MIDDLES)
+    own = sides.along_axes(director, faces, MIDDLES)
+    half = 0.5 * (ends[:, :, 1] - ends[:, :, 0])
     if kinematics.thin:  # gradients along the reference surface, shears over the length midway between the faces
-        taken = np.broadcast_to(np.linalg.norm(half.mean(axis=2, keepdims=True), axis=-1), taken.shape)
-        reference = faces.middle[:, SIDE_CORNERS]
-        half = np.broadcast_to(0.5 * (reference[:, :, 1] - reference[:, :, 0])[:, :, None], half.shape)
-    length = np.linalg.norm(half, axis=-1)
-    along = half / length[..., None]
-    normals, axes = faces.normal[:, SIDE_CORNERS], faces.frame[:, SIDE_CORNERS]
-    director = np.broadcast_to(normals.mean(axis=2)[:, :, None], half.shape)
-    e3 = unit(director - np.sum(director * along, axis=-1, keepdims=True) * along)
-    frame = np.stack([along, np.cross(e3, along), e3], axis=-2)  # which way round, no measure can tell
-    own = np.einsum("esfix,esnjx->esfnij", frame, axes)
-    across = np.sum(director * e3, axis=-1)  # of the mean director, which is shorter than 1
-    tilt = np.sum(director * along, axis=-1) / across
-    Q, offset = np.zeros((n, 4, 2, N_SIDE, 2, N_V)), np.zeros((n, 4, 2, N_SIDE))
-    ways = np.array([-0.5, 0.5])
+        half = np.broadcast_to(half.mean(axis=2, keepdims=True), half.shape)
     for face in (0, 1):
-        slope = ways / length[:, :, face, None]  # (E, side, end)
-        for row, sign in enumerate((1, 1, -1)):
-            Q[:, :, face, row, :, face::2] = sign * slope[..., None] * own[:, :, face, :, row]
-        if kinematics.shallow:
-            turning = (normals[:, :, 1] - normals[:, :, 0]) / (2 * length[:, :, face, None])
-            Q[:, :, face, 2, :, face::2] -= 0.5 * np.einsum("esx,esnjx->esnj", turning, axes)
-        for sides, places in ((slice(0, 2), (3, 4, 5)), (slice(2, 4), (4, 3, 5))):  # beta1 is along xi1
-            offset[:, sides, face, places[0]] = tilt[:, sides, face]
-            for i, place in enumerate(places):
-                for other in (0, 1):
-                    share = (other - 0.5) / (h * across[:, sides, face, None, None])
-                    Q[:, sides, face, place, :, other::2] = share * own[:, sides, face, :, i]
-    height = (taken * across).reshape(n, N_TAKEN)
-    of_all = np.zeros((n, 4, 2, N_SIDE, 4, N_V))
-    for side, corners in enumerate(SIDE_CORNERS):
-        of_all[:, side][..., corners, :] = Q[:, side]
-    return of_all.reshape(n, N_TAKEN * N_SIDE, N_DOF), offset.reshape(n, N_TAKEN, N_SIDE), height
+        at = faces.middle if kinematics.thin else X[:, :, face]
+        inverse = _put_gradients(Q, face, own, at, faces, kinematics, MIDDLES)
+        out_of_plane = np.matmul(tangents_of(at, MIDDLES), own[:, :, 2, :, None])[..., 0]
+        offset[:, :, 4 + face : BETA.start : 6] = -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
+    _put_beta(Q, own, h * length, faces, MIDDLES)
+    return Q, offset, length[..., None, None] * np.matmul(half, own[:, :, :2].swapaxes(-1, -2))
+
+
+def _directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of interpolated normals at four points, the direction (E, 4, 3) and the length (E, 4)."""
+    director = np.einsum("gr,erx->egx", shape_functions(points)[0], faces.normal)
+    length = np.linalg.norm(director, axis=-1)
+    return director / length[..., None], length
+
+
+def _put_gradients(
+    Q: np.ndarray,
+    face: int,
+    own: np.ndarray,
+    at: np.ndarray,
+    faces: NodalFaces,
+    kinematics: Kinematics,
+    points: np.ndarray,
+) -> np.ndarray:
+    """l, w and t of a face of positions ``at`` (E, 4, 3), in frames ``own`` at four points; returns d xi_b/d s_a."""
+    value, slope = shape_functions(points)
+    inverse = np.linalg.inv(jacobian_of(own, at, points))  # [b, a]
+    along = np.einsum("gbr,egba->egar", slope, inverse)
+    turned = turn_between(own, faces.frame)
+    for a in (0, 1):
+        for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
+            place = 6 * a + 2 * row + face
+            Q[:, :, place, :, face::2] = sign * along[:, :, a, :, None] * turned[:, :, :, i, :]
+        if kinematics.shallow:  # t_a = -v3,a with v3 = u . n: the turning of n is taken off
+            turning = np.einsum("gbr,erx,egb->egx", slope, faces.normal, inverse[..., a])
+            Q[:, :, 6 * a + 4 + face, :, face::2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
+    return inverse
+
+
+def _put_beta(Q: np.ndarray, own: np.ndarray, height: np.ndarray, faces: NodalFaces, points: np.ndarray) -> None:
+    """beta over a height (E, 4), in frames ``own`` at four points."""
+    share = shape_functions(points)[0] / height[..., None]
+    turned = turn_between(own, faces.frame)
+    for face in (0, 1):
+        for i in range(3):
+            Q[:, :, BETA.start + i, :, face::2] = (2 * face - 1) * share[..., None] * turned[:, :, :, i, :]

@@ -6,14 +6,14 @@ own displacements, and of E33, which knows of differences between the faces alon
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 from formulations.element.modes import E33_MODES, MODE_ROWS
 from formulations.element.quad_geometry import PLANE, TAKEN, QuadGeometry
-from formulations.element.quad_sampling import N_SIDE, PAIRS, SIDE_CORNERS
+from formulations.element.quad_sampling import N_SIDES, SIDE_CORNERS
 from formulations.element.strain_operator import N_DOF, N_GAUSS
 from formulations.strains.measure import QuadraticMeasure, StrainFunction
 from formulations.strains.quantities import BETA, N_Q, N_V
@@ -21,6 +21,7 @@ from formulations.strains.quantities import BETA, N_Q, N_V
 N_FACE = N_DOF // 2  # displacements of one face, or of both ends of a side, or differences between the faces
 UPPER = np.flatnonzero(np.triu(np.ones((N_FACE, N_FACE))))
 N_UPPER = len(UPPER)
+NOTHING = 1e-12  # of the largest entry
 OF_FACE = np.array([[m for m, (_, row) in enumerate(MODE_ROWS) if row in PLANE[face::2]] for face in (0, 1)])
 
 
@@ -39,24 +40,25 @@ class UnitStiffness:
         cls,
         geometry: QuadGeometry,
         taken: StrainFunction,
-        sides: Mapping[tuple[int, int], StrainFunction],
+        shears: StrainFunction,
         through: StrainFunction,
         onto: np.ndarray,
         nodal: np.ndarray | None,
     ) -> UnitStiffness | None:
-        """None where it depends on displacements, or where a strain of a face knows of the other one or of beta.
+        """None where it depends on displacements, where a strain of a face knows of the other one or of beta, or where
+        the shear along a side is not that of its ends alone, because the shears of the measure are no vector.
 
         The arguments are those of :class:`formulations.element.quad_element.QuadElement`.
         """
-        tables = [each.quadratic for each in (taken, through, *sides.values()) if isinstance(each, QuadraticMeasure)]
-        if len(tables) < 2 + len(sides):
+        tables = [each.quadratic for each in (taken, through, shears) if isinstance(each, QuadraticMeasure)]
+        if len(tables) < 3:
             return None
         of_faces = [(PLANE[face::2], np.arange(face, BETA.start, 2), OF_FACE[face]) for face in (0, 1)]
         for rows, own, _ in of_faces:
             if np.any(np.delete(tables[0][rows], own, 1)) or np.any(np.delete(tables[0][rows], own, 2)):
                 return None
-        n, n_sides = len(onto), len(SIDE_CORNERS)
-        found = cls(*(np.empty((n, *shape, N_UPPER)) for shape in ((2, OF_FACE.shape[1]), (4,), (n_sides, 2))))
+        n = len(onto)
+        found = cls(*(np.empty((n, *shape, N_UPPER)) for shape in ((2, OF_FACE.shape[1]), (4,), (N_SIDES, 2))))
         for part in geometry.chunks():  # a part stays in the cache
             Q = geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_FACE, 2)
             points = onto[part].reshape(len(Q), N_GAUSS, len(TAKEN), -1)
@@ -69,11 +71,14 @@ class UnitStiffness:
                 at_nodes = np.zeros((len(Q), 4, 3, 4, 3))
                 at_nodes[:, range(4), :, range(4)] = geometry.at_nodes[part, ..., 1::2].swapaxes(0, 1)
                 found.across[part] += _turned(nodal[:, E33_MODES], tables[1], at_nodes.reshape(len(Q), 4, 3, N_FACE))
-            side_Q = geometry.side_Q[part].reshape(len(Q), n_sides, 2, N_SIDE, N_DOF)
-            for (a, face), table in zip(PAIRS, tables[2:], strict=True):
-                for side in (2 * a, 2 * a + 1):
-                    ends = side_Q[:, side, face, None][..., _of_nodes(SIDE_CORNERS[side])]
-                    found.sides[part, side, face] = _turned(np.eye(1), table, ends)[:, 0]
+            side_Q = geometry.side_Q[part].reshape(len(Q), N_SIDES, N_Q, N_DOF)
+            for side, face in product(range(N_SIDES), (0, 1)):
+                M = np.tensordot(geometry.side[part, side, face], tables[2][face::2], 1)
+                own = np.matmul(side_Q[:, side].swapaxes(1, 2), np.matmul(M, side_Q[:, side]))
+                ends = _of_nodes(SIDE_CORNERS[side])
+                if np.abs(np.delete(own, ends, axis=1)).max() > NOTHING * np.abs(own).max():
+                    return None
+                found.sides[part, side, face] = own[:, ends][..., ends].reshape(len(Q), -1)[:, UPPER]
         return found
 
     def add(self, tangent: np.ndarray, part: slice, work: np.ndarray, of_sides: np.ndarray) -> None:
@@ -114,7 +119,7 @@ def _entries() -> np.ndarray:
     return places
 
 
-N_SOURCES = 3 + len(SIDE_CORNERS)
+N_SOURCES = 3 + N_SIDES
 ENTRIES = _entries()
 
 

@@ -70,6 +70,20 @@ def test_classical_measures_keep_their_laws_on_a_patch() -> None:
         np.testing.assert_allclose(strain, expected, atol=1e-12, err_msg=name)
 
 
+@pytest.mark.parametrize("distortion", DISTORTIONS)
+def test_a_uniform_state_has_the_strains_of_the_formulas_on_any_mesh(distortion: str) -> None:
+    """Of every measure, also where shears are no vector: their axes are those of the laminate, not of sides."""
+    body, rng = quads("plate", distortion), np.random.default_rng(5)
+    G, beta = 0.2 * rng.standard_normal((3, 3)), 0.2 * rng.standard_normal(3)
+    G[:, 2] = 0.0
+    middle = np.mean(body.positions(), axis=0) @ G.T
+    u = on_nodes(body, *(middle + sign * WALL.thickness / 2 * beta for sign in (-1, 1)))
+    q = np.append(np.repeat([G[0, 0], G[1, 0], -G[2, 0], G[1, 1], G[0, 1], -G[2, 1]], 2), beta)
+    for name, measure in MEASURES.items():
+        expected = np.broadcast_to(measure.strain(q), (len(body.grid.elements), 4, 11))
+        np.testing.assert_allclose(ShellModel(body, measure).gauss_strains(u), expected, atol=1e-12, err_msg=name)
+
+
 STRANGE = {**EXACT_TERMS, "E11": {"l1": 1, "beta3 l1": 1}}  # the strain of a face knows of the director
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import STRAINS
-from studies.analysis.powers import CASE, THEORY, contact_orders, manufactured_orders, orders
+from studies.analysis.powers import CASE, THEORY, contact_orders, distortion_orders, manufactured_orders, orders
+from studies.experiments.distortion import distortion
 from studies.experiments.manufactured import (
     MESHES,
     Case,
@@ -42,6 +43,21 @@ def test_a_sample_has_the_orders_of_theory(measure: str, surface: str, element: 
     found = manufactured_orders(pd.DataFrame(rows))
     assert found["near"].all()
     assert off(found)["order_resultants"] < WITHIN["order_resultants"]
+
+
+def test_moved_nodes_keep_the_order_of_a_measure_whose_shears_are_no_vector() -> None:
+    found = distortion_orders(distortion(("novozhilov",), (8, 16)))
+    assert found["order_displacement"].between(1.9, 2.1).all()
+    assert found["times"].max() < 1.3
+
+
+@pytest.mark.slow
+def test_moved_nodes_keep_the_orders_of_all_measures() -> None:
+    found = distortion_orders(distortion(meshes=(16, 32)))
+    assert found["order_displacement"].between(1.9, 2.05).all()
+    smooth = found["distortion"].isin(("regular", "skew"))
+    assert found[smooth]["order_mean_resultants"].min() > 1.9
+    assert found[~smooth]["order_mean_resultants"].between(0.9, 1.3).all()
 
 
 @pytest.mark.slow
