@@ -39,7 +39,7 @@ class NewtonAlgorithm:
     friction: ClassVar[bool] = False
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Applies to every problem; with friction, as far as the algorithm and what is set of it know friction."""
+        """Applies to every problem without friction, and with friction where the algorithm as it is set solves it."""
         return (
             None
             if problem.coulomb is None

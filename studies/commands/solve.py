@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +27,7 @@ from studies.output.atomic import Table, write_by
 from studies.output.terminal import columns
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
+from studies.scenes.references import STEP_KEYS, closest
 from studies.solving import branching
 from studies.solving.refinement import mesh_error
 from studies.solving.result import UNSTABLE, WRONG, Result, Step
@@ -100,7 +101,7 @@ def _run(options: argparse.Namespace, *remarks: str) -> int:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
     _print_table(result)
-    for line in (*mesh_error.lines(result), *step_lines):
+    for line in (*mesh_error.lines(result), *_references(result), *step_lines):
         print(line)
     if asked:
         print("\n".join(branching.lines(result)))
@@ -200,6 +201,18 @@ def _print_table(result: Result) -> None:
     print(f"{result.as_json()['outcome']}{unstable}: {counters}")
     for sentence in (*result.unstable, *result.notes):
         print(sentence)
+
+
+def _references(result: Result) -> Iterator[str]:
+    """What is known of the quantities of the last load from elsewhere, and by how much they differ."""
+    if not result.loads:
+        return
+    request, seen = result.request, result.loads[-1].seen
+    there = {**request.settings, "measure": request.measure, **{key: seen[key] for key in STEP_KEYS if key in seen}}
+    for quantity, known in closest(request.scene, there, seen).items():
+        off = 100 * (seen[quantity] / known.value - 1)
+        where = f"{quantity} {known.value:.6g} +- {100 * known.uncertainty:.2g} % ({known.kind}: {known.source})"
+        yield f"reference {where}; this value {off:+.2g} %"
 
 
 def _row(step: Step) -> dict[str, object]:

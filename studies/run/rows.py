@@ -16,7 +16,7 @@ import pandas as pd
 
 from studies.ask.request import Value
 from studies.ask.scene import Reference
-from studies.scenes.references import STEP_KEYS, holding
+from studies.scenes.references import STEP_KEYS, closest
 from studies.solving.result import SOLVED
 
 REFINED = 1.3  # between two meshes of a ladder at the least, as Roache and ASME V&V 20 ask for: else an order is noise
@@ -98,12 +98,8 @@ def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
             values = there.get(key)
             path = values[-1] if isinstance(values, tuple) else values
         there = {**there, key: path}
-    best: dict[str, Reference] = {}
-    for reference in holding(row["scene"], there):
-        if not pd.isna(row.get(f"q.{reference.quantity}", math.nan)):
-            known = best.get(reference.quantity, reference)
-            best[reference.quantity] = min(known, reference, key=lambda each: each.uncertainty)
-    return best
+    reached = {str(key).removeprefix("q.") for key, value in row.items() if str(key)[:2] == "q." and not pd.isna(value)}
+    return closest(row["scene"], there, reached)
 
 
 def errors(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:

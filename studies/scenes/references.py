@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from typing import Any
 
 from studies.ask.request import Value
@@ -21,6 +21,16 @@ def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
     for reference in SCENES[scene].references if scene in SCENES else ():
         if reference.value != 0.0 and all(_same(there.get(key), at) for key, at in reference.at.items()):
             yield reference
+
+
+def closest(scene: str, there: Mapping[str, Any], quantities: Container[str]) -> dict[str, Reference]:
+    """Of the references that hold there, the least uncertain one of each of these quantities."""
+    best: dict[str, Reference] = {}
+    for reference in holding(scene, there):
+        if reference.quantity in quantities:
+            known = best.get(reference.quantity, reference)
+            best[reference.quantity] = min(known, reference, key=lambda each: each.uncertainty)
+    return best
 
 
 def _same(there: Value | None, at: float | str) -> bool:

@@ -125,6 +125,30 @@ def test_an_unstable_equilibrium_has_converged_and_is_called_unstable(tmp_path: 
     assert result["steps"][0]["stability"]["negative"] == 1
 
 
+def test_a_solve_prints_how_far_it_is_from_what_is_known(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def references(load: str) -> list[str]:
+        main(
+            [
+                "solve",
+                "cantilever",
+                "--mesh",
+                "8x1",
+                "--no-error",
+                "--set",
+                f"load_fraction={load}",
+                "--out",
+                f"{tmp_path}",
+            ]
+        )
+        return [line for line in capsys.readouterr().out.splitlines() if line.startswith("reference ")]
+
+    shortening, _ = references("0.5")
+    assert shortening.startswith("reference tip_shortening_mm 1.60642 +- 0.001 % (exact: inextensible elastica")
+    found = json.loads((tmp_path / "result.json").read_text())["quantities"]["tip_shortening_mm"]
+    assert shortening.endswith(f"; this value {100 * (found / 1.60642 - 1):+.2g} %")
+    assert references("0.3") == []
+
+
 def test_every_default_of_the_paper_is_resolved(solved: Path) -> None:
     settings = json.loads((solved / "result.json").read_text())["settings"]
     expected = {"gamma_deg": 52, "p0_MPa": 0.15, "load": "dead", "pressure_area": "mid", "coupling": "lumped"}
