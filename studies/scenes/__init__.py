@@ -41,6 +41,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "plate-contact": "studies.scenes.contact.plate",
     "ring": "studies.scenes.contact.ring",
     "panel": "studies.scenes.contact.panel",
+    "pressed-panel": "studies.scenes.contact.pressed_panel",
     # an experiment, and solids
     "crushed-ring": "studies.scenes.contact.crushed_ring",
     "crushed-ring-solid": "studies.scenes.contact.crushed_ring_solid",

@@ -25,13 +25,8 @@ from studies.scenes.element import ELEMENT, LINES, even_grid
 from studies.scenes.statics import LOAD_FRACTION
 
 SHEAR = Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4)
-SETTINGS = (
-    LINES,
-    LOAD_FRACTION,
-    SHEAR,
-    *(replace(setting, default="quads") if setting.key == "element" else setting for setting in ELEMENT),
-    SOLVER,
-)
+ON_QUADS = tuple(replace(setting, default="quads") if setting.key == "element" else setting for setting in ELEMENT)
+SETTINGS = (LINES, LOAD_FRACTION, SHEAR, *ON_QUADS, SOLVER)
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (s, t) -> positions (..., 3)
 STEP = 1e-6  # of the central differences of the map; their error is of the order of 1e-11 of its size
 
@@ -40,11 +35,12 @@ class OnQuads:
     """A scene of this family."""
 
     name: str
+    lines_of_curvature: bool = False  # whether it may be put on these, too
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Raises UsageError for an interpolation that asks for lines of curvature."""
         interpolation = settings["interpolation"]
-        if interpolation != "quads":
+        if interpolation != "quads" and not self.lines_of_curvature:
             raise UsageError(
                 f"interpolation = {interpolation} needs lines of curvature, which {self.name} has none of; "
                 "it must be quads (element=quads)"

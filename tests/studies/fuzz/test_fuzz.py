@@ -26,6 +26,7 @@ from studies.fuzz.examine import BROKEN, command_of, examine, run
 from studies.fuzz.state_laws import Slipped, mismatches
 from studies.fuzz.values import drawn
 from studies.scenes import SCENES
+from studies.scenes.benchmarks.quads import OnQuads
 
 SEEDS = st.integers(0, 2**32 - 1)
 MANY = range(10_000, 10_080)  # none of a campaign
@@ -158,10 +159,11 @@ def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.Captu
 
 
 def test_friction_is_drawn_with_ways_that_turn_back() -> None:
-    """By all algorithms, on all scenes with contact, from next to none to infinite."""
+    """By all algorithms, on all scenes with contact that are drawn, from next to none to infinite."""
     asked = [first_asked(seed, FRICTION)[0] for seed in range(250)]
     assert all("mu" in asked_of(seed, FRICTION).settings for seed in range(10))  # it is kept where a request is refused
-    assert {each.scene for each in asked} == {name for name, scene in SCENES.items() if has_contact(scene)}
+    touching = {name for name, scene in SCENES.items() if has_contact(scene) and not isinstance(scene, OnQuads)}
+    assert {each.scene for each in asked} == touching
     assert {each.options.get("contact", "semismooth") for each in asked} == set(ALGORITHMS)
     coefficients = [float(each.settings["mu"]) for each in asked]
     assert min(coefficients) == 0
