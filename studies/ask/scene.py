@@ -207,6 +207,13 @@ class RefinedScene(Protocol):
 
 
 @runtime_checkable
+class CutScene(Protocol):
+    """A scene on a mesh of its own, whose elements are cut in n x n: its mesh is nxn, and 1x1 as it stands."""
+
+    cut: bool
+
+
+@runtime_checkable
 class SlidingScene(Protocol):
     """A scene whose whole body lies on its foundation, so that this may be dragged and turned under it."""
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from contact.problem import Outcome
 from studies.ask.request import Request, UsageError
-from studies.ask.scene import Scene, has_contact
+from studies.ask.scene import CutScene, Scene, ShellSceneModel, has_contact
 from studies.ask.settings import rubbing
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import (
@@ -68,19 +68,18 @@ def run_solve(options: argparse.Namespace) -> int:
 
 
 def _run_deck(options: argparse.Namespace) -> int:
-    """Of a shell from a file, which has one mesh and so no error of it."""
-    from studies.scenes.mesh_file.scene import UNKNOWN_ERROR, entered  # only who has a deck waits for its reader
+    """Of a shell from a file: on its own mesh where no error is wanted."""
+    from studies.scenes.mesh_file.scene import entered  # only who has a deck waits for its reader
 
-    if options.error is not None:
-        raise UsageError(f"--error {options.error}: {UNKNOWN_ERROR}")
-    options.start, options.no_error = mesh_error.COLD, True
     with entered(options.scene) as deck:
         print("\n".join(deck.told()))
         options.measure = options.measure or deck.measure
-        return _run(options, UNKNOWN_ERROR)
+        if options.no_error and options.error is None:
+            options.mesh = options.mesh or "1x1"
+        return _run(options)
 
 
-def _run(options: argparse.Namespace, *remarks: str) -> int:
+def _run(options: argparse.Namespace) -> int:
     scene, request, wanted = _asked(options)
     _check_places(options, scene)
     with progress_line() as tell:
@@ -91,7 +90,9 @@ def _run(options: argparse.Namespace, *remarks: str) -> int:
             result, enough, step_lines = stopped.result, False, []
     if result.unsupported:
         raise UsageError(result.unsupported)
-    result.remarks += remarks
+    if isinstance(scene, CutScene) and isinstance(result.model, ShellSceneModel):
+        count = len(result.model.shell.discretisation.grid.elements)
+        result.remarks.insert(0, f"values of mesh {result.request.mesh_text}, {count} elements")
     asked = options.branch and result.outcome.converged
     if asked:
         branching.branches_of(result)

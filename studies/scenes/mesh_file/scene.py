@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -21,7 +22,9 @@ from studies.ask.declarations import Reference
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import SOLVER, SceneModel, Setting
 from studies.scenes import SCENES
+from studies.scenes.complete import LARGEST_MESH
 from studies.scenes.element import centred_laminate
+from studies.scenes.mesh_file.cuts import cut_in
 from studies.scenes.mesh_file.reading import read_deck
 from studies.scenes.mesh_file.supports import planes_of, supports_of
 from studies.scenes.mesh_file.surface import Mesh
@@ -30,7 +33,7 @@ from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel
 
 DEAD, FOLLOWER = "dead", "follower"
 MOST_SETS = 8  # whose displacements are read off
-UNKNOWN_ERROR = "the error of the mesh is not known: there are no coarser grids of a mesh from a file"
+LARGEST_CUT = 40_000  # elements of a mesh that is solved without being asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +48,11 @@ class PressureOnElements(Pressure):
 
 
 class DeckScene:
-    """The shell of a deck; the deck names its elements, so that there is one mesh only."""
+    """The shell of a deck; of the mesh NxN each of its elements is cut in N x N on the surface that it describes."""
 
     references: tuple[Reference, ...] = ()
     models: tuple[str, ...] = ("auto", "full")
+    cut = True
 
     def __init__(self, path: Path, name: str) -> None:
         self.name = name
@@ -57,7 +61,8 @@ class DeckScene:
         self.mesh = Mesh.of(self.deck)
         self.mesh = self.mesh.in_planes(planes_of(self.deck, self.mesh))
         self.plies = plies_of(self.deck)
-        self.default_mesh: tuple[int, int] = (len(self.mesh.elements), 1)
+        parts = next((n for n in (4, 2) if n**2 * len(self.mesh.elements) <= LARGEST_CUT), 1)
+        self.default_mesh: tuple[int, int] = (parts, parts)
         follows = FOLLOWER if self.deck.nonlinear else DEAD
         self.settings: tuple[Setting, ...] = (
             LOAD_FRACTION,
@@ -65,12 +70,12 @@ class DeckScene:
             Setting.one_of("thickness_strain", THICKNESS_STRAINS, "balanced", "where the thickness strain is sampled"),
             Setting.one_of("membrane", MEMBRANES, "relaxed", "linear modes of the membrane strain"),
             Setting.one_of("pressure", (DEAD, FOLLOWER), follows, "whether pressure keeps its direction"),
-            Setting.positive("fold_deg", 20.0, "largest angle between the normals of neighbours", 60.0),
+            Setting.positive("fold_deg", 20.0, "largest angle between neighbours, of normals and along the rim", 60.0),
             SOLVER,
         )
         self.quantities: Mapping[str, str] = {
-            "largest_mm": "largest displacement of all nodes, mean of both faces",
-            "largest_at_node": "number of that node in the deck",
+            "largest_mm": "largest displacement of all nodes of the deck, mean of both faces",
+            "largest_at_node": "number of that node",
             "along_forces_mm": "mean displacement along the forces, sum of F.u over sum of |F|",
             **{f"reaction_{i}_N": f"sum of the forces of the supports along axis {i}" for i in (1, 2, 3)},
         }
@@ -81,53 +86,54 @@ class DeckScene:
         return "exact" if self.deck.nonlinear else "linear"
 
     def settle(self, request: Request) -> Request:
-        """Raises UsageError for another mesh."""
-        if request.mesh != self.default_mesh:
-            raise UsageError(f"--mesh {request.mesh_text}: {self.name} has a mesh of its own")
+        """Raises UsageError for a mesh that its own is not cut to."""
+        parts, most = request.mesh[0], math.isqrt(LARGEST_MESH // len(self.mesh.elements))
+        if request.mesh != (parts, parts) or parts > most:
+            own = f"1x1, the mesh of {self.deck.path.name}, or NxN, each of its elements in N x N"
+            raise UsageError(f"--mesh {request.mesh_text} must be {own}, N up to {most}")
         return replace(request, model="full")
 
     def build(self, request: Request) -> SceneModel:
         """Half of each force on either face, pressure on the inner one."""
-        mesh = self.mesh
-        mesh.check_folds(request.number("fold_deg"))
+        folds = request.number("fold_deg")
+        self.mesh.check_folds(folds)
+        deck, mesh = cut_in(self.deck, self.mesh, request.mesh[0], folds)
         grid = QuadGrid.over(mesh.elements)
-        supports = supports_of(self.deck, mesh, grid)
+        supports = supports_of(deck, mesh, grid)
         if supports.held.all():
             raise UsageError(f"{mesh.file}: every displacement is held")
-        surface = NodalSurface.of(mesh.middle, mesh.normals, first_axes(self.deck, mesh))
+        surface = NodalSurface.of(mesh.middle, mesh.normals, first_axes(deck, mesh))
         laminate = centred_laminate(request, *self.plies)
         kinematics = MEASURES[request.measure].kinematics
         try:
             shell = Discretisation.build(surface, grid, laminate, *supports.masks, kinematics, "quads", ordered=True)
         except ValueError as error:
             raise UsageError(f"{mesh.file}: {error}") from None
-        loads = self._loads(request.choice("pressure") == FOLLOWER)
-        return DeckModel.of(request, shell, self._reading(shell), **loads)
+        loads = self._loads(mesh, request.choice("pressure") == FOLLOWER)
+        reading = _Reading(shell, self.mesh.numbers, self._forces(mesh), self._sets())
+        return DeckModel.of(request, shell, reading, **loads)
 
-    def _loads(self, follower: bool) -> Loads:
+    def _loads(self, mesh: Mesh, follower: bool) -> Loads:
         loads = Loads()
         if self.deck.forces:
-            loads["forces"] = np.repeat(0.5 * self._forces(), 2, axis=1)
+            loads["forces"] = np.repeat(0.5 * self._forces(mesh), 2, axis=1)
         if self.deck.pressures:
-            shares = np.array([self.deck.pressures.get(number, 0.0) for number in self.mesh.labels.tolist()])
+            shares = np.array([self.deck.pressures.get(number, 0.0) for number in mesh.labels.tolist()])
             loads["pressure"] = PressureOnElements(1.0, follower, shares=shares)
         return loads
 
-    def _forces(self) -> np.ndarray:
+    def _forces(self, mesh: Mesh) -> np.ndarray:
         """(N, 3) Cartesian."""
-        forces = np.zeros_like(self.mesh.middle)
+        forces = np.zeros_like(mesh.middle)
         for node, components in self.deck.forces.items():
             for degree, value in components.items():
-                forces[self.mesh.at([node]), degree - 1] = value
+                forces[mesh.at([node]), degree - 1] = value
         return forces
 
     def _sets(self) -> dict[str, np.ndarray]:
-        """Sets that loads or output requests name, as far as they have elements."""
+        """Sets that loads or output requests name, as far as they have elements; places in all meshes."""
         named = {name: self.mesh.at(self.deck.node_sets[name]) for name in self.deck.seen}
         return dict([(name, nodes) for name, nodes in named.items() if len(nodes)][:MOST_SETS])
-
-    def _reading(self, shell: Discretisation) -> _Reading:
-        return _Reading(shell, self.mesh.numbers, self._forces(), self._sets())
 
     def told(self) -> Iterator[str]:
         """What was read, for people."""
@@ -135,7 +141,7 @@ class DeckScene:
         unused = f", {mesh.unused} nodes of no element left out" if mesh.unused else ""
         yield f"read {mesh.file}: {len(mesh.numbers)} nodes, {len(mesh.elements)} quadrilaterals{unused}"
         given = np.count_nonzero(mesh.given)
-        yield f"normals: {given} from the deck, {len(mesh.given) - given} means of the elements by area"
+        yield f"normals: {given} from the deck, {len(mesh.given) - given} from the positions around"
         thickness = sum(ply.thickness for ply in self.plies)
         made = ", ".join(
             f"{layer.material} {layer.thickness:g} at {np.degrees(ply.angle):g}"
@@ -148,13 +154,14 @@ class DeckScene:
             kinds[kind] = kinds.get(kind, 0) + 1
         yield "supports: " + ", ".join(f"degrees {kind} at {count} nodes" for kind, count in sorted(kinds.items()))
         if deck.forces:
-            total = " ".join(f"{x + 0.0:.6g}" for x in self._forces().sum(axis=0))
-            yield f"forces on {len(deck.forces)} nodes, in all {total} N, dead"
+            total = " ".join(f"{x + 0.0:.6g}" for x in self._forces(mesh).sum(axis=0))
+            yield f"forces on {len(deck.forces)} nodes, in all {total} N, dead, on these nodes however they are cut"
         if deck.pressures:
             low, high = min(deck.pressures.values()), max(deck.pressures.values())
             span = f"{low:g}" if low == high else f"{low:g} to {high:g}"
             yield f"pressure {span} MPa along the normals of {len(deck.pressures)} elements"
         rotations = "finite" if deck.nonlinear else "small"
+        yield "mesh NxN: elements cut in N x N on the curved surface of positions and normals; 1x1 as they stand"
         yield f"step: {rotations} rotations, measure {self.measure} unless another is asked for"
         if deck.silent:
             silent = ", ".join(f"*{name}" for name in sorted(deck.silent))
@@ -163,7 +170,10 @@ class DeckScene:
 
 @dataclass(frozen=True, eq=False)
 class _Reading:
-    """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`."""
+    """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`.
+
+    numbers: of the nodes of the deck, which come first.
+    """
 
     shell: Discretisation
     numbers: np.ndarray
@@ -172,9 +182,9 @@ class _Reading:
 
     def __call__(self, shell: ShellModel, u: np.ndarray) -> dict[str, float]:
         middle = np.mean(self.shell.cartesian(u), axis=0)
-        size = np.linalg.norm(middle, axis=1)
+        size = np.linalg.norm(middle[: len(self.numbers)], axis=1)
         largest = int(np.argmax(size))
-        seen = {"largest_mm": float(size[largest]), "largest_at_node": float(self.numbers[largest])}
+        seen = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
         total = np.sum(np.linalg.norm(self.forces, axis=1))
         if total > 0:
             seen["along_forces_mm"] = float(np.sum(self.forces * middle) / total)

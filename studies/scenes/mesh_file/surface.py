@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from formulations.geometry.nodal_normals import nodal_normals
+from formulations.geometry.quad_cuts import cut
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import listed
@@ -38,19 +40,37 @@ class Mesh:
 
     @classmethod
     def of(cls, deck: Deck) -> Mesh:
-        """Normals are the mean of those of the elements by area, where the deck has none; raises UsageError."""
+        """Normals are those of :func:`nodal_normals` where the deck has none; raises UsageError."""
         labels = np.array(list(deck.elements))
         numbers, elements = np.unique(np.array(list(deck.elements.values())), return_inverse=True)
         elements = elements.reshape(-1, 4)
         middle = np.array([deck.nodes[number] for number in numbers.tolist()])
-        corners = middle[elements]
-        areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        areas = _areas(middle[elements])
         given = np.isin(numbers, list(deck.normals))
         unused = len(deck.nodes) - len(numbers)
         mesh = cls(deck.path.name, numbers, labels, middle, elements, areas, np.zeros_like(middle), given, unused)
         mesh._check_elements()
         mesh._edges()
         return replace(mesh, normals=mesh._nodal_normals(deck))
+
+    def cut(self, n: int, smooth_deg: float) -> tuple[Mesh, np.ndarray]:
+        """Each element in n x n, and the nodes (M, 4) here that every node there lies between, some of them twice.
+
+        Its parts have the label of an element, and new nodes numbers above all others.
+        """
+        fine = cut(self.middle, self.normals, self.elements, n, smooth_deg)
+        nearest = np.take_along_axis(fine.around, np.argmax(fine.shares, axis=1)[:, None], axis=1)
+        new = len(fine.middle) - len(self.numbers)
+        return replace(
+            self,
+            numbers=np.append(self.numbers, self.numbers.max() + 1 + np.arange(new)),
+            labels=np.repeat(self.labels, n**2),
+            middle=fine.middle,
+            elements=fine.elements,
+            areas=_areas(fine.middle[fine.elements]),
+            normals=fine.normals,
+            given=np.append(self.given, np.zeros(new, bool)),
+        ), np.where(fine.shares > 0, fine.around, nearest)
 
     def at(self, nodes: list[int]) -> np.ndarray:
         """Places of nodes of the deck; those of no element are left out."""
@@ -121,12 +141,13 @@ class Mesh:
                 f"{self.file}: normals that do not point to the side of their elements, at nodes "
                 f"{listed(np.array(known)[against].tolist())}"
             )
-        total[self.given] = told
-        none = np.linalg.norm(total, axis=-1) == 0
+        total[self.given] = _unit(told)
+        normals = nodal_normals(self.middle, self.elements, total, self.given)
+        none = np.linalg.norm(normals, axis=-1) == 0
         if none.any():
             lost = listed(self.numbers[none].tolist())
             raise UsageError(f"{self.file}: nodes whose elements have no normal in common: {lost}")
-        return _unit(total)
+        return _unit(normals)
 
     def in_planes(self, across: np.ndarray) -> Mesh:
         """With the normals at nodes on planes of symmetry laid into these; across (N, 3) bool: axes normal to them.
@@ -135,6 +156,11 @@ class Mesh:
         """
         near = across & ~self.given[:, None] & (np.abs(self.normals) <= LAID)
         return replace(self, normals=_unit(np.where(near, 0.0, self.normals)))
+
+
+def _areas(corners: np.ndarray) -> np.ndarray:
+    """Area vectors (E, 3) of quadrilaterals (E, 4, 3)."""
+    return np.asarray(0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]))
 
 
 def _unit(x: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.shell import ShellModel
 from studies.ask.request import Leaves, Request
-from studies.ask.scene import RefinedScene, Scene, UsageError
+from studies.ask.scene import CutScene, RefinedScene, Scene, SettlingScene, UsageError
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.element import tree_over
@@ -77,7 +77,8 @@ class Family:
     def asked(self) -> Request:
         """The request with this grid."""
         if self.tree is None:
-            n1, n2 = (n * 2**self.times if n > 1 else 1 for n in self.request.mesh)
+            cut = _several(self.request)
+            n1, n2 = (n * 2**self.times if many else 1 for n, many in zip(self.request.mesh, cut, strict=True))
             return replace(self.request, mesh=(n1, n2))
         if not np.any(self.tree.leaves[:, 0]):
             return self.request
@@ -191,11 +192,19 @@ def element_size(request: Request) -> float:
 
 def ways(request: Request) -> int:
     """Coordinates that have several elements."""
-    return sum(n > 1 for n in request.mesh)
+    return sum(_several(request))
+
+
+def _several(request: Request) -> tuple[bool, bool]:
+    """Which coordinates are cut: those with several elements, or both of a mesh of its own as it stands."""
+    n1, n2 = request.mesh
+    return (n1 > 1, n2 > 1) if max(n1, n2) > 1 else (True, True)
 
 
 def quarter(scene: Scene) -> tuple[int, int]:
-    """A quarter of the default mesh both ways."""
+    """A quarter of the default mesh both ways; of a scene on a mesh of its own that."""
+    if isinstance(scene, CutScene):
+        return 1, 1
     n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
     return n1, n2
 
@@ -203,8 +212,10 @@ def quarter(scene: Scene) -> tuple[int, int]:
 def near(scene: Scene, request: Request, times: float) -> Request | None:
     """The request with so many times the elements along each coordinate, or nearly; None where there is no such grid.
 
-    A coordinate with one element keeps it, and none is made coarser than FEWEST.
+    A coordinate with one element keeps it, and none is made coarser than FEWEST. A mesh of its own stays as it is.
     """
+    if isinstance(scene, CutScene):
+        return _cut(scene, request, times)
     wanted = [n if n == 1 else max(n * times, min(n, FEWEST)) for n in request.mesh]
     around = [[n] if n == 1 else _around(want) for n, want in zip(request.mesh, wanted, strict=True)]
     for mesh in sorted(
@@ -217,6 +228,17 @@ def near(scene: Scene, request: Request, times: float) -> Request | None:
             continue
         return asked if mesh != request.mesh else None
     return None
+
+
+def _cut(scene: Scene, request: Request, times: float) -> Request | None:
+    """The same of a scene on a mesh of its own: its elements in so many times the parts, a whole number of them."""
+    parts = request.mesh[0]
+    wanted = max(round(parts * times), parts + 1) if times > 1 else parts // round(1 / times)
+    asked = replace(request, mesh=(wanted, wanted))
+    try:
+        return None if wanted < 1 or not isinstance(scene, SettlingScene) else scene.settle(asked)
+    except UsageError:
+        return None
 
 
 def _around(wanted: float) -> list[int]:

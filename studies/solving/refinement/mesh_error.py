@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from studies.ask.request import Request
-from studies.ask.scene import Scene
+from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
 from studies.solving.refinement.grids import FEWEST, AdaptedScene, element_size, near, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of, order_shown
@@ -84,6 +84,8 @@ def solve_with_error(
     result = solve_from(scene, request, known, progress)
     if error and result.verdict in SOLVED:
         _state(result, grids, _too_few(scene, asked, grids))
+        if isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:
+            result.remarks.append(_as_it_stands(grids[0]))
     return result
 
 
@@ -99,8 +101,16 @@ def coarser_grids(scene: Scene, request: Request) -> list[Request]:
     return found
 
 
+def _as_it_stands(own: Sketch) -> str:
+    """What is read off the mesh of a scene before it is cut."""
+    seen = ", ".join(f"{name} {own.quantities[name]:.6g}" for name in _compared(own.quantities))
+    return f"on its own mesh, {own.mesh}: {seen}"
+
+
 def enough(scene: Scene) -> tuple[int, int]:
     """The coarsest mesh that has grids of half and of a quarter of its elements; the finer ones have them, too."""
+    if isinstance(scene, CutScene):
+        return 2**TWICE, 2**TWICE
     n1, n2 = scene.default_mesh
     q1, q2 = (max(q, FEWEST) * 2**TWICE for q in quarter(scene))
     return 1 if n1 == 1 else q1, 1 if n2 == 1 else q2

@@ -1,0 +1,35 @@
+"""A deck with its elements cut: what holds, loads and names its nodes and elements is carried down.
+
+A degree of freedom is held at a new node where it is at all nodes of the deck that it lies between, both ends of an
+edge or four corners: what an element of the deck cannot move stays. Forces stay on their nodes, pressures on the parts
+of their elements, sets have the nodes they had.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from studies.scenes.mesh_file.deck import Deck
+from studies.scenes.mesh_file.supports import planes_of
+from studies.scenes.mesh_file.surface import Mesh
+
+DEGREES = range(1, 7)
+
+
+def cut_in(deck: Deck, mesh: Mesh, parts: int, smooth_deg: float) -> tuple[Deck, Mesh]:
+    """Deck and mesh with each element in ``parts`` x ``parts``, see :meth:`Mesh.cut`."""
+    if parts == 1:
+        return deck, mesh
+    fine, around = mesh.cut(parts, smooth_deg)
+    held = np.zeros((len(mesh.numbers), len(DEGREES)), bool)
+    for node, degrees in deck.degrees.items():
+        held[np.ix_(mesh.at([node]), np.array(sorted(degrees)) - 1)] = True
+    both = np.all(held[around], axis=1)
+    both[: len(held)] = False  # which the deck has
+    new = {
+        int(fine.numbers[i]): {int(j) + 1 for j in np.flatnonzero(both[i])} for i in np.flatnonzero(both.any(axis=1))
+    }
+    deck = replace(deck, degrees={**deck.degrees, **new})
+    return deck, fine.in_planes(planes_of(deck, fine))
