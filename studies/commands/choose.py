@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.options import add_settings, add_solving, check_directory, named, pairs, progress_line
+from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
 from studies.notebook import write_choice
 from studies.output.terminal import columns
 from studies.solving.choice import Choice, Offer
@@ -22,7 +22,7 @@ from studies.solving.refinement.error_control import parse_error
 
 def add_choose(parser: argparse.ArgumentParser) -> None:
     """The scene, the error, the budget, and where the answer goes."""
-    parser.add_argument("scene", help="footprint list scenes")
+    parser.add_argument("scene", help="footprint list scenes; or a shell in a deck of Abaqus or CalculiX, FILE.inp")
     parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative, by default {ERROR}%")
     parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
     parser.add_argument(
@@ -41,7 +41,7 @@ def run_choose(options: argparse.Namespace) -> int:
     how = named(options, "contact", "newton", "model", "steps")
     given = pairs(options.settings)
     try:
-        with np.errstate(over="ignore", invalid="ignore"), progress_line() as tell:
+        with of_file(options.scene), np.errstate(over="ignore", invalid="ignore"), progress_line() as tell:
             found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **how)
     except KeyboardInterrupt:
         print("footprint: interrupted; nothing is written", file=sys.stderr)

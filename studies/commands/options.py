@@ -7,12 +7,17 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from studies.ask.request import UsageError
 from studies.output.terminal import behind, printable
+from studies.scenes import SCENES
+
+if TYPE_CHECKING:
+    from studies.scenes.mesh_file.scene import DeckScene
 
 SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
+DECK = ".inp"  # what the name of a deck of Abaqus or CalculiX ends in
 STORE = Path(".footprint/store")
 SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 
@@ -98,6 +103,22 @@ def reading(store: Path) -> Iterator[None]:
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         raise UsageError(f"{store}: its cells are not what a campaign leaves: {said}") from error
+
+
+@contextmanager
+def of_file(scene: str) -> Iterator[DeckScene | None]:
+    """Told on the terminal, and in the catalogue as long as it lasts, where it names a file; else None.
+
+    Raises UsageError for what is no deck, and OSError.
+    """
+    if not scene.lower().endswith(DECK) or scene in SCENES:
+        yield None
+        return
+    from studies.scenes.mesh_file.scene import entered  # only who has a deck waits for its reader
+
+    with entered(scene) as deck:
+        print("\n".join(deck.told()))
+        yield deck
 
 
 @contextmanager

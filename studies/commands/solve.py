@@ -20,12 +20,12 @@ from studies.commands.options import (
     check_directory,
     check_file,
     named,
+    of_file,
     pairs,
     progress_line,
 )
 from studies.output.atomic import Table, write_by
 from studies.output.terminal import columns
-from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.references import STEP_KEYS, closest
 from studies.solving import branching
@@ -34,7 +34,6 @@ from studies.solving.result import UNSTABLE, WRONG, Result, Step
 from studies.solving.solve import Interrupted
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
-DECK = ".inp"  # what the name of a deck of Abaqus or CalculiX ends in
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
@@ -60,22 +59,10 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
 
 def run_solve(options: argparse.Namespace) -> int:
     """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        if options.scene.lower().endswith(DECK) and options.scene not in SCENES:
-            return _run_deck(options)
-        options.measure = options.measure or Request.measure
-        return _run(options)
-
-
-def _run_deck(options: argparse.Namespace) -> int:
-    """Of a shell from a file: on its own mesh where no error is wanted."""
-    from studies.scenes.mesh_file.scene import entered  # only who has a deck waits for its reader
-
-    with entered(options.scene) as deck:
-        print("\n".join(deck.told()))
-        options.measure = options.measure or deck.measure
-        if options.no_error and options.error is None:
-            options.mesh = options.mesh or "1x1"
+    with np.errstate(over="ignore", invalid="ignore"), of_file(options.scene) as deck:
+        options.measure = options.measure or (Request.measure if deck is None else deck.measure)
+        if deck is not None and options.no_error and options.error is None:
+            options.mesh = options.mesh or "1x1"  # its own, where no error is wanted
         return _run(options)
 
 

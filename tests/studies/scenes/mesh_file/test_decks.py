@@ -229,6 +229,13 @@ def test_pressure_follows_with_nlgeom(tmp_path) -> None:
     assert dead["quantities"]["largest_mm"] == pytest.approx(0.01, rel=0.03)
 
 
+def test_a_mesh_that_is_enough_is_chosen(tmp_path, capsys) -> None:
+    deck, out = written(tmp_path, STRIP), str(tmp_path / "out")
+    assert main(["choose", deck, "--error", "5%", "--of", "u3_TIP_mm", "--budget", "4s", "--out", out]) == OK
+    said = capsys.readouterr().out
+    assert f"footprint solve {deck} --mesh 1x1 --measure exact --out DIR" in said
+
+
 TWO = ["*NODE", "1, 0, 0, 0", "2, 1, 0, 0", "3, 1, 1, 0", "4, 0, 1, 0", "5, 2, 0, 0", "6, 2, 1, 0"]
 REST = [*ISOTROPIC, "*NSET, NSET=ROOT", "1, 4", "*BOUNDARY", "ROOT, 1, 6"]
 LOADED = ["*STEP", "*STATIC", "*CLOAD", "5, 3, 1.", "*END STEP"]
