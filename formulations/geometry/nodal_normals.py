@@ -27,8 +27,9 @@ def nodal_normals(x: np.ndarray, elements: np.ndarray, given: np.ndarray, known:
     normals = np.where(known[:, None], given, _unit(total))
     ends, sides = edges_of(elements)
     rim = np.zeros(len(x), bool)
-    rim[ends[np.bincount(sides.ravel(), minlength=len(ends)) == 1]] = True
-    both = np.concatenate([ends, ends[:, ::-1]])
+    alone = np.bincount(sides.ravel(), minlength=len(ends)) == 1
+    rim[ends[alone]] = True
+    both = np.concatenate([ends[~alone], ends[~alone, ::-1]])  # an edge of the rim is along its tangent
     inwards = both[(rim & ~known)[both[:, 0]] & (~rim | known)[both[:, 1]]]
     single = np.bincount(elements.ravel(), minlength=len(x)) == 1
     turned = np.zeros_like(x)

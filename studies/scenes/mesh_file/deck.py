@@ -35,14 +35,14 @@ class Elastic:
 class Deck:
     """What was read; numbers of nodes and elements are those of the deck.
 
-    nodes: positions.  normals: of nodes, where the deck has them.  elements: four nodes each.  degrees: held, by node.
+    nodes: positions.  normals: all that the deck has of a node.  elements: four nodes each.  degrees: held, by node.
     forces: (1, 2 or 3) and value by node.  pressures: by element, along its normal.  seen: sets that loads or output
     requests name.  silent: keywords without effect, how often each.
     """
 
     path: Path
     nodes: dict[int, tuple[float, float, float]] = field(default_factory=dict)
-    normals: dict[int, tuple[float, float, float]] = field(default_factory=dict)
+    normals: dict[int, list[tuple[float, float, float]]] = field(default_factory=dict)
     elements: dict[int, tuple[int, ...]] = field(default_factory=dict)
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)

@@ -7,7 +7,7 @@ from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import Card, shown
 
 QUADS = ("S4", "S4R", "S4RS", "S4R5")
-RECOMBINE = "recombine in gmsh: Mesh.RecombineAll = 1 with Mesh.SubdivisionAlgorithm = 1 leaves quadrilaterals alone"
+RECOMBINE = "recombine in gmsh: Recombine Surface {:}; with Mesh.SubdivisionAlgorithm = 1 leaves no triangle"
 FIRST_ORDER = "mesh in gmsh with Mesh.ElementOrder = 1"
 OTHERS = {
     **dict.fromkeys(("S3", "S3R", "S3RS", "STRI3", "M3D3", "CPS3"), f"is a triangle; {RECOMBINE}"),
@@ -17,7 +17,7 @@ OTHERS = {
 
 
 def node(deck: Deck, card: Card) -> None:
-    """Number, position and, in Abaqus' further fields, the normal."""
+    """Number, position and, in Abaqus' further fields, the normal, where it is not zero."""
     card.knows("NSET")
     numbers = []
     for row in card.rows:
@@ -26,8 +26,9 @@ def node(deck: Deck, card: Card) -> None:
         if number in deck.nodes:
             row.refuse(f"node {number} twice")
         deck.nodes[number] = (row.real(1, 0.0), row.real(2, 0.0), row.real(3, 0.0))
-        if len(row.fields) > 4:
-            deck.normals[number] = (row.real(4, 0.0), row.real(5, 0.0), row.real(6, 0.0))
+        normal = (row.real(4, 0.0), row.real(5, 0.0), row.real(6, 0.0))
+        if any(normal):
+            deck.normals[number] = [normal]
         numbers.append(number)
     if "NSET" in card.parameters:
         deck.add(deck.node_sets, card.parameter("NSET"), numbers)
@@ -57,7 +58,7 @@ def element(deck: Deck, card: Card) -> None:
 
 
 def normal(deck: Deck, card: Card) -> None:
-    """Element, node and normal; one normal a node."""
+    """Element, node and normal; one that several elements tell in several ways is the mean."""
     card.knows("TYPE")
     if card.parameters.get("TYPE", "ELEMENT") != "ELEMENT":
         card.refuse("has a TYPE that is not understood; understood is ELEMENT")
@@ -67,8 +68,10 @@ def normal(deck: Deck, card: Card) -> None:
         normal = (row.real(2), row.real(3), row.real(4))
         if node not in deck.elements.get(element, ()):
             row.refuse(f"there is no element {element} with a node {node}")
-        if deck.normals.setdefault(node, normal) != normal:
-            row.refuse(f"node {node} has two normals: a fold, which one director for each node cannot follow")
+        if not any(normal):
+            row.refuse(f"the normal of node {node} is zero")
+        if normal not in deck.normals.setdefault(node, []):
+            deck.normals[node].append(normal)
 
 
 def node_set(deck: Deck, card: Card) -> None:

@@ -12,6 +12,7 @@ from studies.scenes.mesh_file.keywords import Card, cards_of
 SILENT = (  # read, and without effect
     *("HEADING", "NODE FILE", "EL FILE", "NODE PRINT", "EL PRINT", "ENERGY PRINT", "SECTION PRINT", "CONTACT FILE"),
     *("OUTPUT", "NODE OUTPUT", "ELEMENT OUTPUT", "ENERGY OUTPUT", "FILE FORMAT", "PREPRINT", "MONITOR", "DENSITY"),
+    "EXPANSION",  # for temperatures are refused
 )
 OUTPUT_OF_NODES = ("NODE FILE", "NODE PRINT", "NODE OUTPUT")
 BEFORE_STEP: dict[str, Callable[[Deck, Card], None]] = {

@@ -134,7 +134,7 @@ class Mesh:
         for corner in range(4):
             np.add.at(total, self.elements[:, corner], self.areas)
         known = self.numbers[self.given].tolist()
-        told = np.array([deck.normals[number] for number in known]).reshape(-1, 3)
+        told = np.array([_unit(np.array(deck.normals[number])).sum(axis=0) for number in known]).reshape(-1, 3)
         against = np.sum(told * total[self.given], axis=-1) <= 0
         if against.any():
             raise UsageError(
