@@ -261,3 +261,20 @@ def test_cross_ply_tyre_is_mirror_symmetric(mesh: str) -> None:
     """With the paper's element to 20 mm; near 12 mm such a tyre bifurcates, and the softer element finds that first."""
     for settings in ({**TO_20, "element": "paper"}, {"delta_mm": "10", "element": "refined"}):
         assert run({**settings, "gamma_deg": "0"}, mesh, model="full").steps[-1]["mirror_asymmetry"] <= 1e-9
+
+
+@pytest.mark.slow
+def test_quadrilaterals_of_any_shape_have_the_force_of_lines_of_curvature() -> None:
+    """Limits of 30x86 and 60x172, whose elements are about as long as wide: 1881 N on own lines, 1882 N on random
+    quadrilaterals, 1884 N on trapezoids. On 84x80 elements are up to eight times as long, those that are moved by a
+    share of that are needles, and the force falls far slower.
+    """
+
+    def limit(**given: str) -> float:
+        coarse, fine = (run({**TO_20, **given}, mesh).quantities["force_N"] for mesh in ("30x86", "60x172"))
+        return float(fine + (fine - coarse) / 3)
+
+    own = limit()
+    assert own == pytest.approx(1877.3, rel=3e-3)
+    for kind in ("random", "trapezoid"):
+        assert limit(element="quads", distort="0.2", distortion=kind) == pytest.approx(own, rel=2e-3)
