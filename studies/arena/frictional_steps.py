@@ -15,7 +15,7 @@ from contact.obstacles.foundation import Candidates, Foundation
 from contact.problem import ContactProblem, ContactSolution
 from contact.slip import Slip
 from studies.scenes.complete import complete
-from studies.scenes.tyre.foundation import NORMAL
+from studies.scenes.foundations import NORMAL
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.walk import walk
 

@@ -41,7 +41,11 @@ def run_choose(options: argparse.Namespace) -> int:
     how = named(options, "contact", "newton", "model", "steps")
     given = pairs(options.settings)
     try:
-        with of_file(options.scene), np.errstate(over="ignore", invalid="ignore"), progress_line() as tell:
+        with (
+            of_file(options.scene, options.settings),
+            np.errstate(over="ignore", invalid="ignore"),
+            progress_line() as tell,
+        ):
             found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **how)
     except KeyboardInterrupt:
         print("footprint: interrupted; nothing is written", file=sys.stderr)

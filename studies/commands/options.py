@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
 DECK = ".inp"  # what the name of a deck of Abaqus or CalculiX ends in
+NO_FOUNDATION = "none"
 STORE = Path(".footprint/store")
 SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 
@@ -106,17 +107,19 @@ def reading(store: Path) -> Iterator[None]:
 
 
 @contextmanager
-def of_file(scene: str) -> Iterator[DeckScene | None]:
+def of_file(scene: str, settings: Sequence[str]) -> Iterator[DeckScene | None]:
     """Told on the terminal, and in the catalogue as long as it lasts, where it names a file; else None.
 
-    Raises UsageError for what is no deck, and OSError.
+    settings: of ``--set``, by which it is pressed on a foundation or not. Raises UsageError for what is no deck, and
+    OSError.
     """
     if not scene.lower().endswith(DECK) or scene in SCENES:
         yield None
         return
     from studies.scenes.mesh_file.scene import entered  # only who has a deck waits for its reader
 
-    with entered(scene) as deck:
+    pressed = pairs(settings).get("foundation", NO_FOUNDATION) != NO_FOUNDATION
+    with entered(scene, on_foundation=pressed) as deck:
         print("\n".join(deck.told()))
         yield deck
 

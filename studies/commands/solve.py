@@ -59,7 +59,7 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
 
 def run_solve(options: argparse.Namespace) -> int:
     """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
-    with np.errstate(over="ignore", invalid="ignore"), of_file(options.scene) as deck:
+    with np.errstate(over="ignore", invalid="ignore"), of_file(options.scene, options.settings) as deck:
         options.measure = options.measure or (Request.measure if deck is None else deck.measure)
         if deck is not None and options.no_error and options.error is None:
             options.mesh = options.mesh or "1x1"  # its own, where no error is wanted

@@ -120,12 +120,12 @@ def read_vtu(path: Path) -> Grid:
     return Grid(points, nodes.reshape(len(ends), -1), arrays)
 
 
-def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> None:
+def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndarray, face: int = 1) -> None:
     """Write reference positions of both faces with displacement, contact pressure and resultants.
 
     Points: the N nodes of the inner face, then the N of the outer one ("face" tells 0 or 1). "displacement" [mm] in
-    Cartesian components, "pressure" [MPa] on the outer face. Cells: one hexahedron an element with the mean resultants
-    H_11-, ..., H_33 [N/mm] in the order of the strains.
+    Cartesian components, "pressure" [MPa] on the ``face`` that touches. Cells: one hexahedron an element with the mean
+    resultants H_11-, ..., H_33 [N/mm] in the order of the strains.
     """
     discretisation = shell.discretisation
     inner, outer = discretisation.positions()
@@ -141,7 +141,7 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
         np.hstack([corners, corners + n]),
         point_data={
             "displacement": np.concatenate(discretisation.cartesian(u, shell.prescribed)),
-            "pressure": np.concatenate([np.zeros(n), pressure]),
+            "pressure": np.concatenate([pressure * (face == 0), pressure * (face == 1)]),
             "face": np.repeat([0.0, 1.0], n),
         },
         cell_data=dict(zip(names, resultants.T, strict=True)),

@@ -12,18 +12,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import Self
 
 import numpy as np
 
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from formulations.conditions.boundary import FACES
 from formulations.discretisation import Discretisation
 from formulations.element_modes import ElementModes
 from formulations.geometry.grid import graded_lines
 from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, ShellSceneModel, Stage, Units, UsageError, candidates_at
+from studies.output.vtu import write_fields
 from studies.scenes.element import Span, spaced_lines
 
 OUTER = 1  # the face that touches
@@ -32,12 +35,12 @@ ON_RIM = {"lines": "rim"}
 COARSE = 16  # elements; meshes that come from one no coarser by halving are nested
 
 
-def outer_face(discretisation: Discretisation, nodes: np.ndarray) -> Candidates:
-    """The nodes on the outer face with their shares of its area."""
+def outer_face(discretisation: Discretisation, nodes: np.ndarray, face: int = OUTER) -> Candidates:
+    """The nodes on the outer face, or on another, with their shares of its area."""
     return Candidates(
-        reference=discretisation.positions()[OUTER][nodes],
-        operator=discretisation.displacement_operator(nodes, OUTER),
-        weights=discretisation.nodal_areas("outer")[nodes],
+        reference=discretisation.positions()[face][nodes],
+        operator=discretisation.displacement_operator(nodes, face),
+        weights=discretisation.nodal_areas(FACES[face])[nodes],
     )
 
 
@@ -65,7 +68,8 @@ class ContactModel(ShellSceneModel):
 
     plane_at(t): the foundation.  measure_at(t, touch): what is read, {name_unit: value}.  body_at(t): the shell under
     its loads, t times those it has unless given.  lying: everything touches without pressure at rest.  units: of the
-    problem.  rubs(t): the share of the coefficient of friction that acts at t, as 0 until the body is wrapped.
+    problem.  face: that may touch.  rubs(t): the share of the coefficient of friction that acts at t, as 0 until the
+    body is wrapped.
     """
 
     shell: ShellModel
@@ -77,6 +81,7 @@ class ContactModel(ShellSceneModel):
     body_at: Callable[[float], ShellModel] | None = None
     lying: bool = False
     units: Units = Units()  # noqa: RUF009  frozen
+    face: int = OUTER
     rubs: Callable[[float], float] = lambda t: 1.0
 
     @cached_property
@@ -87,13 +92,15 @@ class ContactModel(ShellSceneModel):
     @cached_property
     def candidates(self) -> Candidates:
         """What may touch."""
-        return outer_face(self.shell.discretisation, self.nodes)
+        return outer_face(self.shell.discretisation, self.nodes, self.face)
 
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
         yield Stage("load", self._begin, tuple(self.targets), self._observe, units=self.units, rubs=self.rubs)
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
+        if previous is not None:
+            return self.problem_at, previous
         m = len(self.nodes)
         touching = np.full(m, self.lying)
         return self.problem_at, ContactSolution(np.zeros(self.n_unknowns), np.zeros(m), touching, Outcome.CONVERGED)
@@ -114,6 +121,10 @@ class ContactModel(ShellSceneModel):
         touch = Touch(self.candidates, at, state.u, force, state.pressure, gap, state.active, _friction(problem, state))
         quantities = self.measure_at(t, touch)
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
+
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """With the contact pressure on the face that may touch."""
+        write_fields(path, self.shell, state.u, self.outer_pressure(state), self.face)
 
     @property
     def candidate_of_node(self) -> np.ndarray:

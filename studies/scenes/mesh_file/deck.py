@@ -72,7 +72,6 @@ class Deck:
             (self.layers, "no *SHELL SECTION"),
             (self.static, "no *STEP with *STATIC"),
             (self.degrees, "no support: *BOUNDARY"),
-            (self.forces or self.pressures, "no load: *CLOAD or *DLOAD"),
         ):
             if not missing:
                 raise UsageError(f"{name}: {what}")

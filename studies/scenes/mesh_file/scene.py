@@ -19,20 +19,24 @@ from formulations.loads.pressure import Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.declarations import Reference
-from studies.ask.request import Request, UsageError
+from studies.ask.request import Request, UsageError, Value
 from studies.ask.scene import SOLVER, SceneModel, Setting
-from studies.scenes import SCENES
+from studies.scenes import SCENES, foundations
 from studies.scenes.complete import LARGEST_MESH
+from studies.scenes.contact.base import OUTER
 from studies.scenes.element import centred_laminate
+from studies.scenes.mesh_file import pressed
 from studies.scenes.mesh_file.cuts import cut_in
+from studies.scenes.mesh_file.pressed import BESIDE
 from studies.scenes.mesh_file.reading import read_deck
 from studies.scenes.mesh_file.supports import planes_of, supports_of
 from studies.scenes.mesh_file.surface import Mesh
 from studies.scenes.mesh_file.wall import first_axes, plies_of
-from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel
+from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel, loaded_shell
 
 DEAD, FOLLOWER = "dead", "follower"
 MOST_SETS = 8  # whose displacements are read off
+PARTS = 4  # of an element along each side, with which the error of the mesh is known
 LARGEST_CUT = 40_000  # elements of a mesh that is solved without being asked for
 
 
@@ -61,7 +65,7 @@ class DeckScene:
         self.mesh = Mesh.of(self.deck)
         self.mesh = self.mesh.in_planes(planes_of(self.deck, self.mesh))
         self.plies = plies_of(self.deck)
-        parts = next((n for n in (4, 2) if n**2 * len(self.mesh.elements) <= LARGEST_CUT), 1)
+        parts = PARTS if PARTS**2 * len(self.mesh.elements) <= LARGEST_CUT else 1
         self.default_mesh: tuple[int, int] = (parts, parts)
         follows = FOLLOWER if self.deck.nonlinear else DEAD
         self.settings: tuple[Setting, ...] = (
@@ -71,6 +75,7 @@ class DeckScene:
             Setting.one_of("membrane", MEMBRANES, "relaxed", "linear modes of the membrane strain"),
             Setting.one_of("pressure", (DEAD, FOLLOWER), follows, "whether pressure keeps its direction"),
             Setting.positive("fold_deg", 20.0, "largest angle between neighbours, of normals and along the rim", 60.0),
+            BESIDE,
             SOLVER,
         )
         self.quantities: Mapping[str, str] = {
@@ -95,6 +100,13 @@ class DeckScene:
 
     def build(self, request: Request) -> SceneModel:
         """Half of each force on either face, pressure on the inner one."""
+        if not (self.deck.forces or self.deck.pressures):
+            raise UsageError(f"{self.deck.path.name}: no load: *CLOAD, *DLOAD, or --set foundation=plane")
+        shell, reading, loads = self._loaded(request)
+        return DeckModel.of(request, shell, reading, **loads)
+
+    def _loaded(self, request: Request) -> tuple[Discretisation, _Reading, Loads]:
+        """The shell, what is read off it, and its loads."""
         folds = request.number("fold_deg")
         self.mesh.check_folds(folds)
         deck, mesh = cut_in(self.deck, self.mesh, request.mesh[0], folds)
@@ -111,7 +123,7 @@ class DeckScene:
             raise UsageError(f"{mesh.file}: {error}") from None
         loads = self._loads(mesh, request.choice("pressure") == FOLLOWER)
         reading = _Reading(shell, self.mesh.numbers, self._forces(mesh), self._sets())
-        return DeckModel.of(request, shell, reading, **loads)
+        return shell, reading, loads
 
     def _loads(self, mesh: Mesh, follower: bool) -> Loads:
         loads = Loads()
@@ -184,7 +196,7 @@ class _Reading:
         middle = np.mean(self.shell.cartesian(u), axis=0)
         size = np.linalg.norm(middle[: len(self.numbers)], axis=1)
         largest = int(np.argmax(size))
-        seen = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
+        seen: dict[str, float] = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
         total = np.sum(np.linalg.norm(self.forces, axis=1))
         if total > 0:
             seen["along_forces_mm"] = float(np.sum(self.forces * middle) / total)
@@ -193,25 +205,58 @@ class _Reading:
             seen |= {f"u{i + 1}_{word}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
         return seen
 
+    def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
+        """Under a fraction of the loads; forces of the deck on what a support holds are borne by the support."""
+        dof_map = shell.discretisation.map
+        own = np.where(dof_map.held | dof_map.hinged, np.repeat(0.5 * self.forces, 2, axis=1), 0.0)
+        borne = shell.scaled(fraction).reactions(u) - fraction * own
+        total = borne.reshape(-1, 3, 2).sum(axis=(0, 2))
+        return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
+
 
 class DeckModel(StaticModel):
     """With the forces of the supports."""
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
-        """Forces of the deck on what a support holds are borne by the support."""
         assert isinstance(self.measure_at, _Reading)
-        dof_map = self.shell.discretisation.map
-        own = np.where(dof_map.held | dof_map.hinged, np.repeat(0.5 * self.measure_at.forces, 2, axis=1), 0.0)
-        borne = self.shell.scaled(fraction).reactions(u) - fraction * own
-        total = borne.reshape(-1, 3, 2).sum(axis=(0, 2))
-        named = {f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}
-        return {**super()._displacements(u, fraction), **named}
+        return self.measure_at.with_reactions(self.shell, u, fraction)
+
+
+class PressedDeckScene(DeckScene):
+    """The same pressed on a rigid foundation, see :mod:`studies.scenes.mesh_file.pressed`."""
+
+    slides: bool = True
+
+    def __init__(self, path: Path, name: str) -> None:
+        super().__init__(path, name)
+        self.settings = (*pressed.SETTINGS, *(each for each in self.settings if each is not BESIDE))
+        self.quantities = {**pressed.QUANTITIES, **self.quantities}
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """With the measures of its foundation; raises UsageError on those of another."""
+        return foundations.complete(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """The foundation stands where it first touches the deck cut to its own default, on all meshes."""
+        body, reading, loads = self._loaded(request)
+        finest = cut_in(self.deck, self.mesh, max(self.default_mesh), request.number("fold_deg"))[1]
+        face = pressed.touching_face(finest.middle, finest.normals, pressed.direction(request.settings))
+        offset = body.laminate.d_plus if face == OUTER else body.laminate.d_minus
+        x, over = finest.middle + offset * finest.normals, None
+        if "over_node" in request.settings:
+            at = self.mesh.at([int(request.number("over_node"))])
+            if not len(at):
+                raise UsageError(f"over_node = {request.number('over_node'):g} is no node of {self.deck.path.name}")
+            over = x[at[0]]
+        foundation = pressed.placed(request, x, over)
+        shell = loaded_shell(body, request, **loads)
+        return pressed.pressed(request, shell, face, foundation, reading.with_reactions)
 
 
 @contextmanager
-def entered(name: str) -> Iterator[DeckScene]:
+def entered(name: str, *, on_foundation: bool = False) -> Iterator[DeckScene]:
     """The scene of a file in the catalogue as long as it lasts; raises UsageError for what is no deck, and OSError."""
-    scene = DeckScene(Path(name), name)
+    scene = (PressedDeckScene if on_foundation else DeckScene)(Path(name), name)
     SCENES[name] = scene
     try:
         yield scene

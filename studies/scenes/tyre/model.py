@@ -25,8 +25,8 @@ from formulations.short_waves import short_waves
 from studies.ask.request import Request, Settings
 from studies.ask.scene import Begun, Observation, ShellSceneModel, Stage, UsageError, candidates_at
 from studies.scenes.element import discretise
+from studies.scenes.foundations import NORMAL, foundation
 from studies.scenes.statics import loaded_shell, with_balances
-from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, distorted, locally_refined, part_of
 from studies.scenes.tyre.press import Column, PressedTyre, Wall, arc_of, begin_inflation
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within

@@ -25,7 +25,7 @@ from formulations.solid import SolidModel
 from studies.ask.request import Request
 from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage, UsageError
 from studies.output.atomic import Table
-from studies.scenes.tyre.foundation import NORMAL
+from studies.scenes.foundations import NORMAL
 from studies.scenes.tyre.parts import Part
 from studies.scenes.tyre.readings import asymmetries, half_extent, to_edges
 

@@ -1,7 +1,7 @@
 """The pneumatic tyre of the 2004 paper: an angle-ply torus, inflated, then pressed by a rigid plane.
 
 a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-clamp are held. The plane is that of
-:mod:`studies.scenes.tyre.press`; it may also be a foundation of :mod:`studies.scenes.tyre.foundation`.
+:mod:`studies.scenes.tyre.press`; it may also be a foundation of :mod:`studies.scenes.foundations`.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from formulations.section.laminate import SECTIONS
 from studies.ask.declarations import TYRE, Ladder, Sheet, ShellLimit, meshes
 from studies.ask.request import Request, Value
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
+from studies.scenes import foundations
 from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT
-from studies.scenes.tyre import foundation as tyre_foundation
 from studies.scenes.tyre.grid_lines import GRADING, TyreSizes, checked_mesh, tyre_lines
 from studies.scenes.tyre.model import ORTHOTROPIC, InflatedTyre, TyreModel, checked_wall
 from studies.scenes.tyre.parts import MODELS, settle_model
@@ -92,7 +92,7 @@ SETTINGS = (
     GRADING,
     SECTOR,
     *PATH_SETTINGS,
-    *tyre_foundation.SETTINGS,
+    *foundations.SETTINGS,
     *ELEMENT,
     SOLVER,
 )
@@ -156,7 +156,7 @@ class Tyre:
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Add the area of the load, and the plies of the paper unless isotropic; raises UsageError on a mixture."""
-        settings = {"pressure_area": AREA_OF[str(settings["load"])], **tyre_foundation.complete(settings)}
+        settings = {"pressure_area": AREA_OF[str(settings["load"])], **foundations.complete(settings)}
         isotropic = [key for key in ("E_MPa", "nu") if key in settings]
         given = [key for key in ORTHOTROPIC if key in settings]
         if not isotropic:

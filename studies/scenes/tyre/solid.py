@@ -24,7 +24,7 @@ from studies.ask.request import Request, Value
 from studies.ask.scene import Reference, Scene, Setting, UsageError, candidates_at, nodal_pressure
 from studies.output.vtu import write_solid_fields
 from studies.scenes.element import ELEMENT
-from studies.scenes.tyre.foundation import foundation
+from studies.scenes.foundations import foundation
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.model import ORTHOTROPIC, checked_wall, inflation
 from studies.scenes.tyre.parts import mirrored, part_of

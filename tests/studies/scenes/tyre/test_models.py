@@ -8,7 +8,7 @@ import pytest
 from formulations.conditions.dof_map import DofMap, Images
 from studies.ask.scene import UsageError
 from studies.scenes.complete import complete as resolve
-from studies.scenes.tyre.foundation import PARAMETERS
+from studies.scenes.foundations import PARAMETERS
 from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.solved import solved

@@ -9,7 +9,7 @@ import pytest
 
 from studies.ask.scene import UsageError
 from studies.scenes.complete import complete as resolve
-from studies.scenes.tyre.foundation import PARAMETERS, foundation
+from studies.scenes.foundations import PARAMETERS, foundation
 from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order

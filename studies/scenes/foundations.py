@@ -1,7 +1,8 @@
-"""What a tyre is pressed on: the plane, a drum from outside or inside, a sphere, a cleat across its way.
+"""What a shell is pressed on: the plane, a drum from outside or inside, a sphere, a cleat across its way.
 
-All face the crown along -e_x, their foremost point where the plane would touch first; the axis of a drum is parallel to
-that of the tyre, and so is a cleat. Keys that do not belong to the foundation asked for are refused.
+All face the crown of a tyre along -e_x, their foremost point where the plane would touch first; the axis of a drum is
+parallel to that of the tyre, and so is a cleat. Other shells have other directions. Keys that do not belong to the
+foundation asked for are refused.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ PARAMETERS: dict[str, dict[str, Value]] = {
     "cleat": {"cleat_height_mm": 10.0, "cleat_top_mm": 20.0, "cleat_flank_deg": 60.0, "cleat_rounding_mm": 4.0},
 }
 SETTINGS = (
-    Setting.one_of("foundation", PARAMETERS, "plane", "rigid obstacle that the tyre is pressed on"),
+    Setting.one_of("foundation", PARAMETERS, "plane", "rigid obstacle that the shell is pressed on"),
     Setting.positive(
         "foundation_radius_mm", None, "radius of a drum or a sphere", 1e6, otherwise="drum 854, sphere 100"
     ),
@@ -49,19 +50,24 @@ def complete(settings: Mapping[str, Value]) -> dict[str, Value]:
     return {**own, **settings}
 
 
-def foundation(settings: Mapping[str, Value]) -> Foundation:
-    """The foundation with its foremost point at the origin; raises UsageError on measures that do not fit together."""
+def foundation(
+    settings: Mapping[str, Value], normal: np.ndarray = NORMAL, axis: np.ndarray = AXIS, across: np.ndarray = TRAVEL
+) -> Foundation:
+    """The foundation with its foremost point at the origin; raises UsageError on measures that do not fit together.
+
+    normal: from the shell to it; axis: of a drum, or along a cleat; across: at right angles to both; unit vectors (3,).
+    """
     name, size = str(settings["foundation"]), {key: float(v) for key, v in settings.items() if isinstance(v, float)}
     if name == "plane":
-        return RigidPlane(NORMAL, 0.0)
+        return RigidPlane(normal, 0.0)
     if name == "cleat":
         try:
             pieces = cleat(*(size[key] for key in PARAMETERS["cleat"]))
         except ValueError as error:
             raise UsageError(f"no such cleat: {error}") from None
-        return Profile(NORMAL, size["cleat_height_mm"], TRAVEL, 0.0, pieces)
+        return Profile(normal, size["cleat_height_mm"], across, 0.0, pieces)
     radius = size["foundation_radius_mm"]
     if name == "sphere":
-        return Sphere(radius * NORMAL, radius)
+        return Sphere(radius * normal, radius)
     hollow = name == "hollow-drum"
-    return Drum((-radius if hollow else radius) * NORMAL, AXIS, radius, hollow)
+    return Drum((-radius if hollow else radius) * normal, axis, radius, hollow)
