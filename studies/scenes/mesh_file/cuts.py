@@ -1,8 +1,8 @@
 """A deck with its elements cut: what holds, loads and names its nodes and elements is carried down.
 
 A degree of freedom is held at a new node where it is at all nodes of the deck that it lies between, both ends of an
-edge or four corners: what an element of the deck cannot move stays. Forces stay on their nodes, pressures on the parts
-of their elements, sets have the nodes they had.
+edge or four corners, along one and the same axis: what an element of the deck cannot move stays. Forces stay on their
+nodes, pressures on the parts of their elements, sets have the nodes they had.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from studies.scenes.mesh_file.deck import Deck
+from studies.scenes.mesh_file.local_axes import axes_of, carried
 from studies.scenes.mesh_file.supports import planes_of
 from studies.scenes.mesh_file.surface import Mesh
 
@@ -26,10 +27,11 @@ def cut_in(deck: Deck, mesh: Mesh, parts: int, smooth_deg: float) -> tuple[Deck,
     held = np.zeros((len(mesh.numbers), len(DEGREES)), bool)
     for node, degrees in deck.degrees.items():
         held[np.ix_(mesh.at([node]), np.array(sorted(degrees)) - 1)] = True
-    both = np.all(held[around], axis=1)
-    both[: len(held)] = False  # which the deck has
-    new = {
-        int(fine.numbers[i]): {int(j) + 1 for j in np.flatnonzero(both[i])} for i in np.flatnonzero(both.any(axis=1))
-    }
-    deck = replace(deck, degrees={**deck.degrees, **new})
+    own = len(held)
+    systems, both = carried(deck, mesh.middle, mesh.axes, held, around[own:])
+    new = fine.numbers[own:]
+    more = {int(new[i]): {int(j) + 1 for j in np.flatnonzero(both[i])} for i in np.flatnonzero(both.any(axis=1))}
+    turned = {int(new[i]): int(systems[i]) for i in np.flatnonzero(systems >= 0)}
+    deck = replace(deck, degrees={**deck.degrees, **more}, systems={**deck.systems, **turned})
+    fine = replace(fine, axes=axes_of(deck, fine.numbers, fine.middle))
     return deck, fine.in_planes(planes_of(deck, fine))

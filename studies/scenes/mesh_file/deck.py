@@ -31,11 +31,21 @@ class Elastic:
     card: Card
 
 
+@dataclass(frozen=True)
+class Transform:
+    """Axes by two points a and b: rectangular, or cylindrical about the line through both."""
+
+    cylindrical: bool
+    a: tuple[float, ...]
+    b: tuple[float, ...]
+
+
 @dataclass
 class Deck:
     """What was read; numbers of nodes and elements are those of the deck.
 
     nodes: positions.  normals: all that the deck has of a node.  elements: four nodes each.  degrees: held, by node.
+    transforms, systems: axes of degrees and forces, and which of them a node has, the global ones where it has none.
     forces: (1, 2 or 3) and value by node.  pressures: by element, along its normal.  seen: sets that loads or output
     requests name.  silent: keywords without effect, how often each.
     """
@@ -51,6 +61,8 @@ class Deck:
     covered: set[int] = field(default_factory=set)
     orientations: dict[str, tuple[tuple[float, ...], float]] = field(default_factory=dict)
     orientation: str = ""
+    transforms: list[Transform] = field(default_factory=list)
+    systems: dict[int, int] = field(default_factory=dict)
     degrees: dict[int, set[int]] = field(default_factory=dict)
     forces: dict[int, dict[int, float]] = field(default_factory=dict)
     pressures: dict[int, float] = field(default_factory=dict)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from studies.scenes.mesh_file import load_cards, mesh_cards, wall_cards
+from studies.scenes.mesh_file import load_cards, local_axes, mesh_cards, wall_cards
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import Card, cards_of
 
@@ -19,6 +19,7 @@ BEFORE_STEP: dict[str, Callable[[Deck, Card], None]] = {
     "NODE": mesh_cards.node,
     "ELEMENT": mesh_cards.element,
     "NORMAL": mesh_cards.normal,
+    "TRANSFORM": local_axes.transform,
     "MATERIAL": wall_cards.material,
     "ELASTIC": wall_cards.elastic,
     "ORIENTATION": wall_cards.orientation,

@@ -114,7 +114,7 @@ class DeckScene:
         supports = supports_of(deck, mesh, grid)
         if supports.held.all():
             raise UsageError(f"{mesh.file}: every displacement is held")
-        surface = NodalSurface.of(mesh.middle, mesh.normals, first_axes(deck, mesh))
+        surface = replace(NodalSurface.of(mesh.middle, mesh.normals, first_axes(deck, mesh)), frames=mesh.axes)
         laminate = centred_laminate(request, *self.plies)
         kinematics = MEASURES[request.measure].kinematics
         try:
@@ -128,7 +128,7 @@ class DeckScene:
     def _loads(self, mesh: Mesh, follower: bool) -> Loads:
         loads = Loads()
         if self.deck.forces:
-            loads["forces"] = np.repeat(0.5 * self._forces(mesh), 2, axis=1)
+            loads["forces"] = np.repeat(0.5 * mesh.along_axes(self._forces(mesh)), 2, axis=1)
         if self.deck.pressures:
             shares = np.array([self.deck.pressures.get(number, 0.0) for number in mesh.labels.tolist()])
             loads["pressure"] = PressureOnElements(1.0, follower, shares=shares)
@@ -139,7 +139,7 @@ class DeckScene:
         forces = np.zeros_like(mesh.middle)
         for node, components in self.deck.forces.items():
             for degree, value in components.items():
-                forces[mesh.at([node]), degree - 1] = value
+                forces[mesh.at([node])] += value * mesh.axes[mesh.at([node]), degree - 1]
         return forces
 
     def _sets(self) -> dict[str, np.ndarray]:
@@ -164,6 +164,8 @@ class DeckScene:
         for degrees in deck.degrees.values():
             kind = "".join(map(str, sorted(degrees)))
             kinds[kind] = kinds.get(kind, 0) + 1
+        if deck.systems:
+            yield f"axes of *TRANSFORM at {len(deck.systems)} nodes"
         yield "supports: " + ", ".join(f"degrees {kind} at {count} nodes" for kind, count in sorted(kinds.items()))
         if deck.forces:
             total = " ".join(f"{x + 0.0:.6g}" for x in self._forces(mesh).sum(axis=0))
@@ -207,10 +209,12 @@ class _Reading:
 
     def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
         """Under a fraction of the loads; forces of the deck on what a support holds are borne by the support."""
-        dof_map = shell.discretisation.map
-        own = np.where(dof_map.held | dof_map.hinged, np.repeat(0.5 * self.forces, 2, axis=1), 0.0)
+        body = shell.discretisation
+        axes = body.surface.frame(*body.grid.nodes.T)
+        forces = np.einsum("nix,nx->ni", axes, self.forces)
+        own = np.where(body.map.held | body.map.hinged, np.repeat(0.5 * forces, 2, axis=1), 0.0)
         borne = shell.scaled(fraction).reactions(u) - fraction * own
-        total = borne.reshape(-1, 3, 2).sum(axis=(0, 2))
+        total = np.einsum("nif,nix->x", borne.reshape(-1, 3, 2), axes)
         return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
 
 

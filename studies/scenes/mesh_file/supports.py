@@ -21,7 +21,7 @@ LEVEL = 1e-9  # of a unit normal: a smaller component is none
 
 
 def planes_of(deck: Deck, mesh: Mesh) -> np.ndarray:
-    """(N, 3) bool: axes normal to a plane of symmetry that a node lies on, by what is held there."""
+    """(N, 3) bool: axes of a node normal to a plane of symmetry that a node lies on, by what is held there."""
     across = np.zeros((len(mesh.numbers), 3), bool)
     for degrees, nodes in _alike(deck, mesh).items():
         if degrees != ALL:
@@ -59,7 +59,8 @@ def _alike(deck: Deck, mesh: Mesh) -> dict[frozenset[int], np.ndarray]:
 
 def _on_both_faces(mesh: Mesh, node: int, moved: list[int], turned: list[int]) -> list[bool]:
     """Components that are to be held on both faces; raises UsageError where that says more or less than the deck."""
-    n = np.where(np.abs(mesh.normals[node]) < LEVEL, 0.0, mesh.normals[node])
+    n = mesh.axes[node] @ mesh.normals[node]
+    n = np.where(np.abs(n) < LEVEL, 0.0, n)
     turning = np.cross(np.eye(3), n).T  # (3, 3): motion of the tip from w
     free = [i for i in range(3) if i not in turned]
     still = [bool(np.any(turning[i]) and not np.any(turning[i, free])) for i in range(3)]
@@ -70,7 +71,7 @@ def _on_both_faces(mesh: Mesh, node: int, moved: list[int], turned: list[int]) -
     allowed = np.linalg.matrix_rank(turning[:, free]) if free else 0
     if left != allowed or np.any(along @ n):
         degrees = ", ".join(str(i) for i in [*(i + 1 for i in moved), *(i + 4 for i in turned)])
-        normal = ", ".join(f"{x + 0.0:.3g}" for x in n)
+        normal = ", ".join(f"{x + 0.0:.3g}" for x in mesh.normals[node])
         raise UsageError(
             f"{mesh.file}: degrees {degrees} at node {mesh.numbers[node]}, whose normal is ({normal}): understood are "
             "displacements alone, all six degrees, and planes of symmetry in which the normal lies"

@@ -15,6 +15,7 @@ from formulations.geometry.quad_cuts import cut
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import listed
+from studies.scenes.mesh_file.local_axes import axes_of
 
 NO_AREA = 1e-12  # of the longest side of an element squared
 LAID = 0.35  # sine of the largest angle by which a normal is laid into a plane of symmetry
@@ -25,7 +26,8 @@ class Mesh:
     """numbers (N,), labels (E,): of nodes and elements in the deck.  middle (N, 3): positions.  elements (E, 4).
 
     areas (E, 3): area vectors, half the cross product of the diagonals.  normals (N, 3): of unit length.
-    given (N,) bool: those that the deck has.  unused: nodes of no element, which are left out.
+    axes (N, 3, 3): rows are the directions of degrees of freedom and forces.  given (N,) bool: normals that the deck
+    has.  unused: nodes of no element, which are left out.
     """
 
     file: str
@@ -35,6 +37,7 @@ class Mesh:
     elements: np.ndarray
     areas: np.ndarray
     normals: np.ndarray
+    axes: np.ndarray
     given: np.ndarray
     unused: int
 
@@ -48,7 +51,8 @@ class Mesh:
         areas = _areas(middle[elements])
         given = np.isin(numbers, list(deck.normals))
         unused = len(deck.nodes) - len(numbers)
-        mesh = cls(deck.path.name, numbers, labels, middle, elements, areas, np.zeros_like(middle), given, unused)
+        axes, normals = axes_of(deck, numbers, middle), np.zeros_like(middle)
+        mesh = cls(deck.path.name, numbers, labels, middle, elements, areas, normals, axes, given, unused)
         mesh._check_elements()
         mesh._edges()
         return replace(mesh, normals=mesh._nodal_normals(deck))
@@ -69,6 +73,7 @@ class Mesh:
             elements=fine.elements,
             areas=_areas(fine.middle[fine.elements]),
             normals=fine.normals,
+            axes=np.concatenate([self.axes, np.tile(np.eye(3), (new, 1, 1))]),
             given=np.append(self.given, np.zeros(new, bool)),
         ), np.where(fine.shares > 0, fine.around, nearest)
 
@@ -150,12 +155,18 @@ class Mesh:
         return _unit(normals)
 
     def in_planes(self, across: np.ndarray) -> Mesh:
-        """With the normals at nodes on planes of symmetry laid into these; across (N, 3) bool: axes normal to them.
+        """With the normals at nodes on planes of symmetry laid into these; across (N, 3) bool: own axes normal to them.
 
         So half a surface has the normals of the whole: the mean over an element and its image.
         """
-        near = across & ~self.given[:, None] & (np.abs(self.normals) <= LAID)
-        return replace(self, normals=_unit(np.where(near, 0.0, self.normals)))
+        normals = self.along_axes(self.normals)
+        near = across & ~self.given[:, None] & (np.abs(normals) <= LAID)
+        laid = np.einsum("nix,ni->nx", self.axes, np.where(near, 0.0, normals))
+        return replace(self, normals=_unit(np.where(near.any(axis=1)[:, None], laid, self.normals)))
+
+    def along_axes(self, x: np.ndarray) -> np.ndarray:
+        """Components (N, 3) along the axes of each node, of vectors x (N, 3)."""
+        return np.einsum("nix,nx->ni", self.axes, x)
 
 
 def _areas(corners: np.ndarray) -> np.ndarray:
