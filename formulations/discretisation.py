@@ -6,6 +6,7 @@ No measure, no load and no contact may enter here.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -15,17 +16,18 @@ from formulations.conditions.hanging import Hangers
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.quad_sampling import NodalFaces
 from formulations.element.sparsity import Pattern
-from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry
+from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry, shape_functions
 from formulations.geometry.grid import CORNERS, Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import Surface, laminate_axes, normal
 from formulations.section.laminate import Laminate
+from formulations.section.walls import Walls
 from formulations.strains.quantities import FULL, N_V, Kinematics
 
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """Geometry on the grid, supports, and the sparse pattern."""
+    """Geometry on the grid, supports, and the sparse pattern; laminate: of the walls the first, where they differ."""
 
     surface: Surface
     grid: Grid
@@ -37,6 +39,7 @@ class Discretisation:
     scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
     ordered: bool = False
     hangers: Hangers | None = None
+    walls: Walls | None = None
 
     @classmethod
     def build(
@@ -51,12 +54,14 @@ class Discretisation:
         images: Images | None = None,
         *,
         ordered: bool = False,
+        walls: Walls | None = None,
     ) -> Discretisation:
         """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
 
         ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`, or "quads", see
         :class:`QuadGeometry`, for meshes that follow no lines of curvature.  ``ordered``: number the unknowns by nested
-        dissection, so that a factorisation may keep their order; else as the nodes are.
+        dissection, so that a factorisation may keep their order; else as the nodes are.  ``walls``: of quads, where
+        they differ; the laminate is the first of them.
         """
         order = None
         if ordered:
@@ -69,13 +74,36 @@ class Discretisation:
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
-        geometry = _geometry(surface, grid, laminate, kinematics, interpolation)
-        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered, hangers)
+        geometry = _geometry(surface, grid, laminate, kinematics, interpolation, walls)
+        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered, hangers, walls)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
-        geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, self.geometry.interpolation)
+        interpolation = self.geometry.interpolation
+        geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, interpolation, self.walls)
         return replace(self, geometry=geometry)
+
+    def stiffness(self, section: str) -> np.ndarray:
+        """D of the wall [N/mm], (11, 11), or at the Gauss points of each element (E, 4, 11, 11) where walls differ."""
+        if self.walls is None:
+            return self.laminate.stiffness(section)
+        if section not in self._stiffness:  # the same array for all steps of a path
+            growth = self.walls.growth @ shape_functions(GAUSS)[0].T
+            own = self.walls.stiffness(section)[self.walls.kind]
+            self._stiffness[section] = growth[..., None, None] * own[:, None]
+        return self._stiffness[section]
+
+    def stiffness_at(self, nodes: np.ndarray, section: str) -> np.ndarray:
+        """D of the wall [N/mm] at nodes (k,), (k, 11, 11): the mean over the elements around."""
+        D = self.stiffness(section)
+        if D.ndim == 2:
+            return np.broadcast_to(D, (len(nodes), *D.shape))
+        around = ((self.grid.elements == node).any(axis=1) for node in nodes)
+        return np.array([D[each].mean(axis=(0, 1)) for each in around]).reshape(-1, *D.shape[2:])
+
+    @cached_property
+    def _stiffness(self) -> dict[str, np.ndarray]:
+        return {}
 
     @property
     def n_free(self) -> int:
@@ -142,7 +170,8 @@ class Discretisation:
         """Cartesian reference positions (N, 3) of the inner and of the outer face."""
         a1, a2 = self.grid.nodes.T
         x, e3 = self.surface.position(a1, a2), normal(self.surface, a1, a2)
-        return x + self.laminate.d_minus * e3, x + self.laminate.d_plus * e3
+        d = _at_faces(self.laminate, self.walls, self.grid)
+        return x + d[..., :1] * e3, x + d[..., 1:] * e3
 
     def gauss_frames(self) -> np.ndarray:
         """Frames (E, 4, 3, 3) at the Gauss points, to whose directions ``geometry.value`` belongs."""
@@ -174,13 +203,30 @@ class Discretisation:
         return sparse.csr_matrix(shares.T @ mass @ shares)
 
 
+def _at_faces(laminate: Laminate, walls: Walls | None, grid: Grid) -> np.ndarray:
+    """Distances (N or 1, 2) of both faces of the nodes from the reference surface."""
+    d = np.array([[laminate.d_minus, laminate.d_plus]])
+    return d if walls is None else d / laminate.thickness * walls.at_nodes(grid.elements, grid.n_nodes)[:, None]
+
+
 def _geometry(
-    surface: Surface, grid: Grid, laminate: Laminate, kinematics: Kinematics, interpolation: str
+    surface: Surface,
+    grid: Grid,
+    laminate: Laminate,
+    kinematics: Kinematics,
+    interpolation: str,
+    walls: Walls | None,
 ) -> ElementGeometry:
     if interpolation != "quads":
         return ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
     if grid.hanging is not None:
         raise ValueError("quadrilaterals have no hanging nodes: cut every one of them")
     at = np.moveaxis(grid.points(CORNERS), -1, 0)
-    faces = NodalFaces(surface.position(*at), normal(surface, *at), surface.frame(*at), laminate_axes(surface, *at))
-    return QuadGeometry.of(faces, laminate.d_minus, laminate.d_plus, kinematics)
+    of_node = _at_faces(laminate, walls, grid)
+    if walls is None:
+        d = of_node = np.broadcast_to(of_node, (*grid.elements.shape, 2))
+    else:
+        of_node = of_node[grid.elements]
+        d = np.array([laminate.d_minus, laminate.d_plus]) / laminate.thickness * walls.thickness[..., None]
+    axes = surface.frame(*at), laminate_axes(surface, *at)
+    return QuadGeometry.of(NodalFaces(surface.position(*at), normal(surface, *at), *axes, d, of_node), kinematics)

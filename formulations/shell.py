@@ -83,7 +83,8 @@ class ShellModel:
         D = shell.laminate.stiffness(self.section)
         element = MixedElement.build(self.measure, D, initial, self.thickness_strain, self.membrane)
         if isinstance(shell.geometry, QuadGeometry):
-            element = QuadElement.on(shell.geometry, element, D, initial, self.thickness_strain)
+            own = shell.stiffness(self.section)
+            element = QuadElement.on(shell.geometry, element, own, initial, self.thickness_strain)
         object.__setattr__(self, "_element", element)
         if not np.any(self.measure.contract(np.zeros(N_Q), np.ones(N_E))):
             object.__setattr__(self, "discretisation", self.discretisation.linearised())
@@ -169,8 +170,8 @@ class ShellModel:
     @property
     def conservative(self) -> bool:
         """True when :meth:`energy` is the potential of the residual: D symmetric, dead loads, H0 zero."""
-        D = self.discretisation.laminate.stiffness(self.section)
-        symmetric = bool(np.max(np.abs(D - D.T)) <= 1e-12 * np.max(np.abs(D)))
+        D = self.discretisation.stiffness(self.section)
+        symmetric = bool(np.max(np.abs(D - D.swapaxes(-1, -2))) <= 1e-12 * np.max(np.abs(D)))
         follows = self.couples is not None or (self.pressure is not None and self.pressure.follower)
         return symmetric and not follows and (self.initial is None or not np.any(self.initial))
 

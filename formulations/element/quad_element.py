@@ -14,6 +14,9 @@ positions, as on an isoparametric grid. No coordinates are needed. What differs 
   the laminate: those of novozhilov and elongation are no vector, and a shear of a frame that turns with the side would
   lead to an answer of its own on every mesh. Source: Bathe, Dvorkin, IJNME 21 (1985) 367-383.
 - E33 as on a grid.
+- Where the thickness h differs from node to node, faces lie at X + d- n and X + d+ n of each, beta counts over the
+  interpolated h, and D grows with it. Where walls of elements step at a node, the faces of an element follow those of
+  the node, whose displacements are linear across the wall: any director stays the one of all elements around.
 
 The modes turn to the axes of the laminate at every Gauss point, so that of an element::
 
@@ -63,8 +66,8 @@ class QuadElement(MixedElement):
     H of a mode is what does the work MODE_WEIGHTS H dE an area.  taken: the measure at the Gauss points, without shears
     across the wall.  shears: these, in the middle of the sides.  at_rest (E, 4, 7, 15) and side_rest (E, 4, 4, 15):
     dE/dq of both in the reference state.  onto (E, 28, 22), side_onto (E, 16, 8): from what is taken to the modes, and
-    to SHEAR_MODES.  axes_stiffness (11, 11): D in the axes of the laminate.  units: None where the geometric stiffness
-    is made anew of each state.
+    to SHEAR_MODES.  axes_stiffness (11, 11) or (E, 4, 11, 11): D in the axes of the laminate.  units: None where the
+    geometric stiffness is made anew of each state.
     """
 
     taken: StrainFunction
@@ -80,11 +83,13 @@ class QuadElement(MixedElement):
     def on(
         cls, geometry: QuadGeometry, element: MixedElement, D: np.ndarray, initial: np.ndarray, thickness_strain: str
     ) -> QuadElement:
-        """An element of grids put on quadrilaterals; D (11, 11) and H0 (11,) in the axes of the laminate.
+        """An element of grids put on quadrilaterals; D and H0 (11,) in the axes of the laminate.
 
+        D: (11, 11), or at the Gauss points of each element (E, 4, 11, 11), then told from others by the array itself.
         Made once for all steps of a path: what differs from element to element costs as much as an iteration.
         """
-        key = (element.measure, D.tobytes(), initial.tobytes(), thickness_strain, element.relaxed)
+        own = D.tobytes() if D.ndim == 2 else id(D)
+        key = (element.measure, own, initial.tobytes(), thickness_strain, element.relaxed)
         if key not in geometry.elements:
             geometry.elements[key] = cls._made(geometry, element, D, initial, thickness_strain)
         return geometry.elements[key]
@@ -126,7 +131,9 @@ class QuadElement(MixedElement):
 
     def mean_resultants(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
         """Means H (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
-        return self.mean_strains(geometry, strains) @ self.axes_stiffness.T
+        assert isinstance(geometry, QuadGeometry)
+        stressed = np.matmul(self.axes_stiffness, self.at_gauss(geometry, strains)[..., None])[..., 0]
+        return np.asarray(np.einsum("eg,egi->ei", geometry.share, stressed))
 
     def mean_strains(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
         """Means E (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""

@@ -26,7 +26,7 @@ from formulations.element.quad_sampling import (
 )
 from formulations.element.strain_operator import AREAS, GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
 from formulations.geometry.grid import CORNERS
-from formulations.strains.quantities import E33, FULL, N_E, N_Q, Kinematics
+from formulations.strains.quantities import E33, FULL, N_E, N_Q, N_V, Kinematics
 
 PLANE = np.arange(6)  # E11-+, E22-+, 2E12-+
 TAKEN = np.append(PLANE, E33)  # rows that are taken at the Gauss points
@@ -49,6 +49,7 @@ class QuadGeometry(ElementGeometry):
     side_Q (E, 60, 24), side_offset (E, 4, 15): the same as Q and offset in the middle of the sides.
     side (E, 4, 2, 2): half of each side [side, face, a] along both axes, over the length of the element along it.
     at_nodes (E, 4, 3, 6): beta along (two tangents, normal) from the displacements of a node.
+    steps: whether a face of an element is none of its node, so that both of the node move it.
     """
 
     share: np.ndarray
@@ -61,12 +62,12 @@ class QuadGeometry(ElementGeometry):
     side_offset: np.ndarray
     side: np.ndarray
     at_nodes: np.ndarray
+    steps: bool
 
     @classmethod
-    def of(cls, faces: NodalFaces, d_minus: float, d_plus: float, kinematics: Kinematics = FULL) -> QuadGeometry:
+    def of(cls, faces: NodalFaces, kinematics: Kinematics = FULL) -> QuadGeometry:
         """From positions at the nodes; raises FoldedQuadError naming the first that is folded."""
-        h = d_plus - d_minus
-        X = faces.middle[:, :, None] + np.array([d_minus, d_plus])[:, None] * faces.normal[:, :, None]
+        X = faces.middle[:, :, None] + faces.d[..., None] * faces.normal[:, :, None]
         mid = X.mean(axis=2)  # of both faces (E, 4, 3)
         sides = Orientation.of(mid, faces)
         frame = sides.frames(mid, faces)
@@ -78,17 +79,18 @@ class QuadGeometry(ElementGeometry):
         area, centre = weight.sum(axis=1), 0.5 * mid_lines(mid)
         lengths = np.linalg.norm(centre, axis=-1)
 
-        Q, offset, face_area, inner = at_gauss_points(faces, X, sides, h, kinematics)
-        side_Q, side_offset, side = on_sides(faces, X, sides, h, kinematics)
+        Q, offset, face_area, inner = at_gauss_points(faces, X, sides, kinematics)
+        side_Q, side_offset, side = on_sides(faces, X, sides, kinematics)
+        h = faces.height
         plane = _plane_strains(_carried(frame, centre / lengths[..., None]))
         bent = np.sum(mid_lines(faces.normal) * mid_lines(mid), axis=-1)  # k l^2
         return cls(
-            Q=Q.reshape(len(X), N_GAUSS * N_Q, N_DOF),
+            Q=faces.from_nodes(Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_GAUSS * N_Q, N_DOF),
             rows=np.ones((len(X), 1, N_E)),
             weight=area,
             face_weight=face_area.sum(axis=1),
-            director=np.kron(np.eye(3), [-1.0, 1.0]) / h,
-            relaxation=1.0 / (1.0 + (bent / h) ** 2),
+            director=np.kron(np.eye(3), [-1.0, 1.0]) / h.mean(),
+            relaxation=1.0 / (1.0 + (bent / h.mean(axis=1, keepdims=True)) ** 2),
             value=shape_functions(GAUSS)[0][:, :, None, None] * turn_between(inner, faces.frame),
             kinematics=kinematics,
             interpolation="quads",
@@ -99,10 +101,11 @@ class QuadGeometry(ElementGeometry):
             turn=_modes_to_axes(jacobian, lengths, plane),
             frame=inner,
             left_handed=sides.turns * sides.hand < 0,
-            side_Q=side_Q.reshape(len(X), N_SIDES * N_Q, N_DOF),
+            side_Q=faces.from_nodes(side_Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_SIDES * N_Q, N_DOF),
             side_offset=side_offset,
             side=side / np.repeat(lengths, 2, axis=1)[..., None, None],
-            at_nodes=_directors(faces, h),
+            at_nodes=_directors(faces),
+            steps=faces.steps,
         )
 
     def point_areas(self, face: str) -> np.ndarray:
@@ -210,9 +213,10 @@ def _convex(mid: np.ndarray) -> np.ndarray:
     return np.asarray(np.all(np.einsum("egx,ex->eg", normals, normals.sum(axis=1)) > 0, axis=1))
 
 
-def _directors(faces: NodalFaces, h: float) -> np.ndarray:
+def _directors(faces: NodalFaces) -> np.ndarray:
     """beta (E, 4, 3, 6) of a node along two tangents and its normal, from its displacements."""
     first = unit(faces.axes[:, :, 0])
     frame = np.stack([first, np.cross(faces.normal, first), faces.normal], axis=-2)
     turned = np.einsum("erix,erjx->erij", frame, faces.frame)
-    return np.kron(turned, np.array([-1.0, 1.0])) / h
+    height = faces.of_node[..., 1] - faces.of_node[..., 0]
+    return np.kron(turned, np.array([-1.0, 1.0])) / height[..., None, None]

@@ -24,12 +24,39 @@ class NodalFaces:
 
     middle (.., 3): positions on the reference surface.  normal (.., 3): unit normals.  frame (.., 3, 3): rows are the
     directions of the displacement components.  axes (.., 2, 3): both axes of the laminate along the surface.
+    d (.., 2): distances of the faces of the element from the reference surface.  of_node (.., 2): those of the faces
+    of the node, whose displacements are the unknowns: where the wall steps they are not the same.
     """
 
     middle: np.ndarray
     normal: np.ndarray
     frame: np.ndarray
     axes: np.ndarray
+    d: np.ndarray
+    of_node: np.ndarray
+
+    @property
+    def height(self) -> np.ndarray:
+        """(E, 4) between the faces."""
+        return np.asarray(self.d[..., 1] - self.d[..., 0])
+
+    @property
+    def steps(self) -> bool:
+        """Whether a face is none of its node."""
+        return not np.array_equal(self.d, self.of_node)
+
+    def from_nodes(self, Q: np.ndarray) -> np.ndarray:
+        """Q (E, k, 4, 6) of displacements of the faces of an element, as one of those of its nodes.
+
+        Displacements are linear across the wall: u(d) = u- + (d - d-)/(d+ - d-) (u+ - u-), d-+ of the node.
+        """
+        if not self.steps:
+            return Q
+        low, span = self.of_node[..., :1], self.of_node[..., 1:] - self.of_node[..., :1]
+        upper = (self.d - low) / span  # (E, 4, face)
+        shares = np.stack([1 - upper, upper], axis=-1)
+        parts = Q.reshape(*Q.shape[:2], 4, 3, 2)
+        return np.einsum("ekrif,erfn->ekrin", parts, shares).reshape(Q.shape)
 
 
 def unit(x: np.ndarray) -> np.ndarray:
@@ -93,7 +120,7 @@ class Orientation:
 
 
 def at_gauss_points(
-    faces: NodalFaces, X: np.ndarray, sides: Orientation, h: float, kinematics: Kinematics
+    faces: NodalFaces, X: np.ndarray, sides: Orientation, kinematics: Kinematics
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Q (E, 4, 15, 4, 6), offset (E, 4, 15), areas (E, 4, 2) of the faces, and the frame of the inner one.
 
@@ -110,14 +137,14 @@ def at_gauss_points(
         if kinematics.thin:
             own, at = sides.frames(faces.middle, faces), faces.middle
         _put_gradients(Q, face, own, at, faces, kinematics, GAUSS)
-    director, length = _directors(faces, GAUSS)
-    _put_beta(Q, sides.along_axes(director, faces), np.full_like(length, h), faces, GAUSS)
+    director, length, height = _directors(faces, GAUSS)
+    _put_beta(Q, sides.along_axes(director, faces), height, faces, GAUSS)
     offset[..., BETA.start + 2] = length - 1.0
     return Q, offset, area, frames[0]
 
 
 def on_sides(
-    faces: NodalFaces, X: np.ndarray, sides: Orientation, h: float, kinematics: Kinematics
+    faces: NodalFaces, X: np.ndarray, sides: Orientation, kinematics: Kinematics
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Q (E, 4, 15, 4, 6) and offset (E, 4, 15) in the middle of the sides; half of each side (E, 4, 2, 2) of the faces.
 
@@ -127,7 +154,7 @@ def on_sides(
     """
     n, ends = len(X), X[:, SIDE_CORNERS]  # (E, side, end, face, 3)
     Q, offset = np.zeros((n, N_SIDES, N_Q, 4, N_V)), np.zeros((n, N_SIDES, N_Q))
-    director, length = _directors(faces, MIDDLES)
+    director, length, height = _directors(faces, MIDDLES)
     own = sides.along_axes(director, faces, MIDDLES)
     half = 0.5 * (ends[:, :, 1] - ends[:, :, 0])
     if kinematics.thin:  # gradients along the reference surface, shears over the length midway between the faces
@@ -137,15 +164,19 @@ def on_sides(
         inverse = _put_gradients(Q, face, own, at, faces, kinematics, MIDDLES)
         out_of_plane = np.matmul(tangents_of(at, MIDDLES), own[:, :, 2, :, None])[..., 0]
         offset[:, :, 4 + face : BETA.start : 6] = -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
-    _put_beta(Q, own, h * length, faces, MIDDLES)
+    _put_beta(Q, own, height * length, faces, MIDDLES)
     return Q, offset, length[..., None, None] * np.matmul(half, own[:, :, :2].swapaxes(-1, -2))
 
 
-def _directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of interpolated normals at four points, the direction (E, 4, 3) and the length (E, 4)."""
-    director = np.einsum("gr,erx->egx", shape_functions(points)[0], faces.normal)
+def _directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the interpolated way between the faces at four points, the direction (E, 4, 3), the length (E, 4) over the
+    interpolated height, and that height (E, 4).
+    """
+    value = shape_functions(points)[0]
+    height = faces.height @ value.T
+    director = np.einsum("gr,erx->egx", value, faces.height[..., None] * faces.normal) / height[..., None]
     length = np.linalg.norm(director, axis=-1)
-    return director / length[..., None], length
+    return director / length[..., None], length, height
 
 
 def _put_gradients(

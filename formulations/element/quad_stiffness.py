@@ -45,13 +45,14 @@ class UnitStiffness:
         onto: np.ndarray,
         nodal: np.ndarray | None,
     ) -> UnitStiffness | None:
-        """None where it depends on displacements, where a strain of a face knows of the other one or of beta, or where
-        the shear along a side is not that of its ends alone, because the shears of the measure are no vector.
+        """None where it depends on displacements, where a strain of a face knows of the other one or of beta, as of a
+        measure or where the wall steps, or where the shear along a side is not that of its ends alone, because the
+        shears of the measure are no vector.
 
         The arguments are those of :class:`formulations.element.quad_element.QuadElement`.
         """
         tables = [each.quadratic for each in (taken, through, shears) if isinstance(each, QuadraticMeasure)]
-        if len(tables) < 3:
+        if len(tables) < 3 or geometry.steps:
             return None
         of_faces = [(PLANE[face::2], np.arange(face, BETA.start, 2), OF_FACE[face]) for face in (0, 1)]
         for rows, own, _ in of_faces:

@@ -127,10 +127,10 @@ def sinks(shell: ShellModel) -> dict[int, np.ndarray]:
     alone = np.flatnonzero(loaded & ~np.isin(np.arange(len(force)), elements[loaded[elements].sum(axis=1) > 1]))
     at = discretisation.grid.nodes[alone].T
     normals = np.einsum("nix,nx->ni", discretisation.surface.frame(*at), normal(discretisation.surface, *at))
-    D = discretisation.laminate.stiffness(shell.section)
-    stiffness = float(np.sqrt(np.prod([D[rows, rows].sum() for rows in SHEAR])))
-    one, two, shear = (D[rows, rows].sum() for rows in MEMBRANE)
-    poisson = D[MEMBRANE[0], MEMBRANE[1]].sum() / np.sqrt(one * two)
+    D, faces = discretisation.stiffness_at(alone, shell.section), (-2, -1)
+    stiffness = np.sqrt(np.prod([D[:, rows, rows].sum(faces) for rows in SHEAR], axis=0))[:, None]
+    one, two, shear = (D[:, rows, rows].sum(faces)[:, None] for rows in MEMBRANE)
+    poisson = D[:, MEMBRANE[0], MEMBRANE[1]].sum(faces)[:, None] / np.sqrt(one * two)
     angle = (np.pi / 2 * np.bincount(elements.ravel(), minlength=len(force)))[alone, None]
     across = np.sum(force[alone] * normals, axis=-1, keepdims=True) * normals
     along = (force[alone] - across) * (3 - poisson) / (4 * shear)
