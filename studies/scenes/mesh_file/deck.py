@@ -14,12 +14,21 @@ MOST_MEMBERS = 4_000_000  # of all sets
 
 @dataclass(frozen=True)
 class Layer:
-    """A ply of the section: thickness [mm], material, angle [deg] from the first axis."""
+    """A ply of a section: thickness [mm], material, angle [deg] from the first axis."""
 
     thickness: float
     material: str
     angle: float
-    row: Row
+    row: Row = field(compare=False)
+
+
+@dataclass(frozen=True)
+class Section:
+    """Plies from inside and the name of their axes; nodal: one of 1 mm, which the nodes say how often there is."""
+
+    layers: tuple[Layer, ...]
+    orientation: str
+    nodal: bool
 
 
 @dataclass(frozen=True)
@@ -45,6 +54,7 @@ class Deck:
     """What was read; numbers of nodes and elements are those of the deck.
 
     nodes: positions.  normals: all that the deck has of a node.  elements: four nodes each.  degrees: held, by node.
+    sections, section_of: those that differ, with their numbers, and that of an element.  thickness: of nodes.
     transforms, systems: axes of degrees and forces, and which of them a node has, the global ones where it has none.
     forces: (1, 2 or 3) and value by node.  pressures: by element, along its normal.  seen: sets that loads or output
     requests name.  silent: keywords without effect, how often each.
@@ -57,10 +67,10 @@ class Deck:
     node_sets: dict[str, list[int]] = field(default_factory=dict)
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     materials: dict[str, Elastic | None] = field(default_factory=dict)
-    layers: list[Layer] = field(default_factory=list)
-    covered: set[int] = field(default_factory=set)
+    sections: dict[Section, int] = field(default_factory=dict)
+    section_of: dict[int, int] = field(default_factory=dict)
+    thickness: dict[int, float] = field(default_factory=dict)
     orientations: dict[str, tuple[tuple[float, ...], float]] = field(default_factory=dict)
-    orientation: str = ""
     transforms: list[Transform] = field(default_factory=list)
     systems: dict[int, int] = field(default_factory=dict)
     degrees: dict[int, set[int]] = field(default_factory=dict)
@@ -73,7 +83,6 @@ class Deck:
     static: bool = False
     ended: bool = False
     material: str = ""
-    sections: int = 0
     members: int = 0
 
     def check(self) -> None:
@@ -81,18 +90,23 @@ class Deck:
         name = self.path.name
         for missing, what in (
             (self.elements, "no quadrilaterals: *ELEMENT, TYPE=S4"),
-            (self.layers, "no *SHELL SECTION"),
+            (self.sections, "no *SHELL SECTION"),
             (self.static, "no *STEP with *STATIC"),
             (self.degrees, "no support: *BOUNDARY"),
         ):
             if not missing:
                 raise UsageError(f"{name}: {what}")
-        for layer in self.layers:
+        for layer in (layer for section in self.sections for layer in section.layers):
             if self.materials.get(layer.material) is None:
                 layer.row.refuse(f"there is no material {shown(layer.material)} with *ELASTIC")
-        bare = [each for each in self.elements if each not in self.covered]
+        bare = [each for each in self.elements if each not in self.section_of]
         if bare:
             raise UsageError(f"{name}: no *SHELL SECTION for the elements {listed(bare)}")
+        nodal = {number for section, number in self.sections.items() if section.nodal}
+        thick = {node for each, of in self.section_of.items() if of in nodal for node in self.elements[each]}
+        unknown = sorted(thick - self.thickness.keys())
+        if unknown:
+            raise UsageError(f"{name}: no *NODAL THICKNESS of the nodes {listed(unknown)}")
         for number, corners in self.elements.items():
             lost = [node for node in corners if node not in self.nodes]
             if lost:

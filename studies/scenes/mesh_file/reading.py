@@ -24,6 +24,7 @@ BEFORE_STEP: dict[str, Callable[[Deck, Card], None]] = {
     "ELASTIC": wall_cards.elastic,
     "ORIENTATION": wall_cards.orientation,
     "SHELL SECTION": wall_cards.shell_section,
+    "NODAL THICKNESS": wall_cards.nodal_thickness,
 }
 ANYWHERE: dict[str, Callable[[Deck, Card], None]] = {
     "NSET": mesh_cards.node_set,

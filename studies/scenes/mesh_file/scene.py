@@ -16,6 +16,7 @@ from formulations.element.strain_operator import ElementGeometry
 from formulations.geometry.grid import QuadGrid
 from formulations.geometry.surfaces import NodalSurface
 from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.declarations import Reference
@@ -31,7 +32,7 @@ from studies.scenes.mesh_file.pressed import BESIDE
 from studies.scenes.mesh_file.reading import read_deck
 from studies.scenes.mesh_file.supports import planes_of, supports_of
 from studies.scenes.mesh_file.surface import Mesh
-from studies.scenes.mesh_file.wall import first_axes, plies_of
+from studies.scenes.mesh_file.wall import first_axes, plies_of, walls_of, walls_told
 from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel, loaded_shell
 
 DEAD, FOLLOWER = "dead", "follower"
@@ -115,15 +116,20 @@ class DeckScene:
         if supports.held.all():
             raise UsageError(f"{mesh.file}: every displacement is held")
         surface = replace(NodalSurface.of(mesh.middle, mesh.normals, first_axes(deck, mesh)), frames=mesh.axes)
-        laminate = centred_laminate(request, *self.plies)
+        laminates = self._laminates(request)
+        walls = walls_of(deck, mesh, laminates) if len(laminates) > 1 or deck.thickness else None
         kinematics = MEASURES[request.measure].kinematics
+        supported = (*supports.masks, kinematics, "quads")
         try:
-            shell = Discretisation.build(surface, grid, laminate, *supports.masks, kinematics, "quads", ordered=True)
+            shell = Discretisation.build(surface, grid, laminates[0], *supported, ordered=True, walls=walls)
         except ValueError as error:
             raise UsageError(f"{mesh.file}: {error}") from None
         loads = self._loads(mesh, request.choice("pressure") == FOLLOWER)
         reading = _Reading(shell, self.mesh.numbers, self._forces(mesh), self._sets())
         return shell, reading, loads
+
+    def _laminates(self, request: Request) -> list[Laminate]:
+        return [centred_laminate(request, *plies) for plies in self.plies]
 
     def _loads(self, mesh: Mesh, follower: bool) -> Loads:
         loads = Loads()
@@ -154,12 +160,7 @@ class DeckScene:
         yield f"read {mesh.file}: {len(mesh.numbers)} nodes, {len(mesh.elements)} quadrilaterals{unused}"
         given = np.count_nonzero(mesh.given)
         yield f"normals: {given} from the deck, {len(mesh.given) - given} from the positions around"
-        thickness = sum(ply.thickness for ply in self.plies)
-        made = ", ".join(
-            f"{layer.material} {layer.thickness:g} at {np.degrees(ply.angle):g}"
-            for layer, ply in zip(deck.layers, self.plies, strict=True)
-        )
-        yield f"thickness {thickness:g} mm, plies from inside (mm, degrees): {made}"
+        yield from walls_told(deck, self.plies)
         kinds = dict[str, int]()
         for degrees in deck.degrees.values():
             kind = "".join(map(str, sorted(degrees)))
@@ -243,10 +244,10 @@ class PressedDeckScene(DeckScene):
     def build(self, request: Request) -> SceneModel:
         """The foundation stands where it first touches the deck cut to its own default, on all meshes."""
         body, reading, loads = self._loaded(request)
-        finest = cut_in(self.deck, self.mesh, max(self.default_mesh), request.number("fold_deg"))[1]
+        deck, finest = cut_in(self.deck, self.mesh, max(self.default_mesh), request.number("fold_deg"))
         face = pressed.touching_face(finest.middle, finest.normals, pressed.direction(request.settings))
-        offset = body.laminate.d_plus if face == OUTER else body.laminate.d_minus
-        x, over = finest.middle + offset * finest.normals, None
+        thickness = walls_of(deck, finest, self._laminates(request)).at_nodes(finest.elements, len(finest.numbers))
+        x, over = finest.middle + (0.5 if face == OUTER else -0.5) * thickness[:, None] * finest.normals, None
         if "over_node" in request.settings:
             at = self.mesh.at([int(request.number("over_node"))])
             if not len(at):

@@ -27,7 +27,7 @@ class Mesh:
 
     areas (E, 3): area vectors, half the cross product of the diagonals.  normals (N, 3): of unit length.
     axes (N, 3, 3): rows are the directions of degrees of freedom and forces.  given (N,) bool: normals that the deck
-    has.  unused: nodes of no element, which are left out.
+    has.  thickness (N,): of nodes, no number where they say none.  unused: nodes of no element, which are left out.
     """
 
     file: str
@@ -39,6 +39,7 @@ class Mesh:
     normals: np.ndarray
     axes: np.ndarray
     given: np.ndarray
+    thickness: np.ndarray
     unused: int
 
     @classmethod
@@ -52,7 +53,8 @@ class Mesh:
         given = np.isin(numbers, list(deck.normals))
         unused = len(deck.nodes) - len(numbers)
         axes, normals = axes_of(deck, numbers, middle), np.zeros_like(middle)
-        mesh = cls(deck.path.name, numbers, labels, middle, elements, areas, normals, axes, given, unused)
+        thickness = np.array([deck.thickness.get(number, np.nan) for number in numbers.tolist()])
+        mesh = cls(deck.path.name, numbers, labels, middle, elements, areas, normals, axes, given, thickness, unused)
         mesh._check_elements()
         mesh._edges()
         return replace(mesh, normals=mesh._nodal_normals(deck))
@@ -75,6 +77,7 @@ class Mesh:
             normals=fine.normals,
             axes=np.concatenate([self.axes, np.tile(np.eye(3), (new, 1, 1))]),
             given=np.append(self.given, np.zeros(new, bool)),
+            thickness=np.where(fine.shares > 0, fine.shares * self.thickness[fine.around], 0.0).sum(axis=1),
         ), np.where(fine.shares > 0, fine.around, nearest)
 
     def at(self, nodes: list[int]) -> np.ndarray:

@@ -1,26 +1,64 @@
-"""The wall of a deck: its plies, and the axis from which their angles count."""
+"""The walls of a deck: their plies, and the axis from which their angles count."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from formulations.element.strain_operator import GAUSS, shape_functions
-from formulations.section.laminate import Ply
+from formulations.section.laminate import Laminate, Ply
+from formulations.section.walls import Walls
 from studies.ask.request import UsageError
-from studies.scenes.mesh_file.deck import Deck, Elastic, Layer
+from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section
 from studies.scenes.mesh_file.surface import Mesh
 
 SAME = 1e-9  # relative: constants that a transversely isotropic ply has alike
 EVEN = 0.5  # of a unit tangent between nodes
+MOST_TOLD = 4  # sections
 UPRIGHT = 0.95  # cosine between axis and normal, above which the angle of a ply has no direction to count from
 
 
-def plies_of(deck: Deck) -> tuple[Ply, ...]:
-    """From the inner face, on the negative side of the normal, outwards; raises UsageError naming the constant."""
-    turn = deck.orientations[deck.orientation][1] if deck.orientation else 0.0
-    return tuple(_ply(deck, layer, math.radians(layer.angle + turn)) for layer in deck.layers)
+def plies_of(deck: Deck) -> list[tuple[Ply, ...]]:
+    """Of all sections, from the inner face, on the negative side of the normal, outwards.
+
+    Raises UsageError naming the constant.
+    """
+    turns = [deck.orientations[each.orientation][1] if each.orientation else 0.0 for each in deck.sections]
+    return [
+        tuple(_ply(deck, layer, math.radians(layer.angle + turn)) for layer in section.layers)
+        for section, turn in zip(deck.sections, turns, strict=True)
+    ]
+
+
+def walls_told(deck: Deck, plies: list[tuple[Ply, ...]]) -> Iterator[str]:
+    """A line for people of each of the first sections, and how many more there are."""
+    counts = Counter(deck.section_of[number] for number in deck.elements)
+    for (section, number), made in zip(list(deck.sections.items())[:MOST_TOLD], plies, strict=False):
+        where = f" on {counts[number]} elements" if len(deck.sections) > 1 else ""
+        if section.nodal:
+            nodes = {node for each, of in deck.section_of.items() if of == number for node in deck.elements[each]}
+            least, most = (of(deck.thickness[node] for node in nodes) for of in (min, max))
+            yield f"thickness of the nodes {least:g} to {most:g} mm{where}, {section.layers[0].material}"
+            continue
+        of_plies = ", ".join(
+            f"{layer.material} {layer.thickness:g} at {math.degrees(ply.angle):g}"
+            for layer, ply in zip(section.layers, made, strict=True)
+        )
+        thickness = sum(layer.thickness for layer in section.layers)
+        yield f"thickness {thickness:g} mm{where}, plies from inside (mm, degrees): {of_plies}"
+    if len(deck.sections) > MOST_TOLD:
+        yield f"and {len(deck.sections) - MOST_TOLD} more sections"
+
+
+def walls_of(deck: Deck, mesh: Mesh, laminates: Sequence[Laminate]) -> Walls:
+    """Of all elements, with the thickness of their section or of their nodes."""
+    kind = np.array([deck.section_of[label] for label in mesh.labels.tolist()])
+    nodal = np.array([section.nodal for section in deck.sections])[kind]
+    own = np.array([laminate.thickness for laminate in laminates])[kind]
+    return Walls(tuple(laminates), kind, np.where(nodal[:, None], mesh.thickness[mesh.elements], own[:, None]))
 
 
 def _ply(deck: Deck, layer: Layer, angle: float) -> Ply:
@@ -60,10 +98,17 @@ def first_axes(deck: Deck, mesh: Mesh) -> np.ndarray:
     Where all plies are isotropic any tangents serve that turn little within an element, and another axis, or a tangent
     carried from one normal to all others, stands in. Raises UsageError where there are none.
     """
-    axis = np.array(deck.orientations[deck.orientation][0] if deck.orientation else (1.0, 0.0, 0.0))
+    with_fibres = [section for section in deck.sections if not _isotropic(deck, section)]
+    names = {section.orientation for section in with_fibres or deck.sections}
+    axes = {deck.orientations[name][0] if name else (1.0, 0.0, 0.0) for name in names}
+    if with_fibres and len(axes) > 1:
+        raise UsageError(
+            f"{mesh.file}: plies count from {len(axes)} axes, one first axis of *ORIENTATION is understood"
+        )
+    axis = np.array(min(axes))
     if not np.any(axis):
-        raise UsageError(f"{mesh.file}: orientation {deck.orientation} has no first axis")
-    if all(law.kind == "ISOTROPIC" for layer in deck.layers if (law := deck.materials[layer.material])):
+        raise UsageError(f"{mesh.file}: an orientation has no first axis")
+    if not with_fibres:
         nearest = mesh.normals[np.argmax(mesh.normals, axis=0)]
         tried = [_laid(axis, mesh), _carried(mesh), *(_laid(each, mesh) for each in (*np.eye(3), *nearest))]
         best = max(tried, key=lambda tangents: _evenness(tangents, mesh))
@@ -75,6 +120,10 @@ def first_axes(deck: Deck, mesh: Mesh) -> np.ndarray:
         node = mesh.numbers[np.flatnonzero(steep)[0]]
         raise UsageError(f"{mesh.file}: the axis of the plies is nearly normal to the shell at node {node}")
     return _laid(axis, mesh)
+
+
+def _isotropic(deck: Deck, section: Section) -> bool:
+    return all(law.kind == "ISOTROPIC" for layer in section.layers if (law := deck.materials[layer.material]))
 
 
 def _laid(axis: np.ndarray, mesh: Mesh) -> np.ndarray:

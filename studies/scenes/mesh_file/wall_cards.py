@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from studies.scenes.mesh_file.deck import Deck, Elastic, Layer
+from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section
 from studies.scenes.mesh_file.keywords import Card, Row, listed, named, shown
+
+MOST_SECTIONS = 4000
 
 
 def material(deck: Deck, card: Card) -> None:
@@ -52,31 +54,45 @@ def orientation(deck: Deck, card: Card) -> None:
 
 def shell_section(deck: Deck, card: Card) -> None:
     """Thickness and material, or plies, of a set of elements."""
-    card.knows("ELSET", "MATERIAL", "COMPOSITE", "ORIENTATION", "OFFSET")
+    card.knows("ELSET", "MATERIAL", "COMPOSITE", "ORIENTATION", "OFFSET", "NODAL THICKNESS")
     if "OFFSET" in card.parameters and card.parameter("OFFSET") not in ("0", "0.", "0.0"):
         card.refuse(": OFFSET is not understood: programs do not count it the same way")
     name, orientation = card.parameter("ELSET"), card.parameters.get("ORIENTATION", "")
     if orientation and orientation not in deck.orientations:
         card.refuse(f"names an orientation {shown(orientation)} that is not there")
-    layers = list(_layers(deck, card))
-    made = [(each.thickness, each.material, each.angle) for each in layers]
-    before = [(each.thickness, each.material, each.angle) for each in deck.layers]
-    if deck.sections and (made != before or orientation != deck.orientation):
-        card.refuse("differs from the one before: one thickness, one material or laminate is understood")
+    section = Section(tuple(_layers(deck, card)), orientation, "NODAL THICKNESS" in card.parameters)
+    number = deck.sections.setdefault(section, len(deck.sections))
+    if number == MOST_SECTIONS:
+        card.refuse(f"is one of more than {MOST_SECTIONS} that differ")
     elements = deck.members_of(card, name, {}, deck.element_sets, "element")
-    twice = [each for each in elements if each in deck.covered]
+    twice = [each for each in elements if each in deck.section_of]
     if twice:
         card.refuse(f"is the second one of the elements {listed(twice)}")
-    deck.layers, deck.orientation, deck.sections = layers, orientation, deck.sections + 1
-    deck.covered.update(elements)
+    deck.section_of.update(dict.fromkeys(elements, number))
+
+
+def nodal_thickness(deck: Deck, card: Card) -> None:
+    """Of nodes, for sections that leave it to them."""
+    card.knows()
+    for row in card.rows:
+        row.at_most(2)
+        value = row.real(1)
+        if not value > 0:
+            row.refuse(f"a thickness of {value:g} must be a positive number")
+        for node in deck.members_of(row, row.text(0), deck.nodes, deck.node_sets, "node"):
+            if deck.thickness.setdefault(node, value) != value:
+                row.refuse(f"a second thickness of node {node}: programs differ in which they take")
 
 
 def _layers(deck: Deck, card: Card) -> Iterator[Layer]:
     if "COMPOSITE" not in card.parameters:
         row = card.only_row()
         row.at_most(2)  # the second counts points across the wall, which is integrated exactly
-        yield Layer(row.real(0), card.parameter("MATERIAL"), 0.0, row)
+        told = "NODAL THICKNESS" not in card.parameters
+        yield Layer(row.real(0) if told else 1.0, card.parameter("MATERIAL"), 0.0, row)
         return
+    if "NODAL THICKNESS" in card.parameters:
+        card.refuse(": NODAL THICKNESS of a COMPOSITE is not understood: programs differ in whether plies grow")
     if not card.rows:
         card.refuse("has no plies")
     for row in card.rows:
