@@ -17,6 +17,11 @@ ALGORITHMS: dict[str, type[ContactAlgorithm]] = {
 }
 
 
+def is_exact(name: str) -> bool:
+    """Whether an algorithm can enforce the constraint itself: springs alone cannot."""
+    return not getattr(ALGORITHMS[name], "springs", False)
+
+
 def by_the_exact_law(springs: float = 1e4) -> dict[str, ContactAlgorithm]:
-    """All of the catalogue with an infinite epsilon, and regularised, which has none, on ``springs`` [MPa/mm]."""
-    return {name: kind(epsilon=springs if kind is Regularised else np.inf) for name, kind in ALGORITHMS.items()}
+    """All of the catalogue with an infinite epsilon, and those that have none, on ``springs`` [MPa/mm]."""
+    return {name: kind(epsilon=np.inf if is_exact(name) else springs) for name, kind in ALGORITHMS.items()}

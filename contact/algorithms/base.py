@@ -26,6 +26,7 @@ class NewtonAlgorithm:
     Of its fields a user sets those in ``parameters``. The others (max_iterations and its like) only say when a solve is
     given up, how fast a penalty grows or whether a backend polishes: no answer depends on them, and a test that wants a
     failure sets them in Python.
+    springs: whether its law needs a finite epsilon.
     friction: whether ``solve`` takes problems that have some. With an infinite epsilon candidates are held by unknowns
     of their own then: where they have none the outcome is REFUSED.
     """
@@ -37,6 +38,7 @@ class NewtonAlgorithm:
     max_updates: int = MOST_UPDATES
     parameters: ClassVar[tuple[Parameter, ...]] = SHARED
     friction: ClassVar[bool] = False
+    springs: ClassVar[bool] = False
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Applies to every problem without friction, and with friction where the algorithm as it is set solves it."""

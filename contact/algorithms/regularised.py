@@ -34,6 +34,7 @@ class Regularised(NewtonAlgorithm):
     epsilon: float = 1e4
     name: ClassVar[str] = "regularised"
     friction: ClassVar[bool] = True
+    springs: ClassVar[bool] = True
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs a finite epsilon."""

@@ -45,7 +45,7 @@ LINES = ("-", "--", ":", "-.")
 CLASSICAL = ("exact", "linear", "von-karman", "donnell", "sanders", "novozhilov")
 FURTHER = ("moderate-rotation", "thin-green-lagrange", "elongation")
 ALGORITHMS = ("trial-and-error", "semismooth", "regularised", "augmented-lagrangian", "qp", "lcp")
-KNOWN = ((*CLASSICAL, *FURTHER), ALGORITHMS)  # names whose look is fixed, and no other known name's
+KNOWN = ((*CLASSICAL, *FURTHER), ALGORITHMS)  # names with a fixed look, no other's; a new one may do without
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",  # letters as shapes: the same on every reader's machine
     "svg.hashsalt": "footprint",

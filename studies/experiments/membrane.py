@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from contact.catalogue import ALGORITHMS
+from contact.catalogue import ALGORITHMS, is_exact
 from contact.problem import ContactSolution
 from studies.experiments.obstacles import Bounded
 from studies.scenes.closed_forms.contact import SphereObstacle
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 ELEMENTS = {"P1": "ElementTriP1", "Q1": "ElementQuad1", "Q2": "ElementQuad2"}
 MESHES = {"P1": (2, 3, 4, 5), "Q1": (2, 3, 4, 5), "Q2": (1, 2, 3, 4)}  # refinements of three quadrilaterals
-EXACT = tuple(name for name in ALGORITHMS if name != "regularised")
+EXACT = tuple(filter(is_exact, ALGORITHMS))
 LARGEST = {"lcp": 1000}  # unknowns; from there on its pivots, one at a time, take a hundred times as long as all others
 ERRORS = ("l2", "h1", "force", "radius")
 INTEGRATION = 8  # degree; what is integrated is smooth but for the elements on the rim

@@ -2,7 +2,7 @@
 
 All are solved as any scene is, by its settings ``mu``, ``drag_mm`` and ``turn_deg``. Forces are those of a whole tyre.
 The algorithms solve every scene with contact in the same load steps: do they agree, at what cost? All are asked for the
-exact law, epsilon = inf, but for the regularised one, which has none: its error is shown.
+exact law, epsilon = inf, but for that of springs, which has none: its error is shown.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.catalogue import ALGORITHMS
+from contact.catalogue import ALGORITHMS, is_exact
 from contact.coulomb import State
 from contact.operations import SPENT
 from contact.problem import ContactAlgorithm
@@ -233,7 +233,7 @@ def agreement_table() -> Iterator[Row]:
     force_error: largest difference of a normal or tangential force of a candidate, over the largest force there.
     states: candidates of all loads that one has open, sticking or slipping and the other otherwise.  judged: loads that
     the judge certifies, by the law that was asked for.  agrees: the same states, and forces to AGREED.
-    finer_error: of the regularised law, force_error on twice the elements each way; NaN where one of the two does not
+    finer_error: of a law of springs, force_error on twice the elements each way; NaN where one of the two does not
     converge there, or they take other load steps.
     """
     for case in CASES:
@@ -245,8 +245,8 @@ def _compared(case: str) -> Iterator[Row]:
     settings = {**settings, "tolerance": TOLERANCE}
     first = solved(scene, settings, mesh, contact="semismooth")
     for name in ALGORITHMS:
-        exact = {} if name == "regularised" else {"epsilon": np.inf}
-        found = solved(scene, {**settings, **exact}, mesh, contact=name) if name != "semismooth" else first
+        law = {"epsilon": np.inf} if is_exact(name) else {}
+        found = solved(scene, {**settings, **law}, mesh, contact=name) if name != "semismooth" else first
         reached = min(len(found.steps), len(first.steps))
         errors = [_difference(found, first, k) for k in range(reached)]
         states, error = sum(each[0] for each in errors), max((each[1] for each in errors), default=np.nan)
@@ -262,7 +262,7 @@ def _compared(case: str) -> Iterator[Row]:
             "states": states,
             "force_error": error,
             "agrees": int(found.verdict == "converged" and states == 0 and error <= AGREED),
-            "finer_error": _on_finer_mesh(case) if name == "regularised" else np.nan,
+            "finer_error": np.nan if is_exact(name) else _on_finer_mesh(case, name),
             "iterations": found.counters.get("newton_iterations", 0),
             "factorisations": found.counters.get("factorisations", 0),
             "operations": sum(found.work.values()) / 1e6,
@@ -270,17 +270,17 @@ def _compared(case: str) -> Iterator[Row]:
         }
 
 
-def _on_finer_mesh(case: str) -> float:
+def _on_finer_mesh(case: str, springs: str) -> float:
     scene, mesh, settings = CASES[case]
     n1, n2 = (2 * int(n) if int(n) > 1 else 1 for n in mesh.split("x"))
-    soft, exact = (
+    soft, hard = (
         solved(scene, {**settings, "tolerance": TOLERANCE}, f"{n1}x{n2}", contact=name)
-        for name in ("regularised", "semismooth")
+        for name in (springs, "semismooth")
     )
-    ours, theirs = ([step["substeps"] for step in each.steps] for each in (soft, exact))
-    if any(each.verdict != "converged" for each in (soft, exact)) or ours != theirs:
+    ours, theirs = ([step["substeps"] for step in each.steps] for each in (soft, hard))
+    if any(each.verdict != "converged" for each in (soft, hard)) or ours != theirs:
         return np.nan
-    return max(_difference(soft, exact, k)[1] for k in range(len(ours)))
+    return max(_difference(soft, hard, k)[1] for k in range(len(ours)))
 
 
 def _difference(one: Result, other: Result, load: int) -> tuple[int, float]:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from contact.algorithms.semismooth import Semismooth
-from contact.catalogue import ALGORITHMS
+from contact.catalogue import ALGORITHMS, is_exact
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import Confirmation
 from studies.arena.replay import algorithm_of, read_step, resolve_step
@@ -46,7 +46,7 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
     assert not any("alone" in line for line in whole.lines())
 
 
-@pytest.mark.parametrize("name", [name for name in ALGORITHMS if name != "regularised"])  # which is never exact
+@pytest.mark.parametrize("name", [*filter(is_exact, ALGORITHMS)])
 def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
     """From no displacement and no set at all; the oracle has the last word."""
     step = json.loads((frozen / "result" / "result.json").read_text())["steps"][-1]

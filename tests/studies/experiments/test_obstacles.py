@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from itertools import product
 
 import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.catalogue import ALGORITHMS
+from contact.catalogue import ALGORITHMS, by_the_exact_law, is_exact
 from contact.events import EventKind, events
 from contact.interchange.oracle import AGREEMENT, confirm
 from contact.problem import Outcome
@@ -51,7 +50,7 @@ PUBLISHED = [body for body in collection() if body.optimum is not None] + [
 
 
 def solved(name: str, body: Bounded):
-    algorithm = ALGORITHMS[name](epsilon=STIFF if name == "regularised" else math.inf)
+    algorithm = by_the_exact_law(STIFF)[name]
     return algorithm.solve(body.problem(), body.begin())
 
 
@@ -61,7 +60,7 @@ def test_optimum_is_the_published_one(small: bool) -> None:
         if (len(body.f) <= 100) == small:
             solution, case = solved(name, body), f"{name}, {body.name}"
             assert solution.outcome is Outcome.CONVERGED, case
-            bound = BY_STIFFNESS if name == "regularised" else PRINTED
+            bound = PRINTED if is_exact(name) else BY_STIFFNESS
             optimum = solution.u @ (body.K @ solution.u / 2 - body.f)
             assert optimum == pytest.approx(body.optimum, rel=0, abs=bound), case
 
@@ -76,7 +75,7 @@ def test_answer_of_the_classics(kind: str) -> None:
             assert "no energy to minimise" in str(solution.history[-1]["event"]), case
         else:
             assert solution.outcome is Outcome.CONVERGED, case
-            near = 1e3 / STIFF if name == "regularised" else EXACT
+            near = EXACT if is_exact(name) else 1e3 / STIFF
             np.testing.assert_allclose(solution.u, body.answer, rtol=0, atol=near, err_msg=case)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.catalogue import ALGORITHMS, by_the_exact_law
+from contact.catalogue import ALGORITHMS, by_the_exact_law, is_exact
 from contact.continuation.friction_path import follow
 from contact.coulomb import Coulomb, State
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
@@ -17,7 +17,7 @@ from studies.experiments.friction.bars import LENGTH, PULL, STRIP_END, TAU, Bar
 from studies.experiments.friction.greco import GrecoPlate
 from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
 
-EXACT = [name for name in ALGORITHMS if name not in ("trial-and-error", "regularised")]
+EXACT = [name for name in ALGORITHMS if is_exact(name) and name != "trial-and-error"]
 
 
 def algorithm(name: str) -> ContactAlgorithm:
