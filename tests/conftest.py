@@ -7,9 +7,22 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from xdist.scheduler import LoadFileScheduling
 
 from studies.scenes import plugins
 from support.problems.shells import PATCHES, Patch
+
+
+class ByFile(LoadFileScheduling):
+    """A worker a file, but one for all pages: they share a store and its pages, which cost as much as forty tests."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return "reports" if nodeid.startswith("tests/reports/") else super()._split_scope(nodeid)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> ByFile:
+    return ByFile(config, log)
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -44,9 +45,15 @@ def called(function: ast.expr) -> str:
     return str(getattr(function, "attr", getattr(function, "id", "")))
 
 
+@cache
+def nodes_of(source: str) -> list[ast.AST]:
+    """All that a file consists of."""
+    return list(ast.walk(ast.parse(source)))
+
+
 def imported(source: str) -> Iterator[str]:
     """Top-level names of all imports, wherever in the file; '.' stands for a relative import."""
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes_of(source):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -108,13 +115,12 @@ def graph_of(sources: dict[str, str]) -> dict[str, set[str]]:
     modules = {module_of(file): source for file, source in sources.items()}
     graph = {}
     for name, source in modules.items():
-        tree = ast.parse(source)
-        guarded = [
-            each for each in ast.walk(tree) if isinstance(each, ast.If) and "TYPE_CHECKING" in ast.unparse(each.test)
-        ]
+        nodes = nodes_of(source)
+        ifs = [each for each in nodes if isinstance(each, ast.If)] if "TYPE_CHECKING" in source else []
+        guarded = [each for each in ifs if "TYPE_CHECKING" in ast.unparse(each.test)]
         typing = {id(node) for each in guarded for node in ast.walk(each)}
         wanted: set[str] = set()
-        for node in ast.walk(tree):
+        for node in nodes:
             if id(node) in typing:
                 continue
             if isinstance(node, ast.Import):

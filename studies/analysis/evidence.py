@@ -174,6 +174,9 @@ def _value(declared: Any, rows: pd.DataFrame, tables: Tables, values: Mapping[st
 
 
 def _column(rows: pd.DataFrame, expression: str) -> Any:
+    """A column by its name, which costs nothing, or what is made of columns."""
+    if expression in rows:
+        return rows[expression]
     return rows.eval(expression, engine="python", local_dict=CONSTANTS)
 
 

@@ -45,7 +45,7 @@ class Case:
 
     def solve(self, load: float = 1.0) -> ContactSolution:
         rest = ContactSolution.at_rest(self.faces[1].operator.shape[1], len(self.faces[1].weights))
-        (point,) = follow(self.problem, 0.0, [load], ALGORITHMS["semismooth"](epsilon=self.epsilon), rest, steps=8)
+        (point,) = follow(self.problem, 0.0, [load], ALGORITHMS["semismooth"](epsilon=self.epsilon), rest, steps=4)
         assert point.outcome is Outcome.CONVERGED
         return point.solution
 

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 from reports.site import rendered
 from reports.store import Store, load_store
-from studies.analysis.everything import written
+from studies.analysis.everything import compared, written
 from studies.ask.declarations import Ladder
 from studies.catalogue.bodies import built
 from studies.catalogue.tables import catalogue_tables
@@ -29,6 +29,7 @@ from studies.experiments.extreme_limits import limits_table
 from studies.experiments.false_success import COLUMNS as CLAIM_COLUMNS
 from studies.experiments.rotations import RUNS
 from studies.output.atomic import SCHEMA, write_json, write_table, write_text
+from studies.run.collect import collect
 from studies.run.lists import LISTS
 from studies.run.plan import Row
 from studies.run.scene_cells import LADDERS, SHEETS
@@ -39,7 +40,7 @@ from studies.scenes.data import DATA
 from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
 from support.stores.friction import made_up_friction
-from support.stores.made_up import analysed_again, linked, said_again
+from support.stores.made_up import linked, said_again
 from support.stores.manufactured import (
     made_up_distortion,
     made_up_manufactured,
@@ -429,10 +430,10 @@ def _fill(root: Path) -> None:
     told = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
     write_json(root / "campaigns" / "report.json", {**told, "cells": rows})
     write_answers(root, "report")
-    analysed_again(root)
+    written(root, "report", compared(root, "report", collect(root, "report")))
     models = [built(name) for name in BUILT]
     written(root, "report", catalogue_tables(root, "report", pd.read_csv(root / "tables/convergence.csv"), models))
-    said_again(root)  # of these tables, too
+    said_again(root)
 
 
 @pytest.fixture(scope="session")

@@ -123,7 +123,7 @@ def test_a_path_is_what_it_was() -> None:
             assert state.dissipation == pytest.approx(wanted["dissipation"], rel=EXACT, abs=EXACT)
 
 
-FEW, MANY = 8, 150
+FEW, MANY = 4, 150
 TOLERANCE = 1e-12  # of the residual: what it leaves of forces is below the agreement with the oracle
 EXACT_ONES = [name for name, algorithm in by_the_exact_law().items() if np.isinf(algorithm.epsilon)]
 QUICK = ["semismooth", "trial-and-error"]
@@ -158,7 +158,7 @@ def test_semismooth_and_the_oracle_agree_on_random_steps() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(5 * FEW))
+@pytest.mark.parametrize("seed", range(10 * FEW))
 def test_no_exact_algorithm_has_another_answer(seed: int) -> None:
     found = counted([seed], EXACT_ONES)
     assert found["false"] == 0
@@ -223,7 +223,7 @@ class RandomPath:
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-@pytest.mark.parametrize("seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 84))])
+@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(84) if seed != 1)])
 def test_no_algorithm_converges_to_what_the_judge_refuses(name: str, seed: int) -> None:
     states = RandomPath(seed).states(name)
     assert states or name == "trial-and-error"  # which cycles on most of them, and says so

@@ -54,7 +54,7 @@ def tilted(load: float) -> float:
     return angle
 
 
-@pytest.mark.parametrize("load", [1.02, 1.2, 2.0])
+@pytest.mark.parametrize("load", [1.02, 2.0])
 def test_a_buckled_column_leans_to_either_side(load: float) -> None:
     problem, upright = column(load), at(0.0)
     assert stability(problem, upright).word == UNSTABLE
@@ -70,7 +70,10 @@ def test_a_column_that_stands_has_no_branch() -> None:
     assert stable_branches(column(0.9), at(0.0), ALGORITHMS["semismooth"]()) is None
 
 
-@pytest.mark.parametrize("name", ["semismooth", "lcp", "trial-and-error", "qp"])
+@pytest.mark.parametrize(
+    "name",
+    ["semismooth", "lcp", *(pytest.param(name, marks=pytest.mark.slow) for name in ("trial-and-error", "qp"))],
+)
 def test_a_column_leans_on_a_wall_with_the_force_of_its_moments(name: str) -> None:
     """P l sin th = k th + N l cos th at the wall, l sin th = d; to the other side it is free."""
     load, wall = 1.5, 0.8

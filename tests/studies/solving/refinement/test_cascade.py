@@ -20,8 +20,8 @@ from studies.solving.solve import solve
 
 STATED = [
     ("ring", {"delta_mm": "30"}, 0.01, "P_R2_over_EI", "1x512"),
-    ("strip-contact", {"load_fraction": "5"}, 0.01, "half_force", "256x1"),
     ("cantilever", {"load_fraction": "0.5"}, 0.001, "tip_shortening_mm", "512x1"),
+    ("strip-contact", {"load_fraction": "5"}, 0.01, "half_force", "256x1"),
     ("pagano", {"S": "20"}, 0.002, "w_bar", "48x48"),
     ("plate-contact", {}, 0.02, "contact_force", "512x1"),
     ("scordelis-lo", {}, 0.01, "edge_deflection_mm", "64x64"),
@@ -31,7 +31,7 @@ STATED = [
 
 @pytest.mark.parametrize(
     ("scene", "settings", "error", "quantity", "finer"),
-    [*STATED[:4], *(pytest.param(*each, marks=pytest.mark.slow) for each in STATED[4:])],
+    [*STATED[:2], *(pytest.param(*each, marks=pytest.mark.slow) for each in STATED[2:])],
 )
 def test_what_is_stated_holds_against_a_grid_that_is_finer(scene, settings, error, quantity, finer) -> None:
     result, enough = answer(*first_grid(scene, settings), error, quantity)
