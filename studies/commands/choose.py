@@ -22,7 +22,9 @@ from studies.solving.refinement.error_control import parse_error
 
 def add_choose(parser: argparse.ArgumentParser) -> None:
     """The scene, the error, the budget, and where the answer goes."""
-    parser.add_argument("scene", help="footprint list scenes; or a shell in a deck of Abaqus or CalculiX, FILE.inp")
+    parser.add_argument(
+        "scene", help="footprint list scenes; or a shell: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
+    )
     parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative, by default {ERROR}%")
     parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
     parser.add_argument(

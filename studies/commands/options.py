@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from studies.scenes.mesh_file.scene import DeckScene
 
 SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
-DECK = ".inp"  # what the name of a deck of Abaqus or CalculiX ends in
+FILES = (".inp", ".msh")  # what the name of a deck of Abaqus or CalculiX ends in, and of a mesh of gmsh
 NO_FOUNDATION = "none"
 STORE = Path(".footprint/store")
 SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
@@ -113,7 +113,7 @@ def of_file(scene: str, settings: Sequence[str]) -> Iterator[DeckScene | None]:
     settings: of ``--set``, by which it is pressed on a foundation or not. Raises UsageError for what is no deck, and
     OSError.
     """
-    if not scene.lower().endswith(DECK) or scene in SCENES:
+    if not scene.lower().endswith(FILES) or scene in SCENES:
         yield None
         return
     from studies.scenes.mesh_file.scene import entered  # only who has a deck waits for its reader

@@ -39,7 +39,9 @@ COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, tho
 
 def add_solve(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
-    parser.add_argument("scene", help="footprint list scenes; or a shell in a deck of Abaqus or CalculiX, FILE.inp")
+    parser.add_argument(
+        "scene", help="footprint list scenes; or a shell: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
+    )
     measures = "of strain, footprint list measures; by default exact, of a deck without NLGEOM linear"
     parser.add_argument("--measure", help=measures)
     mesh = "N1xN2, elements along both directions; by default that of the scene"

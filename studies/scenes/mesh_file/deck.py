@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from studies.ask.request import UsageError
-from studies.scenes.mesh_file.keywords import Card, Row, listed, named, shown
+from studies.scenes.mesh_file.keywords import Card, Place, Row, listed, named, shown
 
 MOST_MEMBERS = 4_000_000  # of all sets
 
@@ -19,7 +19,7 @@ class Layer:
     thickness: float
     material: str
     angle: float
-    row: Row = field(compare=False)
+    row: Place = field(compare=False)
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Elastic:
 
     kind: str
     values: tuple[float, ...]
-    card: Card
+    card: Place
 
 
 @dataclass(frozen=True)

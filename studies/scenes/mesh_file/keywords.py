@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, Protocol
 
 from studies.ask.request import UsageError
 
@@ -19,6 +19,13 @@ LARGEST_NUMBER = 2**31 - 1  # of a node or an element
 WHOLE = re.compile(r"[+-]?\d{1,12}")
 REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 SHOWN = 40  # letters of a word from a file in a message
+
+
+class Place(Protocol):
+    """Where a file says something."""
+
+    def refuse(self, why: str) -> NoReturn:
+        """Raise UsageError with the file and the place in it."""
 
 
 @dataclass(frozen=True)

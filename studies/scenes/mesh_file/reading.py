@@ -7,8 +7,10 @@ from pathlib import Path
 
 from studies.scenes.mesh_file import load_cards, local_axes, mesh_cards, wall_cards
 from studies.scenes.mesh_file.deck import Deck
+from studies.scenes.mesh_file.gmsh_deck import read_gmsh
 from studies.scenes.mesh_file.keywords import Card, cards_of
 
+GMSH = ".msh"
 SILENT = (  # read, and without effect
     *("HEADING", "NODE FILE", "EL FILE", "NODE PRINT", "EL PRINT", "ENERGY PRINT", "SECTION PRINT", "CONTACT FILE"),
     *("OUTPUT", "NODE OUTPUT", "ELEMENT OUTPUT", "ENERGY OUTPUT", "FILE FORMAT", "PREPRINT", "MONITOR", "DENSITY"),
@@ -41,7 +43,9 @@ IN_STEP: dict[str, Callable[[Deck, Card], None]] = {
 
 
 def read_deck(path: Path) -> Deck:
-    """All cards in order; raises UsageError for what is not understood, and OSError."""
+    """All cards in order, or a mesh of gmsh; raises UsageError for what is not understood, and OSError."""
+    if path.suffix.lower() == GMSH:
+        return read_gmsh(path)
     deck = Deck(path)
     for card in cards_of(path):
         _take(deck, card)
