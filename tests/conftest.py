@@ -12,12 +12,15 @@ from xdist.scheduler import LoadFileScheduling
 from studies.scenes import plugins
 from support.problems.shells import PATCHES, Patch
 
+SHARED = ("tests/reports", "tests/studies/gate", "tests/studies/run")  # folders that share a store that costs seconds
+
 
 class ByFile(LoadFileScheduling):
-    """A worker a file, but one for all pages: they share a store and its pages, which cost as much as forty tests."""
+    """A worker a file, but one for all files that share a store."""
 
     def _split_scope(self, nodeid: str) -> str:
-        return "reports" if nodeid.startswith("tests/reports/") else super()._split_scope(nodeid)
+        shared = (folder for folder in SHARED if nodeid.startswith(f"{folder}/"))
+        return next(shared, super()._split_scope(nodeid))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -61,7 +61,7 @@ def test_a_notebook_reads_the_curve_where_the_load_passes() -> None:
         studies.solve("cantilever", mesh="4x1").at(0.25)
 
 
-@pytest.mark.parametrize("path", ["series", "arc-length"])
+@pytest.mark.parametrize("path", ["series", pytest.param("arc-length", marks=pytest.mark.slow)])
 def test_the_picture_is_drawn_from_the_curve(path: str, tmp_path: Path) -> None:
     run = studies.solve("roof-a", mesh="2x2", path=path)
     drawn = run.figures()[0].axes[0].lines[0].get_xydata()
