@@ -38,7 +38,7 @@ from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel, loaded_she
 DEAD, FOLLOWER = "dead", "follower"
 MOST_SETS = 8  # whose displacements are read off
 PARTS = 4  # of an element along each side, with which the error of the mesh is known
-LARGEST_CUT = 40_000  # elements of a mesh that is solved without being asked for
+LARGEST_CUT = 10_000  # elements of a mesh that is solved without being asked for
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,9 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks.scordelis_lo import HALF_ANGLE, LENGTH, RADIUS, WEIGHT
 from studies.scenes.complete import complete
 from studies.scenes.element import centred_laminate, patch
+from studies.scenes.mesh_file.scene import entered
 from studies.scenes.statics import StaticModel, area_load
+from studies.solving.refinement.records import growth
 from studies.solving.solve import solve
 from support.decks import ISOTROPIC, STRIP, answered, mesh_lines, plate, refused, swapped, written
 
@@ -262,3 +264,22 @@ def test_a_deck_of_bricks_is_refused(tmp_path, capsys) -> None:
 def test_a_shell_that_is_free_to_move_is_no_answer(tmp_path) -> None:
     lines = swapped(PAIR, "ROOT, 1, 6", "ROOT, 3, 3")
     assert main(["solve", written(tmp_path, lines), "--out", str(tmp_path / "out")]) not in (OK, WRONG_USE)
+
+
+@pytest.mark.parametrize(("node", "within"), [(25, 0.02), (46, 0.15)])
+def test_what_a_force_along_the_wall_makes_grow_is_foreseen(tmp_path, node: int, within: float) -> None:
+    """In the middle of a sheet Kelvin's, (3 - nu)(1 + nu)/(4 pi E h) ln 2; at its rim Flamant's, 2/(pi E h) ln 2."""
+    lines = [
+        *mesh_lines(*plate(6, 6, 1.0, 1.0)),
+        *("*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3", "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.02"),
+        *("*BOUNDARY", *(f"{i}, 1, 6" for i in range(1, 8)), "*STEP", "*STATIC"),
+        *("*CLOAD", f"{node}, 1, 1.", "*END STEP"),
+    ]
+    deck = written(tmp_path, lines)
+    with entered(deck):
+        runs = [solve(*complete(deck, {}, (n, n), measure="linear")) for n in (2, 4)]
+    grown = np.diff([run.quantities["along_forces_mm"] for run in runs])[0]
+    exact = {25: 2.7 * 1.3 / (4 * np.pi * 20), 46: 2 / (np.pi * 20)}[node] * np.log(2)
+    assert grown == pytest.approx(exact, rel=0.03)
+    assert growth(runs[-1], "along_forces_mm") == pytest.approx(exact, rel=within)
+    assert growth(runs[-1], "reaction_1_N") == 0.0
