@@ -53,7 +53,7 @@ class ShellModel:
     thickness_strain: "projected" (the paper), "balanced" or "nodal"; membrane: "compatible" (the paper) or "relaxed",
     see :class:`formulations.element.mixed.MixedElement`.  couples: follow the directors of their nodes.
     prescribed (N, 6): values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError
-    when one is free.
+    when one is free. What is held midway between the faces has one value on both.
     A step of them starts wholly in the elements at the support: large ones may lead to another equilibrium, so --steps.
     """
 
@@ -77,8 +77,10 @@ class ShellModel:
         if self.discretisation.geometry.kinematics != self.measure.kinematics:
             object.__setattr__(self, "discretisation", self.discretisation.leaving_out(self.measure.kinematics))
         shell = self.discretisation
-        if self.prescribed is not None and np.any(self.prescribed[~shell.map.held] != 0):
-            raise ValueError("a prescribed displacement must be held")
+        if self.prescribed is not None:
+            midway = self.prescribed.reshape(-1, 3, 2)[shell.map.hinged.reshape(-1, 3, 2)[..., 0]]
+            if np.any(self.prescribed[~(shell.map.held | shell.map.hinged)] != 0) or np.any(np.diff(midway) != 0):
+                raise ValueError("a prescribed displacement must be held, midway between the faces alike on both")
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
         D = shell.laminate.stiffness(self.section)
         element = MixedElement.build(self.measure, D, initial, self.thickness_strain, self.membrane)

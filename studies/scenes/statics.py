@@ -77,11 +77,12 @@ def area_load(
 
 
 class Loads(TypedDict, total=False):
-    """What a shell carries; forces (N, 6) are dead and in the local frames."""
+    """What a shell carries; forces and displacements of supports (N, 6) are in the local frames, forces dead."""
 
     forces: np.ndarray
     pressure: Pressure
     couples: Couples
+    prescribed: np.ndarray
 
 
 def edge_shares(discretisation: Discretisation, axis: int, value: float) -> tuple[np.ndarray, np.ndarray]:
@@ -108,6 +109,7 @@ def loaded_shell(
         pressure=loads.get("pressure"),
         forces=discretisation.reduce(loads["forces"]) if "forces" in loads else None,
         couples=loads.get("couples"),
+        prescribed=loads.get("prescribed"),
         thickness_strain=request.choice("thickness_strain"),
         membrane=request.choice("membrane"),
     )

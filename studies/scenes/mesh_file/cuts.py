@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from studies.scenes.mesh_file.deck import Deck
-from studies.scenes.mesh_file.local_axes import axes_of, carried
-from studies.scenes.mesh_file.supports import planes_of
+from studies.scenes.mesh_file.local_axes import Held, axes_of, carried
+from studies.scenes.mesh_file.supports import moved_of, planes_of
 from studies.scenes.mesh_file.surface import Mesh
 
 DEGREES = range(1, 7)
@@ -23,15 +23,26 @@ def cut_in(deck: Deck, mesh: Mesh, parts: int, smooth_deg: float) -> tuple[Deck,
     """Deck and mesh with each element in ``parts`` x ``parts``, see :meth:`Mesh.cut`."""
     if parts == 1:
         return deck, mesh
-    fine, around = mesh.cut(parts, smooth_deg)
-    held = np.zeros((len(mesh.numbers), len(DEGREES)), bool)
+    fine, around, shares = mesh.cut(parts, smooth_deg)
+    own = len(mesh.numbers)
+    held = Held(np.zeros((own, len(DEGREES)), bool), moved_of(deck, mesh))
     for node, degrees in deck.degrees.items():
-        held[np.ix_(mesh.at([node]), np.array(sorted(degrees)) - 1)] = True
-    own = len(held)
-    systems, both = carried(deck, mesh.middle, mesh.axes, held, around[own:])
-    new = fine.numbers[own:]
-    more = {int(new[i]): {int(j) + 1 for j in np.flatnonzero(both[i])} for i in np.flatnonzero(both.any(axis=1))}
-    turned = {int(new[i]): int(systems[i]) for i in np.flatnonzero(systems >= 0)}
-    deck = replace(deck, degrees={**deck.degrees, **more}, systems={**deck.systems, **turned})
+        held.degrees[np.ix_(mesh.at([node]), np.array(sorted(degrees)) - 1)] = True
+    systems, between = carried(deck, mesh.middle, mesh.axes, held, around[own:], shares[own:])
+    new = fine.numbers[own:].tolist()
+    known = {new[i]: {int(j) + 1 for j in np.flatnonzero(between.degrees[i])} for i in _with(between.degrees)}
+    moved = {new[i]: dict(enumerate(between.at[i].tolist(), 1)) for i in _with(between.at != 0)}
+    turned = {new[i]: int(systems[i]) for i in np.flatnonzero(systems >= 0)}
+    deck = replace(
+        deck,
+        degrees={**deck.degrees, **known},
+        moved={**deck.moved, **moved},
+        systems={**deck.systems, **turned},
+    )
     fine = replace(fine, axes=axes_of(deck, fine.numbers, fine.middle))
     return deck, fine.in_planes(planes_of(deck, fine))
+
+
+def _with(each: np.ndarray) -> list[int]:
+    """Rows in which anything is true."""
+    return list(np.flatnonzero(each.any(axis=1)).tolist())

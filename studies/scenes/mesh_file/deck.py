@@ -56,8 +56,8 @@ class Deck:
     nodes: positions.  normals: all that the deck has of a node.  elements: four nodes each.  degrees: held, by node.
     sections, section_of: those that differ, with their numbers, and that of an element.  thickness: of nodes.
     transforms, systems: axes of degrees and forces, and which of them a node has, the global ones where it has none.
-    forces: (1, 2 or 3) and value by node.  pressures: by element, along its normal.  seen: sets that loads or output
-    requests name.  silent: keywords without effect, how often each.
+    moved: values of held degrees 1 to 3.  forces: (1, 2 or 3) and value by node.  pressures: by element, along its
+    normal.  seen: sets that loads or output requests name.  silent: keywords without effect, how often each.
     """
 
     path: Path
@@ -73,6 +73,7 @@ class Deck:
     orientations: dict[str, tuple[tuple[float, ...], float]] = field(default_factory=dict)
     transforms: list[Transform] = field(default_factory=list)
     systems: dict[int, int] = field(default_factory=dict)
+    moved: dict[int, dict[int, float]] = field(default_factory=dict)
     degrees: dict[int, set[int]] = field(default_factory=dict)
     forces: dict[int, dict[int, float]] = field(default_factory=dict)
     pressures: dict[int, float] = field(default_factory=dict)

@@ -16,7 +16,7 @@ ROTATIONS = (4, 5, 6)
 
 
 def boundary(deck: Deck, card: Card) -> None:
-    """Degrees of freedom that are held, by number or by name."""
+    """Degrees of freedom that are held, by number or by name, at a value; the last value of a displacement counts."""
     card.knows("OP", "TYPE")
     if card.parameters.get("OP", "MOD") != "MOD" or card.parameters.get("TYPE", "DISPLACEMENT") != "DISPLACEMENT":
         card.refuse("is understood with OP=MOD and TYPE=DISPLACEMENT alone")
@@ -32,10 +32,12 @@ def boundary(deck: Deck, card: Card) -> None:
             if not first <= last <= 6:
                 row.refuse(f"degrees of freedom {first} to {last}: understood are 1 to 6")
             held = tuple(range(first, last + 1))
-        if row.real(3, 0.0) != 0.0:
-            row.refuse(f"a prescribed displacement of {row.text(3)} is not understood, 0 is")
+        value = row.real(3, 0.0)
+        if value != 0.0 and not set(held) <= {1, 2, 3}:
+            row.refuse(f"a prescribed rotation of {row.text(3)} is not understood, 0 is")
         for node in nodes:
             deck.degrees.setdefault(node, set()).update(held)
+            deck.moved.setdefault(node, {}).update((degree, value) for degree in held if degree <= 3)
 
 
 def cload(deck: Deck, card: Card) -> None:

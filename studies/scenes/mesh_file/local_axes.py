@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from studies.ask.request import UsageError
@@ -67,23 +69,35 @@ def axes_of(deck: Deck, numbers: np.ndarray, x: np.ndarray) -> np.ndarray:
     return axes
 
 
-def carried(
-    deck: Deck, x: np.ndarray, axes: np.ndarray, held: np.ndarray, around: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """Number of the system (M,) and degrees held (M, 6) there at new nodes, between nodes ``around`` (M, 4).
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Degrees (N, 6) bool that are held at nodes, and at which displacements (N, 3), in axes of the nodes."""
 
-    x (N, 3), axes (N, 3, 3), held (N, 6) bool: of the nodes of the deck. A degree is held where its axis is held at all
-    nodes around, whatever axes these have; of all systems of the deck that with the most is taken.
+    degrees: np.ndarray
+    at: np.ndarray
+
+
+def carried(
+    deck: Deck, x: np.ndarray, axes: np.ndarray, held: Held, around: np.ndarray, shares: np.ndarray
+) -> tuple[np.ndarray, Held]:
+    """Number of the system (M,) of new nodes, and what is held there; they have shares (M, 4) of the nodes ``around``.
+
+    x (N, 3), axes (N, 3, 3): of the nodes of the deck. A degree is held where its axis is held at all nodes around,
+    whatever axes these have; of all systems of the deck that with the most is taken. Displacements are bilinear.
     """
-    planes = [np.einsum("nix,ni,niy->nxy", axes, held[:, part].astype(float), axes) for part in (slice(3), slice(3, 6))]
-    best = np.full(len(around), -1)
-    found = np.zeros((len(around), 6), bool)
+    parts = [held.degrees[:, :3].astype(float), held.degrees[:, 3:].astype(float)]
+    planes = [np.einsum("nix,ni,niy->nxy", axes, each, axes) for each in parts]
+    moved = np.einsum("nix,ni->nx", axes, held.at)
+    n = len(around)
+    best, found = np.full(n, -1), Held(np.zeros((n, 6), bool), np.zeros((n, 3)))
     for system in range(-1, len(deck.transforms)):
         own = axes_at(deck, system, x)
         off = [np.linalg.norm(own - np.einsum("nix,nxy->niy", own, plane), axis=-1) for plane in planes]
         both = np.all((np.concatenate(off, axis=-1) < LEVEL)[around], axis=1)  # false where an axis is no number
-        more = both.sum(axis=1) > found.sum(axis=1)
-        best[more], found[more] = system, both[more]
+        more = both.sum(axis=1) > found.degrees.sum(axis=1)
+        along = np.einsum("nix,nx->ni", own, moved)[around[more]]
+        best[more], found.degrees[more] = system, both[more]
+        found.at[more] = np.where(both[more, :3], np.einsum("mr,mri->mi", shares[more], along), 0.0)
     return best, found
 
 

@@ -28,9 +28,10 @@ from studies.scenes.contact.base import OUTER
 from studies.scenes.element import centred_laminate
 from studies.scenes.mesh_file import pressed
 from studies.scenes.mesh_file.cuts import cut_in
+from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.pressed import BESIDE
 from studies.scenes.mesh_file.reading import read_deck
-from studies.scenes.mesh_file.supports import planes_of, supports_of
+from studies.scenes.mesh_file.supports import moved_of, planes_of, supports_of
 from studies.scenes.mesh_file.surface import Mesh
 from studies.scenes.mesh_file.wall import first_axes, plies_of, walls_of, walls_told
 from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel, loaded_shell
@@ -101,7 +102,7 @@ class DeckScene:
 
     def build(self, request: Request) -> SceneModel:
         """Half of each force on either face, pressure on the inner one."""
-        if not (self.deck.forces or self.deck.pressures):
+        if not (self.deck.forces or self.deck.pressures or moved_of(self.deck, self.mesh).any()):
             raise UsageError(f"{self.deck.path.name}: no load: *CLOAD, *DLOAD, or --set foundation=plane")
         shell, reading, loads = self._loaded(request)
         return DeckModel.of(request, shell, reading, **loads)
@@ -124,20 +125,23 @@ class DeckScene:
             shell = Discretisation.build(surface, grid, laminates[0], *supported, ordered=True, walls=walls)
         except ValueError as error:
             raise UsageError(f"{mesh.file}: {error}") from None
-        loads = self._loads(mesh, request.choice("pressure") == FOLLOWER)
+        loads = self._loads(deck, mesh, request.choice("pressure") == FOLLOWER)
         reading = _Reading(shell, self.mesh.numbers, self._forces(mesh), self._sets())
         return shell, reading, loads
 
     def _laminates(self, request: Request) -> list[Laminate]:
         return [centred_laminate(request, *plies) for plies in self.plies]
 
-    def _loads(self, mesh: Mesh, follower: bool) -> Loads:
+    def _loads(self, deck: Deck, mesh: Mesh, follower: bool) -> Loads:
         loads = Loads()
         if self.deck.forces:
             loads["forces"] = np.repeat(0.5 * mesh.along_axes(self._forces(mesh)), 2, axis=1)
         if self.deck.pressures:
             shares = np.array([self.deck.pressures.get(number, 0.0) for number in mesh.labels.tolist()])
             loads["pressure"] = PressureOnElements(1.0, follower, shares=shares)
+        moved = moved_of(deck, mesh)
+        if moved.any():
+            loads["prescribed"] = np.repeat(moved, 2, axis=1)
         return loads
 
     def _forces(self, mesh: Mesh) -> np.ndarray:
@@ -171,6 +175,9 @@ class DeckScene:
         if deck.forces:
             total = " ".join(f"{x + 0.0:.6g}" for x in self._forces(mesh).sum(axis=0))
             yield f"forces on {len(deck.forces)} nodes, in all {total} N, dead, on these nodes however they are cut"
+        moved = np.count_nonzero(moved_of(deck, mesh).any(axis=1))
+        if moved:
+            yield f"supports are moved at {moved} nodes"
         if deck.pressures:
             low, high = min(deck.pressures.values()), max(deck.pressures.values())
             span = f"{low:g}" if low == high else f"{low:g} to {high:g}"
@@ -196,7 +203,7 @@ class _Reading:
     sets: Mapping[str, np.ndarray]
 
     def __call__(self, shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-        middle = np.mean(self.shell.cartesian(u), axis=0)
+        middle = np.mean(self.shell.cartesian(u, shell.prescribed), axis=0)
         size = np.linalg.norm(middle[: len(self.numbers)], axis=1)
         largest = int(np.argmax(size))
         seen: dict[str, float] = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
@@ -214,13 +221,19 @@ class _Reading:
         axes = body.surface.frame(*body.grid.nodes.T)
         forces = np.einsum("nix,nx->ni", axes, self.forces)
         own = np.where(body.map.held | body.map.hinged, np.repeat(0.5 * forces, 2, axis=1), 0.0)
-        borne = shell.scaled(fraction).reactions(u) - fraction * own
+        shell = shell.scaled(fraction)
+        borne = shell.reactions(u) - fraction * own
         total = np.einsum("nif,nix->x", borne.reshape(-1, 3, 2), axes)
         return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
 
 
 class DeckModel(StaticModel):
     """With the forces of the supports."""
+
+    def moved(self, t: float) -> DeckModel:
+        """With the displacements of the supports at that fraction."""
+        own = self.shell.prescribed
+        return self if own is None else replace(self, shell=replace(self.shell, prescribed=t * own))
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         assert isinstance(self.measure_at, _Reading)
@@ -244,6 +257,10 @@ class PressedDeckScene(DeckScene):
     def build(self, request: Request) -> SceneModel:
         """The foundation stands where it first touches the deck cut to its own default, on all meshes."""
         body, reading, loads = self._loaded(request)
+        if "prescribed" in loads:
+            raise UsageError(
+                f"{self.deck.path.name}: supports that move, and a foundation, are not understood together"
+            )
         deck, finest = cut_in(self.deck, self.mesh, max(self.default_mesh), request.number("fold_deg"))
         face = pressed.touching_face(finest.middle, finest.normals, pressed.direction(request.settings))
         thickness = walls_of(deck, finest, self._laminates(request)).at_nodes(finest.elements, len(finest.numbers))

@@ -31,6 +31,15 @@ def planes_of(deck: Deck, mesh: Mesh) -> np.ndarray:
     return across
 
 
+def moved_of(deck: Deck, mesh: Mesh) -> np.ndarray:
+    """(N, 3) displacements of supports, along the axes of each node."""
+    moved = np.zeros_like(mesh.middle)
+    for node, values in deck.moved.items():
+        for degree, value in values.items():
+            moved[mesh.at([node]), degree - 1] = value
+    return moved
+
+
 def supports_of(deck: Deck, mesh: Mesh, grid: Grid) -> Supports:
     """Those of all nodes; raises UsageError for what the faces cannot do."""
     supports = Supports.none(grid)

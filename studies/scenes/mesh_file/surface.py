@@ -59,26 +59,31 @@ class Mesh:
         mesh._edges()
         return replace(mesh, normals=mesh._nodal_normals(deck))
 
-    def cut(self, n: int, smooth_deg: float) -> tuple[Mesh, np.ndarray]:
-        """Each element in n x n, and the nodes (M, 4) here that every node there lies between, some of them twice.
+    def cut(self, n: int, smooth_deg: float) -> tuple[Mesh, np.ndarray, np.ndarray]:
+        """Each element in n x n, the nodes (M, 4) here that every node there lies between, some of them twice, and its
+        shares of them (M, 4).
 
         Its parts have the label of an element, and new nodes numbers above all others.
         """
         fine = cut(self.middle, self.normals, self.elements, n, smooth_deg)
         nearest = np.take_along_axis(fine.around, np.argmax(fine.shares, axis=1)[:, None], axis=1)
         new = len(fine.middle) - len(self.numbers)
-        return replace(
-            self,
-            numbers=np.append(self.numbers, self.numbers.max() + 1 + np.arange(new)),
-            labels=np.repeat(self.labels, n**2),
-            middle=fine.middle,
-            elements=fine.elements,
-            areas=_areas(fine.middle[fine.elements]),
-            normals=fine.normals,
-            axes=np.concatenate([self.axes, np.tile(np.eye(3), (new, 1, 1))]),
-            given=np.append(self.given, np.zeros(new, bool)),
-            thickness=np.where(fine.shares > 0, fine.shares * self.thickness[fine.around], 0.0).sum(axis=1),
-        ), np.where(fine.shares > 0, fine.around, nearest)
+        return (
+            replace(
+                self,
+                numbers=np.append(self.numbers, self.numbers.max() + 1 + np.arange(new)),
+                labels=np.repeat(self.labels, n**2),
+                middle=fine.middle,
+                elements=fine.elements,
+                areas=_areas(fine.middle[fine.elements]),
+                normals=fine.normals,
+                axes=np.concatenate([self.axes, np.tile(np.eye(3), (new, 1, 1))]),
+                given=np.append(self.given, np.zeros(new, bool)),
+                thickness=np.where(fine.shares > 0, fine.shares * self.thickness[fine.around], 0.0).sum(axis=1),
+            ),
+            np.where(fine.shares > 0, fine.around, nearest),
+            fine.shares,
+        )
 
     def at(self, nodes: list[int]) -> np.ndarray:
         """Places of nodes of the deck; those of no element are left out."""

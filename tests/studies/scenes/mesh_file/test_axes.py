@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from support.decks import answered, mesh_lines, numbers, plate, refused, swapped
+from support.decks import STRIP, answered, mesh_lines, numbers, plate, refused, swapped
 
 ROUND = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])  # a rotation, no axis of which stays
 
@@ -30,7 +30,7 @@ def panel(turn: np.ndarray, axes: bool) -> list[str]:
     return [
         *lines,
         *("*MATERIAL, NAME=M", "*ELASTIC", "1000., 0.3", "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.2"),
-        *("*BOUNDARY", "XS, XSYMM", "YS, YSYMM", "TOP, 1, 2", "TOP, 4, 6", "HINGE, 1, 1", "HINGE, 3, 3"),
+        *("*BOUNDARY", "XS, XSYMM", "YS, YSYMM", "TOP, 1, 2", "TOP, 4, 6", "HINGE, 1, 1", "HINGE, 3, 3, 0.02"),
         *("*STEP, NLGEOM", "*STATIC", "*CLOAD", "TOP, 3, -0.2", "TOP, 1, 0.1", "*DLOAD", "ALL, P, 0.002"),
         *("*NODE PRINT, NSET=ALL", "U", "*END STEP"),
     ]
@@ -54,6 +54,20 @@ def test_a_panel_turned_in_space_moves_as_it_did(tmp_path, capsys, mesh) -> None
 
 
 FIRST = 10 * np.array([np.cos(0.3), np.sin(0.3)])
+
+
+@pytest.mark.parametrize("mesh", ["1x1", "2x2"])
+def test_a_support_that_moves_bends_a_strip(tmp_path, mesh) -> None:
+    """In the middle 5/16 of what the tip is moved by, but for the shear of the wall; at half the load half of it."""
+    lines = swapped(STRIP, "*STEP, NLGEOM", "*STEP")
+    loaded = lines.index("*STEP")
+    lines = [*lines[:loaded], "*NSET, NSET=MID", "17, 18", "*STEP", "*STATIC", "*BOUNDARY", "TIP, 3, 3, 0.2"]
+    lines += ["*NODE PRINT, NSET=MID", "U", "*NODE PRINT, NSET=TIP", "U", "*END STEP"]
+    result = answered(tmp_path, lines, "--mesh", mesh, "--no-error", "--set", "load_fraction=0.5,1")
+    for step in result["steps"]:
+        assert step["u3_TIP_mm"] == pytest.approx(0.2 * step["load_fraction"], rel=1e-12)
+        assert step["u3_MID_mm"] == pytest.approx(5 / 16 * step["u3_TIP_mm"], rel=2e-3)
+        assert abs(step["reaction_3_N"]) < 1e-9
 
 
 def wedge() -> list[str]:

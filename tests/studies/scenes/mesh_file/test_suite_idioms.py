@@ -49,7 +49,7 @@ def test_a_ridge_that_tells_the_normals_of_both_sides_has_their_mean(tmp_path, c
         ("*ELEMENT, TYPE=S4, ELSET=ALL", ["*ELEMENT,TYPE=S8,ELSET=ALL"], "S8 is of second order"),
         ("*STATIC", ["*STATIC", "*TEMPERATURE", "ALL,373.,1000."], "*TEMPERATURE is not understood"),
         ("*STATIC", ["*DYNAMIC"], "*DYNAMIC is not understood"),
-        ("*STATIC", ["*STATIC", "*BOUNDARY", "Ntip,4,4,.01"], "a prescribed displacement of .01"),
+        ("*STATIC", ["*STATIC", "*BOUNDARY", "Ntip,4,4,.01"], "a prescribed rotation of .01"),
         ("Ehalf,P,-.1", ["Ehalf,EDNOR1,-.1"], "a load EDNOR1 is not understood: P is"),
         ("*END STEP", ["*END STEP", "*STEP"], "one step is understood"),
     ],
