@@ -6,6 +6,8 @@ both count from 1 in the order of the file.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
@@ -71,10 +73,11 @@ def _by_meshio(path: Path) -> Any:
         raise UsageError(f"{path}: meshes of gmsh need the extra mesh: {how}") from None
     if path.stat().st_size > LARGEST_FILE:
         raise UsageError(f"{path}: larger than {LARGEST_FILE // 10**6} MB")
+    told = io.StringIO()
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), contextlib.redirect_stderr(told):
             warnings.simplefilter("error")  # numbers that are cut off are a warning alone
-            return gmsh.read(path)
+            mesh = gmsh.read(path)
     except OSError:
         raise
     except Exception as error:  # of a file that is anything, it may be any
@@ -82,6 +85,9 @@ def _by_meshio(path: Path) -> Any:
         if "gmsh:physical" in said:
             raise UsageError(f"{path.name}: has more than its groups: save it with Mesh.SaveAll = 0") from None
         raise UsageError(f"{path.name}: is no mesh of gmsh in format 2.2 or 4.1: {said}") from None
+    if "not closed" in told.getvalue():
+        raise UsageError(f"{path.name}: is cut off: {' '.join(told.getvalue().split())[:120]}")
+    return mesh
 
 
 def _groups(mesh: Any, blocks: list[tuple[str, np.ndarray]]) -> dict[str, dict[str, np.ndarray]]:

@@ -177,7 +177,7 @@ class DeckScene:
             yield f"forces on {len(deck.forces)} nodes, in all {total} N, dead, on these nodes however they are cut"
         moved = np.count_nonzero(moved_of(deck, mesh).any(axis=1))
         if moved:
-            yield f"supports are moved at {moved} nodes"
+            yield f"supports are moved at {moved} nodes, in one step unless --steps asks for more"
         if deck.pressures:
             low, high = min(deck.pressures.values()), max(deck.pressures.values())
             span = f"{low:g}" if low == high else f"{low:g} to {high:g}"

@@ -212,8 +212,7 @@ def test_files_that_are_broken_are_refused_in_one_line(tmp_path, capsys, form, c
     whole = FORMATS[form](X + 0.25, STRIP)
     broken = whole.replace(*cut) if cut[0] != "0.0" else whole.replace("0.25", "nan", 1)
     assert broken != whole
-    assert main(put(tmp_path, broken)) == WRONG_USE
-    assert "panel.msh" in capsys.readouterr().err.strip().splitlines()[-1]
+    assert "panel.msh" in said_of(put(tmp_path, broken), capsys)
 
 
 def test_what_is_missing(tmp_path, capsys, monkeypatch) -> None:
