@@ -31,8 +31,10 @@ import numpy as np
 from scipy import sparse
 
 from formulations.element.modes import N_M
+from formulations.element.quad_sampling import mid_lines
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS
 from formulations.geometry.grid import CORNERS, Grid
+from formulations.geometry.surfaces import NodalSurface
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E, N_Q, N_V, STRAINS
 
@@ -83,8 +85,11 @@ class ElementModes:
     @property
     def aspect(self) -> float:
         """Of the elements with rho > 1: the largest length along a motion over the other; 0 where there are none."""
-        grid = self.shell.discretisation.grid
-        length = grid.half * self.shell.discretisation.surface.geometry(*grid.centre.T).A
+        grid, surface = self.shell.discretisation.grid, self.shell.discretisation.surface
+        if isinstance(surface, NodalSurface):
+            length = 0.5 * np.linalg.norm(mid_lines(surface.middle[grid.elements]), axis=-1)
+        else:
+            length = grid.half * surface.geometry(*grid.centre.T).A
         return float(np.max((length / length[:, ::-1])[self.drive > 1], initial=0.0))
 
     @cached_property
@@ -123,9 +128,12 @@ def _shear_left_out(
     one, other = (
         sparse.csr_matrix(gamma[(len(SHEAR) * side[:, None] + np.arange(len(SHEAR))).ravel()]) for side in pairs.T
     )
-    weight = sparse.diags_array(discretisation.geometry.weight[pairs].mean(axis=1))
-    D = discretisation.laminate.stiffness(shell.section)[np.ix_(SHEAR, SHEAR)]
-    resists = sparse.csr_matrix(sparse.kron(weight, 0.5 * (D + D.T)))
+    weight, D = discretisation.geometry.weight[pairs].mean(axis=1), discretisation.stiffness(shell.section)
+    D = D if D.ndim == 2 else D.mean(axis=1)[pairs].mean(axis=1)
+    D = D[..., SHEAR, :][..., SHEAR]
+    blocks = weight[:, None, None] * (0.5 * (D + D.swapaxes(-1, -2)))
+    places = np.arange(len(blocks) + 1)
+    resists = sparse.csr_matrix(sparse.bsr_matrix((blocks, places[:-1], places), shape=2 * (len(SHEAR) * len(blocks),)))
     return sparse.csr_matrix((other - one) / 2), sparse.csr_matrix((other + one) / 2), resists
 
 

@@ -16,8 +16,8 @@ from contact.problem import ContactSolution, without_contact
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.element_modes import ElementModes, neighbours
-from formulations.geometry.grid import Grid
-from formulations.geometry.surfaces import Plate, Surface, cylinder
+from formulations.geometry.grid import Grid, QuadGrid
+from formulations.geometry.surfaces import NodalSurface, Plate, Surface, cylinder
 from formulations.loads.lines import edge_lengths
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
@@ -234,3 +234,23 @@ def test_neighbours_share_a_side_and_close_around_a_seam() -> None:
     pairs = [{tuple(pair) for pair in neighbours(grid, axis).tolist()} for axis in (0, 1)]
     assert pairs[0] == {(4 * i + j, 4 * i + 4 + j) for i in range(2) for j in range(4)}
     assert pairs[1] == {(4 * i + j, 4 * i + (j + 1) % 4) for i in range(3) for j in range(4)}
+
+
+def test_elements_of_a_mesh_without_lines_are_as_long_as_on_a_grid() -> None:
+    """2 x 0.5 mm, compressed by 20 % along the short sides."""
+    model = shell(Plate(), (8.0, 1.0), (4, 2), H, "clamped", "free", "free", "free")
+    grid, own = model.discretisation.grid, model.discretisation
+    surface = NodalSurface.of(
+        np.column_stack([grid.nodes, np.zeros(grid.n_nodes)]),
+        np.tile([0.0, 0.0, 1.0], (grid.n_nodes, 1)),
+        np.array([1.0, 0.0, 0.0]),
+    )
+    free = QuadGrid.over(grid.elements)
+    body = Discretisation.build(surface, free, own.laminate, own.map.held, None, interpolation="quads")
+    on_quads = ShellModel(body, MEASURES["exact"], newton="plain")
+    pressed = np.zeros((grid.n_nodes, 6))
+    pressed[:, 2:4] = -0.2 * grid.nodes[:, 1:]
+    found = [ElementModes(each, each.discretisation.map.restrict(pressed)) for each in (model, on_quads)]
+    assert found[0].aspect == pytest.approx(4.0)
+    assert found[1].aspect == pytest.approx(found[0].aspect)
+    assert np.allclose(found[1].drive, found[0].drive, rtol=1e-6, atol=1e-9)
