@@ -164,6 +164,9 @@ class DeckScene:
         yield f"read {mesh.file}: {len(mesh.numbers)} nodes, {len(mesh.elements)} quadrilaterals{unused}"
         given = np.count_nonzero(mesh.given)
         yield f"normals: {given} from the deck, {len(mesh.given) - given} from the positions around"
+        ridges = sum(len(told) > 1 for told in deck.normals.values())
+        if ridges:
+            yield f"several normals at {ridges} nodes: their mean; a fold that is rounded off when elements are cut"
         yield from walls_told(deck, self.plies)
         kinds = dict[str, int]()
         for degrees in deck.degrees.values():

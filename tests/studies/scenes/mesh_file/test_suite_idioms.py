@@ -39,7 +39,9 @@ def test_a_ridge_that_tells_the_normals_of_both_sides_has_their_mean(tmp_path, c
     told = swapped(means, "*BOUNDARY", "*NORMAL", *sides, "*BOUNDARY")
     found = [answered(tmp_path, lines, *ONCE)["quantities"]["largest_mm"] for lines in (means, told)]
     assert found[1] == pytest.approx(found[0], rel=1e-12)
-    assert "2 from the deck" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "2 from the deck" in said
+    assert "several normals at 2 nodes" in said
     assert "normal of node 17 is zero" in refused(tmp_path, capsys, swapped(told, sides[0], "8, 17, 0., 0., 0."))
 
 
