@@ -142,6 +142,27 @@ class Laminate:
                 D[:6, 10] = coupling
         return D
 
+    def stresses(self, strains: np.ndarray, section: str = "constant-s33") -> np.ndarray:
+        """S_LL, S_TT, S_LT [MPa] of the plies along and across their fibres, (..., plies, 2, 3), of E (..., 11).
+
+        At the inner and the outer side of each ply, by the law whose resultants :meth:`stiffness` has: S = b E in the
+        plane, b that of plane stress plus c s with the constant s = S33, or that of the solid. Second Piola-Kirchhoff's
+        stresses, those of the reference state left out.
+        """
+        faces, E33 = strains[..., :6].reshape(*strains.shape[:-1], 3, 2), strains[..., 10, None]
+        ends = np.cumsum([0.0, *(ply.thickness for ply in self.plies)]) / self.thickness
+        constant, found = section == "constant-s33", []
+        along_n = self.stiffness(section)[10] @ strains[..., None] if constant else 0.0  # int S33 = h s
+        for ply, low, high in zip(self.plies, ends[:-1], ends[1:], strict=True):
+            b = ply.stiffness()
+            c = b[PLANE, NORMAL] / b[NORMAL, NORMAL]
+            plane = b[PLANE, PLANE] - (0.0 if section == "full-3d" else np.outer(c, b[NORMAL, PLANE]))
+            across = along_n / self.thickness * c if constant else E33 * (b[PLANE, NORMAL] * (section == "full-3d"))
+            to_fibres = np.linalg.inv(strain_rotation(ply.angle)[PLANE, PLANE])
+            sides = [(faces @ [1 - at, at]) @ plane.T + across for at in (low, high)]
+            found.append(np.stack(sides, axis=-2) @ to_fibres)
+        return np.stack(found, axis=-3)
+
     def _thickness_moments(self) -> Iterator[tuple[Ply, np.ndarray, np.ndarray]]:
         """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""
         h, bottom = self.thickness, 0.0

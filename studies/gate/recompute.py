@@ -33,9 +33,9 @@ from studies.scenes.walk import walk
 
 BEFORE = 1e-9  # of a large gap: where the foundation is that meets what was solved before, here and there
 NOISE = 4 * float(np.finfo(float).eps)  # of the largest displacement: the last digits of a field
-RESULTANT = "H_"  # how the names of resultants begin
+DERIVED = ("H_", "S_")  # how the names of resultants and of stresses begin
 SAME = 1e-12  # of the largest value of an array: writing a field and reading it back
-RESULTANTS = 1e-6  # of the largest one: small differences of large displacements
+ALIKE = 1e-6  # of the largest of them: small differences of large displacements
 
 Arrays = Mapping[str, np.ndarray]
 
@@ -95,12 +95,12 @@ def state_of(model: SceneModel, arrays: Arrays, m: int) -> ContactSolution:
     pressure[nodes[touching]] = outer[touching]
     state = ContactSolution(u, pressure, pressure > 0, Outcome.CONVERGED)
     for name, ours in as_written(model, state)[1].items():
-        _agree(name, arrays[name], ours, RESULTANTS if name.startswith(RESULTANT) else SAME, arrays)
+        _agree(name, arrays[name], ours, ALIKE if name.startswith(DERIVED) else SAME, arrays)
     return state
 
 
 def _agree(name: str, told: np.ndarray, ours: np.ndarray, share: float, arrays: Arrays) -> None:
-    alike = [each for each in arrays if each.startswith(RESULTANT)] if name.startswith(RESULTANT) else [name]
+    alike = [each for each in arrays if each[:2] == name[:2]] if name.startswith(DERIVED) else [name]
     size = max(float(np.max(np.abs(arrays[each]), initial=0.0)) for each in alike)
     off = float(np.max(np.abs(told - ours), initial=0.0))
     if off > share * size:

@@ -125,7 +125,8 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
 
     Points: the N nodes of the inner face, then the N of the outer one ("face" tells 0 or 1). "displacement" [mm] in
     Cartesian components, "pressure" [MPa] on the ``face`` that touches. Cells: one hexahedron an element with the mean
-    resultants H_11-, ..., H_33 [N/mm] in the order of the strains.
+    resultants H_11-, ..., H_33 [N/mm] in the order of the strains, and stresses S_LL1-, S_TT1-, S_LT1-, S_LL1+, ...
+    [MPa] along and across the fibres of ply 1, 2, ... from inside, on its inner (-) and outer (+) side.
     """
     discretisation = shell.discretisation
     inner, outer = discretisation.positions()
@@ -133,8 +134,10 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     corners = discretisation.grid.elements
     turned = discretisation.left_handed()[:, None]
     corners = np.where(turned, corners[:, ::-1], corners)  # a hexahedron of positive volume
-    resultants = shell.mean_resultants(u)
+    resultants, stresses = shell.mean_resultants(u), shell.ply_stresses(u)
     names = ["H_" + strain.lstrip("2").replace("E", "") for strain in STRAINS]
+    plies = range(1, stresses.shape[1] + 1)
+    names += [f"S_{part}{ply}{side}" for ply in plies for side in "-+" for part in ("LL", "TT", "LT")]
     write_vtu(
         path,
         np.concatenate([inner, outer]),
@@ -144,7 +147,7 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
             "pressure": np.concatenate([pressure * (face == 0), pressure * (face == 1)]),
             "face": np.repeat([0.0, 1.0], n),
         },
-        cell_data=dict(zip(names, resultants.T, strict=True)),
+        cell_data=dict(zip(names, np.hstack([resultants, stresses.reshape(len(corners), -1)]).T, strict=True)),
     )
 
 

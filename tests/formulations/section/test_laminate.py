@@ -247,3 +247,22 @@ def test_a_ply_is_accepted_exactly_when_its_compliance_is_definite(E_L, E_T, nu_
 def test_unknown_section_is_refused_with_the_choices() -> None:
     with pytest.raises(ValueError, match="'plain' is not one of " + ", ".join(SECTIONS)):
         stacked().stiffness("plain")
+
+
+@section_of_each_kind
+def test_stresses_have_the_resultants_of_the_section(section: str) -> None:
+    """In shell axes and integrated over the wall they are D E in the plane: linear in each ply, Simpson is exact."""
+    laminate = Laminate((Ply(*PAPER, 0.7, 0.3), Ply.isotropic(E, 0.3, 0.2), Ply(*PAPER, -0.4, 0.5)), -0.4)
+    strains = np.random.default_rng(2).standard_normal((4, 11))
+    found = laminate.stresses(strains, section)
+    resultants, bottom = np.zeros((4, 3, 2)), 0.0
+    for k, ply in enumerate(laminate.plies):
+        c, s = math.cos(ply.angle), math.sin(ply.angle)
+        to_axes = np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
+        sides = found[:, k] @ to_axes.T
+        for at, weight in ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6)):
+            upper = (bottom + at * ply.thickness) / laminate.thickness
+            stress = (1 - at) * sides[:, 0] + at * sides[:, 1]
+            resultants += weight * ply.thickness * stress[:, :, None] * np.array([1 - upper, upper])
+        bottom += ply.thickness
+    np.testing.assert_allclose(resultants.reshape(4, 6), (strains @ laminate.stiffness(section).T)[:, :6], rtol=1e-11)

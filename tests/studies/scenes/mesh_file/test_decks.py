@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import meshio
 import numpy as np
 import pytest
 
@@ -283,3 +284,15 @@ def test_what_a_force_along_the_wall_makes_grow_is_foreseen(tmp_path, node: int,
     assert grown == pytest.approx(exact, rel=0.03)
     assert growth(runs[-1], "along_forces_mm") == pytest.approx(exact, rel=within)
     assert growth(runs[-1], "reaction_1_N") == 0.0
+
+
+def test_fields_have_the_stresses_of_the_plies(tmp_path) -> None:
+    """A strip of 1 x 0.1 mm under 4 N at its end, 10 mm away: 6 F x/(b h^2) at the middle of an element, nu = 0."""
+    out = tmp_path / "out"
+    lines = [line.replace("*STEP, NLGEOM", "*STEP") for line in STRIP]
+    assert main(["solve", written(tmp_path, lines), "--no-error", "--out", str(out)]) == OK
+    cells = meshio.read(out / "fields.vtu").cell_data
+    arm = 10.0 - 0.625 * (np.arange(16) + 0.5)
+    for name, sign in (("S_LL1-", 1.0), ("S_LL1+", -1.0)):
+        np.testing.assert_allclose(cells[name][0], sign * 6 * 4 * arm / 0.1**2, rtol=1e-7)
+    assert max(np.abs(cells[name][0]).max() for name in ("S_TT1-", "S_LT1+")) < 1e-9 * cells["S_LL1-"][0].max()
