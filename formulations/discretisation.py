@@ -101,6 +101,16 @@ class Discretisation:
         around = ((self.grid.elements == node).any(axis=1) for node in nodes)
         return np.array([D[each].mean(axis=(0, 1)) for each in around]).reshape(-1, *D.shape[2:])
 
+    def stresses(self, strains: np.ndarray, section: str) -> np.ndarray:
+        """Of the plies, (E, plies, 2, 3), of strains (E, 11), see :meth:`Laminate.stresses`; 0 beyond the last ply."""
+        if self.walls is None:
+            return self.laminate.stresses(strains, section)
+        laminates, kind = self.walls.laminates, self.walls.kind
+        found = np.zeros((len(strains), max(len(each.plies) for each in laminates), 2, 3))
+        for k, laminate in enumerate(laminates):
+            found[kind == k, : len(laminate.plies)] = laminate.stresses(strains[kind == k], section)
+        return found
+
     @cached_property
     def _stiffness(self) -> dict[str, np.ndarray]:
         return {}

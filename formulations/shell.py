@@ -197,16 +197,6 @@ class ShellModel:
         """Means H (E, 11) [N/mm] over the elements, in the axes of the laminate."""
         return self._element.mean_resultants(self.discretisation.geometry, self.mode_strains(u))
 
-    def ply_stresses(self, u: np.ndarray) -> np.ndarray:
-        """S_LL, S_TT, S_LT [MPa] of mean strains, (E, plies, 2, 3), see :meth:`Laminate.stresses`; 0 for no ply."""
-        strains, walls = self.mean_strains(u), self.discretisation.walls
-        laminates = (self.discretisation.laminate,) if walls is None else walls.laminates
-        kind = np.zeros(len(strains), int) if walls is None else walls.kind
-        found = np.zeros((len(strains), max(len(each.plies) for each in laminates), 2, 3))
-        for k, laminate in enumerate(laminates):
-            found[kind == k, : len(laminate.plies)] = laminate.stresses(strains[kind == k], self.section)
-        return found
-
     def displacements(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6), the prescribed ones included."""
         return self.discretisation.expand(u, self.prescribed)

@@ -11,8 +11,8 @@ positions, as on an isoparametric grid. No coordinates are needed. What differs 
   Source: Pian, Sumihara, IJNME 20 (1984) 1685-1695.
 - 2E_a3 of a face is taken at the middle of the two sides along xi_a, as the covariant strain of that side; between
   them it is linear. A plate bent to a constant curvature has none there. It is made of both shears along the axes of
-  the laminate: those of novozhilov and elongation are no vector, and a shear of a frame that turns with the side would
-  lead to an answer of its own on every mesh. Source: Bathe, Dvorkin, IJNME 21 (1985) 367-383.
+  the laminate: those of novozhilov and elongation do not transform as a vector, and taken in a frame that turns with
+  the side they would converge to another answer on every mesh. Source: Bathe, Dvorkin, IJNME 21 (1985) 367-383.
 - E33 as on a grid.
 - Where the thickness h differs from node to node, faces lie at X + d- n and X + d+ n of each, beta counts over the
   interpolated h, and D grows with it. Where walls of elements step at a node, the faces of an element follow those of

@@ -49,7 +49,7 @@ class QuadGeometry(ElementGeometry):
     side_Q (E, 60, 24), side_offset (E, 4, 15): the same as Q and offset in the middle of the sides.
     side (E, 4, 2, 2): half of each side [side, face, a] along both axes, over the length of the element along it.
     at_nodes (E, 4, 3, 6): beta along (two tangents, normal) from the displacements of a node.
-    steps: whether a face of an element is none of its node, so that both of the node move it.
+    steps: whether faces of an element differ from those of its nodes, so that both of a node move each of them.
     """
 
     share: np.ndarray

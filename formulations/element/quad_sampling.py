@@ -42,7 +42,7 @@ class NodalFaces:
 
     @property
     def steps(self) -> bool:
-        """Whether a face is none of its node."""
+        """Whether a face of an element lies elsewhere than that of its node."""
         return not np.array_equal(self.d, self.of_node)
 
     def from_nodes(self, Q: np.ndarray) -> np.ndarray:

@@ -47,7 +47,7 @@ class UnitStiffness:
     ) -> UnitStiffness | None:
         """None where it depends on displacements, where a strain of a face knows of the other one or of beta, as of a
         measure or where the wall steps, or where the shear along a side is not that of its ends alone, because the
-        shears of the measure are no vector.
+        shears of the measure do not transform as a vector.
 
         The arguments are those of :class:`formulations.element.quad_element.QuadElement`.
         """

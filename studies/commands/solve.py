@@ -202,7 +202,7 @@ def _references(result: Result) -> Iterator[str]:
     for quantity, known in closest(request.scene, there, seen).items():
         off = 100 * (seen[quantity] / known.value - 1)
         where = f"{quantity} {known.value:.6g} +- {100 * known.uncertainty:.2g} % ({known.kind}: {known.source})"
-        yield f"reference {where}; this value {off:+.2g} %"
+        yield f"reference {where}; this value differs by {off:+.2g} %"
 
 
 def _row(step: Step) -> dict[str, object]:

@@ -48,7 +48,7 @@ title = "small"
 [[cross]]
 name = "small"
 measures = ["exact", "linear"]
-contacts = ["semismooth", "trial-and-error"]
+contacts = ["semismooth", "trial-and-error", "regularised"]
 tolerances = [1e-3, 1e-9]
 [cross.scenes.cantilever]
 meshes = ["4x1", "8x1", "16x1"]

@@ -145,7 +145,7 @@ def test_a_solve_prints_how_far_it_is_from_what_is_known(tmp_path: Path, capsys:
     shortening, _ = references("0.5")
     assert shortening.startswith("reference tip_shortening_mm 1.60642 +- 0.001 % (exact: inextensible elastica")
     found = json.loads((tmp_path / "result.json").read_text())["quantities"]["tip_shortening_mm"]
-    assert shortening.endswith(f"; this value {100 * (found / 1.60642 - 1):+.2g} %")
+    assert shortening.endswith(f"; this value differs by {100 * (found / 1.60642 - 1):+.2g} %")
     assert references("0.3") == []
 
 

@@ -48,7 +48,7 @@ class PressedPanel(OnQuads):
     sheet: Sheet = Sheet("x", 40.0, 28.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """All edges are clamped; the travel is from rest to the last one asked for."""
+        """The straight edges are clamped, the curved ones free; the travel is from rest to the last one asked for."""
         gamma, plies = np.deg2rad(request.number("gamma_deg")), int(request.number("plies"))
         wall = Laminate(
             tuple(Ply(E_L, E_T, G, G, NU, NU, (-1) ** k * gamma, PLY) for k in range(plies)), -0.5 * plies * PLY

@@ -44,11 +44,11 @@ class GmshMesh:
 
 
 def read_mesh(path: Path) -> GmshMesh:
-    """Raises UsageError for what is none, and OSError."""
+    """Raises UsageError for a file that is not such a mesh, and OSError."""
     mesh = _by_meshio(path)
     x = np.asarray(mesh.points, float)
     if x.ndim != 2 or x.shape[1] != 3 or not np.isfinite(x).all():
-        raise UsageError(f"{path.name}: positions of nodes that are no three finite numbers")
+        raise UsageError(f"{path.name}: positions of nodes must be three finite numbers each")
     for block in mesh.cells:
         if len(block.data) and block.type not in NODES:
             why = OTHERS.get(block.type, f"elements {shown(block.type)}, understood are quadrilaterals")

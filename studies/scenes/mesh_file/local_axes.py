@@ -10,7 +10,7 @@ from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck, Transform
 from studies.scenes.mesh_file.keywords import Card, shown
 
-LEVEL = 1e-9  # of a unit vector: a smaller part is none
+LEVEL = 1e-9  # of a unit vector: a smaller part counts as zero
 MOST = 100  # *TRANSFORM of a deck
 
 
@@ -38,7 +38,7 @@ def axes_at(deck: Deck, system: int, x: np.ndarray) -> np.ndarray:
     """(N, 3, 3) at positions x (N, 3) by its number in the deck, rows are the axes; system -1 is the global one.
 
     Rectangular: x' through a, x'-y' through a and b. Cylindrical about the line through a and b: radial, tangential,
-    axial; on that line rows are no number.
+    axial; on that line rows are NaN.
     """
     if system < 0:
         return np.broadcast_to(np.eye(3), (len(x), 3, 3))
@@ -93,7 +93,7 @@ def carried(
     for system in range(-1, len(deck.transforms)):
         own = axes_at(deck, system, x)
         off = [np.linalg.norm(own - np.einsum("nix,nxy->niy", own, plane), axis=-1) for plane in planes]
-        both = np.all((np.concatenate(off, axis=-1) < LEVEL)[around], axis=1)  # false where an axis is no number
+        both = np.all((np.concatenate(off, axis=-1) < LEVEL)[around], axis=1)  # false where an axis is NaN
         more = both.sum(axis=1) > found.degrees.sum(axis=1)
         along = np.einsum("nix,nx->ni", own, moved)[around[more]]
         best[more], found.degrees[more] = system, both[more]

@@ -25,13 +25,13 @@ class Said:
 
     @classmethod
     def of(cls, path: Path) -> Said:
-        """All of a file; raises UsageError for what is no TOML, and OSError."""
+        """All of a file; raises UsageError for what is not TOML, and OSError."""
         if path.stat().st_size > LARGEST_TOML:
             raise UsageError(f"{path}: larger than {LARGEST_TOML // 10**6} MB")
         try:
             return cls(path.name, "", tomllib.loads(path.read_text(encoding="utf-8")))
         except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-            raise UsageError(f"{path.name}: is no TOML: {' '.join(str(error).split())}") from None
+            raise UsageError(f"{path.name}: is not TOML: {' '.join(str(error).split())}") from None
 
     def refuse(self, why: str) -> NoReturn:
         """Raise UsageError with file and key."""

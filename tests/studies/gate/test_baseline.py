@@ -15,7 +15,7 @@ from studies.run.rows import ORDER
 from studies.run.running import run
 from studies.scenes.complete import Cell
 
-FEW = 4
+FEW = 8
 
 
 def cheapest() -> list[Cell]:

@@ -15,10 +15,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from studies.cli import main
+from studies.gate.foreign import ClaimError
+from studies.gate.recompute import arrays_of
 from studies.output.atomic import PART
+from studies.output.vtu import packed_arrays, write_vtu
 from studies.run.archive import Archive
 from studies.run.plan import planned
 from studies.scenes.complete import Cell
@@ -292,3 +296,18 @@ def test_damaged_records_are_set_aside_and_solved_again(
         assert "set aside as" in line
     assert len(list((archive.root / "aside").iterdir())) == len(RECORDS)
     assert archive.record_path(ids[-1]).read_bytes() == kept
+
+
+@pytest.mark.parametrize(
+    ("change", "said"), [(1, "has more than 32 bytes, 32 belong"), (-1, "has 24 bytes, 32 belong")]
+)
+def test_an_array_of_another_length_is_refused(tmp_path: Path, change: int, said: str) -> None:
+    def packed(length: int) -> bytes:
+        path = tmp_path / "fields.vtu"
+        write_vtu(path, np.zeros((8, 3)), np.arange(8)[None], {}, {"H_11-": np.ones(length)})
+        return path.read_bytes()
+
+    wanted = {name: each.values.ravel() for name, each in packed_arrays(packed(4)).items()}
+    assert arrays_of(packed(4), wanted)["H_11-"].tolist() == [1.0] * 4
+    with pytest.raises(ClaimError, match=said):
+        arrays_of(packed(4 + change), wanted)

@@ -19,7 +19,7 @@ from studies.scenes.contact.base import rim_lines
 from studies.scenes.element import spaced_lines, tree_over
 
 SAME = 1e-12
-BUILT = 600  # elements, of a mesh that is built in a test
+BUILT = 1500  # elements, of a mesh that is built in a test
 
 
 def sides(mesh: str) -> tuple[int, int]:

@@ -109,7 +109,16 @@ def test_a_part_of_a_tyre_is_not_dragged() -> None:
     assert request.model == "full"
 
 
-@pytest.mark.parametrize(("foundation", "length", "stress"), [("plane", 1e3, 7.0), ("ball", 0.03, 1e6)])
+@pytest.mark.parametrize(
+    ("foundation", "length", "stress"),
+    [
+        *(("plane", 1e3, 7.0), ("ball", 0.03, 1e6)),
+        *(
+            pytest.param(*each, marks=pytest.mark.slow)
+            for each in (("plane", 1e-3, 1.0), ("plane", 0.03, 1e6), ("ball", 1e-3, 1.0), ("ball", 1e3, 7.0))
+        ),
+    ],
+)
 def test_a_panel_with_friction_is_the_same_in_other_units(foundation: str, length: float, stress: float) -> None:
     """Settings and results are in mm, N and MPa, whatever the units of the problem; so is the drag."""
     way = (
