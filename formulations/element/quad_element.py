@@ -23,8 +23,8 @@ The modes turn to the axes of the laminate at every Gauss point, so that of an e
     S = sum over Gauss points g of w_g A_g^T D A_g,    A_g (11, 22): strains in these axes from those of the modes
 
 On rectangles S is D mode by mode, and all that is left of the difference is where the shears are taken. Force, tangent
-and B of a quadratic measure take 1.1 to 1.25 times the seconds of a grid's element, and 50 kB an element are kept. No
-strain measure by name, no load and no support may enter here.
+and B of a quadratic measure take 1.1 to 1.25 times the seconds of a grid's element, 1.3 where its shears do not
+transform as a vector, and 50 kB an element are kept. No load and no support may enter here, and no branch on a measure.
 """
 
 from __future__ import annotations
