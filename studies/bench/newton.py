@@ -8,9 +8,7 @@ coarse solve, interpolated: what a step costs does not depend on how the step wa
 from __future__ import annotations
 
 import multiprocessing
-import resource
 import statistics
-import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -35,6 +33,7 @@ from studies.ask.request import Request
 from studies.ask.scene import UsageError
 from studies.output.stopwatch import CPU, WALL, Clock, timed
 from studies.output.terminal import columns
+from studies.run.task import status_MB
 from studies.scenes.complete import complete
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
@@ -245,7 +244,8 @@ def _cost(mesh: str, coarse: Pressed, seconds: float) -> dict[str, Any]:
     start, peak = time.perf_counter(), 0.0
     while len(samples) < LEAST or (time.perf_counter() - start < seconds and len(samples) < MOST):
         sample, run = _sample(shell, problem, state, memory)
-        peak = peak or _peak()  # before the floors have taken theirs
+        # before the floors have taken theirs; ru_maxrss would include the parent: it survives fork and exec
+        peak = peak or status_MB("VmHWM") / 1024
         samples.append({**sample, **_floors(run, problem)})
     best = {f"{key}_s": min(sample[key] for sample in samples) for key in samples[0]}
     sizes = {"mesh": mesh, "dofs": model.n_unknowns, "elements": len(model.part.grid.elements)}
@@ -280,9 +280,3 @@ def _floors(run: _Kept, problem: ContactProblem) -> dict[str, float]:
         "core": gemm * flops / (2 * GEMM**3),
         "copy": timed(partial(np.copyto, target, memory))[0],
     }
-
-
-def _peak() -> float:
-    """Peak memory of this process so far [GiB]."""
-    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kibibytes elsewhere
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**30
