@@ -22,7 +22,7 @@ from contact.verify_friction import LawResiduals, residuals_of_law, under
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
 EQUILIBRIUM = 1e-8
 ROUNDING_ALONE = 1e-6  # relative residual up to which rounding is an excuse by itself
-WORST_ROUNDING = 1e-4  # up to which it is one if it moves nothing, and beyond which it never is
+WORST_ROUNDING = 1e-2  # up to which it is one if it moves nothing, and beyond which it never is
 SLIGHT = 1e-5  # forces of the foundation below this share of those in balance must be met themselves
 NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that moves nothing
 GAP = 2e-12  # of a large gap: twice what an algorithm may leave
@@ -117,8 +117,8 @@ class Verdict:
         """Whether the imbalance is rounding and does not matter.
 
         In face displacements rounding makes pairs of forces across the thickness, of the size eps E l^2 |u|/h, that
-        move nothing: a plate 300 times thinner than it is lifted keeps a residual of 1e-5 and is right to 1e-12
-        (measured).
+        move nothing: a plate 300 times thinner than it is lifted keeps a residual of 1e-5, a strip twisted by 90
+        degrees and 3,750 times as long as it is thick one of 6e-3; both are right to 1e-9 and better (measured).
         """
         harmless = self.equilibrium <= WORST_ROUNDING and self.correction <= NEGLIGIBLE
         return self.equilibrium <= self.rounding and (self.equilibrium <= ROUNDING_ALONE or harmless)

@@ -153,7 +153,7 @@ def test_rounding_excuses_itself_and_nothing_above() -> None:
 def test_rounding_above_its_cap_is_excused_by_what_it_moves() -> None:
     clean = {"penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
     assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=1e-10, **clean).failures() == []
-    assert Verdict(equilibrium=2e-4, rounding=1e-3, correction=0.0, **clean).failures() == ["equilibrium"]
+    assert Verdict(equilibrium=2e-2, rounding=1e-1, correction=0.0, **clean).failures() == ["equilibrium"]
     assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=1e-8, **clean).failures() == ["equilibrium"]
     assert Verdict(equilibrium=2e-6, rounding=1e-6, correction=0.0, **clean).failures() == ["equilibrium"]
     assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=math.nan, **clean).failures() == ["equilibrium"]

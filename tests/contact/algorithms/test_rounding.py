@@ -28,15 +28,16 @@ class Faces:
     whose rounding is in balance with nothing.
     """
 
-    def __init__(self, rng, by_pairs: bool) -> None:
+    def __init__(self, rng, by_pairs: bool, stiff: float = STIFF) -> None:
         self.ground, self.load = rng.uniform(0.5, 2, 2 * PAIRS), rng.uniform(0.2, 1, 2 * PAIRS)
-        spring = np.kron(np.eye(PAIRS), STIFF * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+        self.stiff = stiff
+        spring = np.kron(np.eye(PAIRS), stiff * np.array([[1.0, -1.0], [-1.0, 1.0]]))
         self.K, self.by_pairs = np.diag(self.ground) + spring, by_pairs
 
     def linearise(self, u, memory):
         internal = self.K @ u
         if self.by_pairs:
-            spring = STIFF * (u[1::2] - u[0::2])
+            spring = self.stiff * (u[1::2] - u[0::2])
             internal = self.ground * u + np.stack([-spring, spring], axis=1).ravel()
         scale = max(np.linalg.norm(internal), np.linalg.norm(self.load))
         return Linearisation(internal - self.load, sparse.csc_matrix(self.K), scale)
@@ -56,8 +57,9 @@ class Faces:
 
 @each_exact_one
 @each_kind
-def test_forces_that_move_nothing_are_no_obstacle(rng, name, wall) -> None:
-    faces = Faces(rng, by_pairs=True)
+@pytest.mark.parametrize("stiff", [STIFF, 1e14])
+def test_forces_that_move_nothing_are_no_obstacle(rng, name, wall, stiff) -> None:
+    faces = Faces(rng, True, stiff)
     problem = faces.problem(wall)
     solution = solve_from_rest(name, problem, 2 * PAIRS)
     assert solution.outcome is Outcome.CONVERGED
