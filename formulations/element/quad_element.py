@@ -4,11 +4,14 @@ Both faces are bilinear between the nodes, X- = X + d- n and X+ = X + d+ n with 
 Cartesian displacements: an exact measure meets rigid motions exactly, and every measure counts from the interpolated
 positions, as on an isoparametric grid. No coordinates are needed. What differs from an isoparametric grid:
 
-- E_ab of a face is taken along the axes of the laminate at the Gauss points, turned to the base vectors at the centre
-  of the element, each of unit length, and projected on its modes (E11 on 1, xi2; E22 on 1, xi1; 2E12 on 1) with the
-  area at the Gauss points as weight. A constant strain is a constant there and has its own mean: any quadrilateral
-  passes the patch tests of membrane and bending. Covariant components of each point would not be constant.
-  Source: Pian, Sumihara, IJNME 20 (1984) 1685-1695.
+- E_ab of a face is taken along the axes of the laminate at the Gauss points. Its modes are the tensors g_1 g_1 on 1 and
+  xi2, g_2 g_2 on 1 and xi1 and g_1 g_2 on 1 of the base vectors at the centre of the element, each of unit length; what
+  is taken is projected on them in the mean square of E:E over the area. A constant strain is a constant there and has
+  its own mean: any quadrilateral passes the patch tests of membrane and bending. What is left out is orthogonal to what
+  is kept, so that no element is stiffer for its modes; a fibre along g_1 that bends is stretched along g_1. Covariant
+  components, each projected by itself, lose both: in skewed coordinates their parts cancel, and what is left out leaves
+  the others. Six parallelograms of a slender beam have 0.17 of its deflection with those, 0.56 with these.
+  Source: Pian, Sumihara, IJNME 20 (1984) 1685-1695, whose stresses have these modes.
 - 2E_a3 of a face is taken at the middle of the two sides along xi_a, as the covariant strain of that side; between
   them it is linear. A plate bent to a constant curvature has none there. It is made of both shears along the axes of
   the laminate: those of novozhilov and elongation do not transform as a vector, and taken in a frame that turns with

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from formulations.element.modes import E33_MODES, MODE_ROWS, N_M, mode_index
+from formulations.element.modes import E33_MODES, MODE_ROWS, N_M
 from formulations.element.quad_sampling import (
     N_SIDES,
     NodalFaces,
@@ -30,6 +30,7 @@ from formulations.strains.quantities import E33, FULL, N_E, N_Q, N_V, Kinematics
 
 PLANE = np.arange(6)  # E11-+, E22-+, 2E12-+
 TAKEN = np.append(PLANE, E33)  # rows that are taken at the Gauss points
+NORM = np.array([1.0, 1.0, 0.5])  # E:E of (11, 22, 2 12)
 ACROSS = ((0, 1), (1, 0))  # the mode on which a strain along xi1, or along xi2, is linear
 
 
@@ -42,7 +43,6 @@ class QuadGeometry(ElementGeometry):
     """:class:`ElementGeometry` of quadrilaterals; rows is 1, offset is what positions put into q.
 
     share (E, 4): of the area of an element at its Gauss points; face_share (E, 4, 2): of its faces.
-    plane (E, 4, 3, 3): strains (11, 22, 2 12) along the base vectors of the centre from those at a Gauss point.
     turn (E, 4, 11, 22): the A_g.
     frame (E, 4, 3, 3): that of the inner face at the Gauss points, to which ``value`` belongs.
     left_handed (E,): the corners go round against the normals.
@@ -54,7 +54,6 @@ class QuadGeometry(ElementGeometry):
 
     share: np.ndarray
     face_share: np.ndarray
-    plane: np.ndarray
     turn: np.ndarray
     frame: np.ndarray
     left_handed: np.ndarray
@@ -82,7 +81,6 @@ class QuadGeometry(ElementGeometry):
         Q, offset, face_area, inner = at_gauss_points(faces, X, sides, kinematics)
         side_Q, side_offset, side = on_sides(faces, X, sides, kinematics)
         h = faces.height
-        plane = _plane_strains(_carried(frame, centre / lengths[..., None]))
         bent = np.sum(mid_lines(faces.normal) * mid_lines(mid), axis=-1)  # k l^2
         return cls(
             Q=faces.from_nodes(Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_GAUSS * N_Q, N_DOF),
@@ -97,8 +95,7 @@ class QuadGeometry(ElementGeometry):
             offset=offset,
             share=weight / area[:, None],
             face_share=face_area / face_area.sum(axis=1, keepdims=True),
-            plane=plane,
-            turn=_modes_to_axes(jacobian, lengths, plane),
+            turn=_modes_to_axes(jacobian, lengths, _carried(frame, centre / lengths[..., None])),
             frame=inner,
             left_handed=sides.turns * sides.hand < 0,
             side_Q=faces.from_nodes(side_Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_SIDES * N_Q, N_DOF),
@@ -129,27 +126,23 @@ class QuadGeometry(ElementGeometry):
 
     @cached_property
     def projection(self) -> np.ndarray:
-        """(E, 28, 22): strains of the modes from those TAKEN at the Gauss points, all of E33 at these."""
+        """(E, 28, 22): strains of the modes from those TAKEN at the Gauss points, all of E33 at these.
+
+        In the plane those whose difference from what is taken is least, in the mean square of E:E over the area. So no
+        element is stiffer for its modes, whatever the angle between its sides.
+        """
         onto = np.zeros((len(self.weight), N_GAUSS, len(TAKEN), N_M))
-        for kind in range(3):  # of E11, E22, 2E12
-            mean, slope = self._weights_of_line(1 - kind) if kind < 2 else (self.share, None)
-            for face in (0, 1):
-                row, faces = 2 * kind + face, slice(face, len(PLANE), 2)
-                onto[:, :, faces, mode_index((0, 0), row)] = mean[..., None] * self.plane[:, :, kind]
-                if slope is not None:
-                    onto[:, :, faces, mode_index(ACROSS[kind], row)] = slope[..., None] * self.plane[:, :, kind]
+        for face in (0, 1):
+            rows = slice(face, len(PLANE), 2)
+            modes = [m for m, (_, row) in enumerate(MODE_ROWS) if row in PLANE[rows]]
+            A = self.turn[:, :, rows][..., modes]
+            weighted = self.share[..., None, None] * NORM[:, None] * A
+            normal = np.einsum("egim,egin->emn", A, weighted)
+            onto[:, :, rows, modes] = np.linalg.solve(normal[:, None], weighted.swapaxes(-1, -2)).swapaxes(-1, -2)
         for m in E33_MODES:
             r1, r2 = MODE_ROWS[m][0]
             onto[:, :, -1, m] = 3.0 ** (r1 + r2) * GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 / N_GAUSS
         return onto.reshape(-1, N_GAUSS * len(TAKEN), N_M)
-
-    def _weights_of_line(self, coordinate: int) -> tuple[np.ndarray, np.ndarray]:
-        """Of samples (E, 4) at the Gauss points, c + s xi in the mean square of the area: weights of c and of s."""
-        xi = GAUSS[:, coordinate]
-        middle = self.share @ xi
-        from_middle = self.share * (xi - middle[:, None])
-        slope = from_middle / np.einsum("eg,g->e", from_middle, xi)[:, None]
-        return self.share - middle[:, None] * slope, slope
 
 
 _GAUSS3 = np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)]), np.array([5, 8, 5]) / 9
@@ -182,18 +175,18 @@ def _carried(frame: np.ndarray, centre: np.ndarray) -> np.ndarray:
     return np.einsum("egix,egax,eab->egib", frame[:, :, :2], there, components)
 
 
-def _plane_strains(J: np.ndarray) -> np.ndarray:
-    """Strains (11, 22, 2 12) along base vectors, the columns of J (..., 2, 2), from those in the frame, (..., 3, 3)."""
-    a, b, c, d = J[..., 0, 0], J[..., 1, 0], J[..., 0, 1], J[..., 1, 1]  # g_1 = (a, b), g_2 = (c, d)
-    rows = [[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]]
+def _strains_along(base: np.ndarray) -> np.ndarray:
+    """Strains (11, 22, 2 12) of g_1 g_1, g_2 g_2 and the even part of g_1 g_2, of base vectors (..., 2, 2): columns."""
+    a, b, c, d = base[..., 0, 0], base[..., 1, 0], base[..., 0, 1], base[..., 1, 1]  # g_1 = (a, b), g_2 = (c, d)
+    rows = [[a * a, c * c, a * c], [b * b, d * d, b * d], [2 * a * b, 2 * c * d, a * d + b * c]]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
 
 
-def _modes_to_axes(jacobian: np.ndarray, lengths: np.ndarray, plane: np.ndarray) -> np.ndarray:
+def _modes_to_axes(jacobian: np.ndarray, lengths: np.ndarray, base: np.ndarray) -> np.ndarray:
     """A_g (E, 4, 11, 22): strains in the axes of the laminate at the Gauss points from the strains of the modes."""
-    in_plane = np.linalg.inv(plane)
+    in_plane = _strains_along(base)
     shear = np.linalg.inv(jacobian).swapaxes(-1, -2) * lengths[:, None, None, :]  # covariant, per unit of the modes
-    A = np.zeros((len(plane), N_GAUSS, N_E, N_M))
+    A = np.zeros((len(base), N_GAUSS, N_E, N_M))
     for m, ((r1, r2), row) in enumerate(MODE_ROWS):
         shape = GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2
         kind, face = divmod(row, 2)

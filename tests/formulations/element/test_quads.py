@@ -10,6 +10,8 @@ from scipy.sparse.linalg import splu, spsolve
 from scipy.spatial.transform import Rotation
 
 from formulations.discretisation import Discretisation
+from formulations.element.quad_geometry import QuadGeometry
+from formulations.element.strain_operator import GAUSS
 from formulations.geometry.distortion import DISTORTIONS, distorted
 from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
@@ -157,6 +159,34 @@ def test_rectangles_have_the_strains_of_an_isoparametric_grid_but_for_products_i
     linear = [ShellModel(shell.discretisation, MEASURES["linear"]).mode_strains(u) for shell in both]
     np.testing.assert_allclose(linear[0], linear[1], atol=1e-14)
     np.testing.assert_allclose(both[0].mean_resultants(u)[:, :6], both[1].mean_resultants(u)[:, :6], atol=1e-11)
+
+
+@pytest.mark.parametrize("piece", PIECES)
+def test_modes_in_the_plane_leave_what_is_orthogonal_to_them(piece: str) -> None:
+    geometry = quads(piece).geometry
+    assert isinstance(geometry, QuadGeometry)
+    taken = np.random.default_rng(4).standard_normal((len(geometry.weight), 4, 7))
+    taken[..., 6] = 0.0
+    kept = np.einsum("egim,em->egi", geometry.turn, np.einsum("ek,ekm->em", taken.reshape(-1, 28), geometry.projection))
+    left, weight = taken[..., :6] - kept[..., :6], geometry.share[..., None] * [1, 1, 1, 1, 0.5, 0.5]
+    assert np.abs(np.einsum("egi,egi,egi->e", left, weight, kept[..., :6])).max() < 1e-14
+    assert np.abs(np.einsum("egi,egi,egim->em", left, weight, geometry.turn[:, :, :6])).max() < 1e-14
+
+
+def test_a_fibre_that_bends_along_a_side_of_a_parallelogram_is_a_mode() -> None:
+    corners = np.array([[0.0, 0.0], [2.0, 0.0], [2.7, 0.6], [0.7, 0.6]])
+    middle = np.column_stack([corners, np.zeros(4)]) @ Rotation.from_rotvec([0.0, 0.0, 0.4]).as_matrix().T
+    surface = NodalSurface.of(middle, np.tile([0.0, 0.0, 1.0], (4, 1)), np.tile([1.0, 0.0, 0.0], (4, 1)))
+    free = np.zeros((4, 6), bool)
+    grid = QuadGrid.over(np.arange(4)[None])
+    geometry = Discretisation.build(surface, grid, WALL, free, interpolation="quads").geometry
+    assert isinstance(geometry, QuadGeometry)
+    c, s = np.cos(0.4), np.sin(0.4)
+    taken = np.zeros((4, 7))
+    taken[:, :6] = GAUSS[:, 1:] * np.repeat([c * c, s * s, 2 * c * s], 2)
+    modes = taken.reshape(28) @ geometry.projection[0]
+    np.testing.assert_allclose((geometry.turn[0] @ modes)[:, :6], taken[:, :6], atol=1e-14)
+    assert np.count_nonzero(np.abs(modes) > 1e-14) == 2  # of both faces
 
 
 def test_areas_of_nodes_and_elements_are_those_of_the_mesh() -> None:
