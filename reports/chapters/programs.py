@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from typing import Any
 
 import pandas as pd
@@ -38,10 +38,21 @@ def _peers(store: Store) -> Part:
     """Work to an equal error beside NGSolve and Kratos; nothing where they were not run."""
     if not (store.has("peers") and store.has("peer_factors")):
         return Part()
-    factors, shown = store.table("peer_factors"), commands([MEASURED])
-    told = [{"sentence": sentence} for sentence in factors_said(factors)]
-    drawn = {"cost-peers.svg": work_precision(store.table("peers"))}
-    return TEXT("peers", drawn, said=told, factors=factors, commands=shown)
+    data, factors = store.table("peers"), store.table("peer_factors")
+    linear = data["linear"].astype(bool)
+    others = factors[~factors["problem"].isin(data["problem"][linear])]
+    told = [{"sentence": sentence} for sentence in factors_said(others)]
+    drawn = {"cost-peers.svg": work_precision(data[~linear])}
+    beside = TEXT("linear", rows=list(_beside(data[linear]))) if linear.any() else Part()
+    return TEXT("peers", drawn, said=told, factors=others, linear=beside, commands=commands([MEASURED]))
+
+
+def _beside(linear: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """A line a problem and mesh with the errors of both programs."""
+    for (problem, mesh), own in linear.groupby(["problem", "mesh"], sort=False):
+        errors = dict(zip(own["program"], own["error"], strict=True))
+        known = {"problem": problem, "mesh": mesh, "uncertainty": own["uncertainty"].iloc[0]}
+        yield known | {"ours": errors.get(OURS), "theirs": errors.get("kratos")}
 
 
 def factors_said(factors: pd.DataFrame) -> list[str]:

@@ -1,7 +1,9 @@
-"""Shells that bend through large rotations by Kratos: its corotational elements under its Newton-Raphson strategy.
+"""Shells by Kratos: large rotations by its corotational elements under Newton-Raphson, and linear shells of scenes.
 
-Kratos Multiphysics: CIMNE, https://github.com/KratosMultiphysics/Kratos. Each solve takes the fewest equal load steps
-from which Newton arrives, found by attempts that are not counted.
+Kratos Multiphysics: CIMNE, https://github.com/KratosMultiphysics/Kratos. Each nonlinear solve takes the fewest equal
+load steps from which Newton arrives, found by attempts that are not counted. Its thick quadrilateral ties shears along
+its sides (MITC4) and enhances the membrane; on thin plates it is softer than the element of Dvorkin and Bathe is, whose
+rhombic plate of 30 degrees has 0.84 of its deflection on 8x8 where this one has 1.00.
 """
 
 from __future__ import annotations
@@ -19,10 +21,12 @@ import KratosMultiphysics.StructuralMechanicsApplication as structural
 import numpy as np
 from KratosMultiphysics import python_linear_solver_factory
 
-from studies.bench.problems import Solved, size
+from studies.bench.problems import LinearShell, Solved, size
 from studies.output.stopwatch import timed
 from studies.scenes.benchmarks import cantilever, hemisphere
 from studies.scenes.benchmarks import sze_pullout as pullout
+from studies.scenes.complete import complete
+from studies.scenes.statics import StaticModel
 
 STEPS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 20, 30, 40, 80)  # numbers of equal load steps that are tried
 ITERATIONS = 40  # of a step
@@ -35,6 +39,7 @@ ELEMENTS = {  # name: of the element and of its law
     "thin quadrilaterals": ("ShellThinElementCorotational3D4N", PLANE_LAW),
     "thick triangles": ("CSDSG3ThickShellCorotationalElement3D3N", SHELL_LAW),
     "thin triangles": ("ShellThinElementCorotational3D3N", PLANE_LAW),
+    "linear": ("ShellThickElement3D4N", SHELL_LAW),
 }
 MOVES = (kratos.DISPLACEMENT_X, kratos.DISPLACEMENT_Y, kratos.DISPLACEMENT_Z)
 TURNS = (kratos.ROTATION_X, kratos.ROTATION_Y, kratos.ROTATION_Z)
@@ -110,6 +115,29 @@ def _cantilever(n1: int, n2: int) -> Shell:
     )
 
 
+def _of_scene(each: LinearShell, mesh: str) -> Shell:
+    """The middle surface, supports and dead forces of a scene of quadrilaterals with one isotropic ply."""
+    entry, request = complete(each.scene, each.settings, mesh, measure="linear")
+    model = entry.build(request)
+    assert isinstance(model, StaticModel)
+    body, ply = model.shell.discretisation, model.shell.discretisation.laminate.plies[0]
+    frame, held = body.surface.frame(*body.grid.nodes.T), body.map.held.reshape(-1, 3, 2)
+    assert model.shell.forces is not None
+    assert np.array_equal(frame, np.broadcast_to(np.eye(3), frame.shape))
+    both, nodal = np.asarray(held.all(axis=2)), body.map.placed(model.shell.forces).reshape(-1, 3, 2).sum(axis=2)
+    clamped = both.all(axis=1)
+    middle = (body.map.held_middle | np.asarray(held.any(axis=2))) & ~both
+    return Shell(
+        np.mean(body.positions(), axis=0).reshape(*(n + 1 for n in request.mesh), 3),
+        *(ply.E_L, ply.nu_LT, body.laminate.thickness),
+        planes=tuple((np.flatnonzero(both[:, i] & ~clamped), i) for i in range(3)),
+        held=tuple((int(k), int(i)) for k, i in np.argwhere(middle)),
+        clamped=np.flatnonzero(clamped).tolist(),
+        forces=tuple((int(k), int(i), float(nodal[k, i])) for k, i in np.argwhere(nodal)),
+        read=lambda u: model.measure_at(model.shell, body.map.restrict(np.repeat(u, 2, axis=1)))[each.quantity],
+    )
+
+
 SHELLS = {"hemisphere": _hemisphere, "sze-pullout": _pull_out, "cantilever": _cantilever}
 
 
@@ -125,15 +153,24 @@ def fewest_steps(problem: str, kind: str, mesh: tuple[int, int]) -> int:
     return next((steps for steps in STEPS if np.isfinite(_solved(problem, kind, mesh, steps).value)), 0)
 
 
+def linear(each: LinearShell, mesh: str) -> Solved:
+    """One linear solve."""
+    return _of_patch(lambda: _of_scene(each, mesh), "linear", 1)
+
+
 def _solved(problem: str, kind: str, mesh: tuple[int, int], steps: int) -> Solved:
+    return _of_patch(lambda: SHELLS[problem](*mesh), kind, steps)
+
+
+def _of_patch(made: Callable[[], Shell], kind: str, steps: int) -> Solved:
     kratos.ParallelUtilities.SetNumThreads(1)
     kratos.Logger.GetDefaultOutput().SetSeverity(kratos.Logger.Severity.WARNING)
     begun = process_time()
-    patch = SHELLS[problem](*mesh)
+    patch = made()
     model = kratos.Model()
     part = _part(model, patch, kind)
     solver = python_linear_solver_factory.ConstructSolver(kratos.Parameters(LINEAR_SOLVER))
-    strategy = _newton(part, solver)
+    strategy = _once(part, solver) if kind == "linear" else _newton(part, solver)
     start, iterations, arrived = process_time() - begun, 0, True
     for step in range(1, steps + 1):
         arrived = arrived and _step(part, strategy, patch, step, steps)
@@ -173,7 +210,7 @@ def _part(model: Any, patch: Shell, kind: str) -> Any:
     for k in patch.clamped:
         for fixed in (*MOVES, *TURNS):
             nodes[k].Fix(fixed)
-    for number, (k, _, _) in enumerate(patch.forces, 1):
+    for number, k in enumerate(dict.fromkeys(k for k, _, _ in patch.forces), 1):
         part.CreateNewCondition("PointLoadCondition3D1N", number, [k + 1], wall)
     return part
 
@@ -198,6 +235,18 @@ def _newton(part: Any, solver: Any) -> Any:
     strategy = kratos.ResidualBasedNewtonRaphsonStrategy(
         *(part, scheme, settled, builder, ITERATIONS, reactions, new_unknowns, moving)
     )
+    strategy.SetEchoLevel(0)
+    strategy.Initialize()
+    strategy.Check()
+    return strategy
+
+
+def _once(part: Any, solver: Any) -> Any:
+    """One linear solve on nodes that stay."""
+    scheme = kratos.ResidualBasedIncrementalUpdateStaticScheme()
+    builder = kratos.ResidualBasedBlockBuilderAndSolver(solver)
+    reactions, new_unknowns, size_of_step, moving = False, False, False, False
+    strategy = kratos.ResidualBasedLinearStrategy(part, scheme, builder, reactions, new_unknowns, size_of_step, moving)
     strategy.SetEchoLevel(0)
     strategy.Initialize()
     strategy.Check()

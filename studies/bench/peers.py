@@ -20,7 +20,7 @@ import pandas as pd
 from contact.problem import Outcome
 from contact.solvers.sparse import factorise
 from studies.bench.costs import at_rest, shell_of
-from studies.bench.problems import DELTA_MM, Line, Solved, problems
+from studies.bench.problems import DELTA_MM, LINEAR_SHELLS, Line, Solved, problems
 from studies.bench.programs import Case
 from studies.output.stopwatch import timed
 from studies.output.terminal import columns
@@ -89,12 +89,15 @@ def _ngsolve() -> tuple[Line, ...]:
 
 
 def _kratos() -> tuple[Line, ...]:
-    from studies.bench.kratos_shells import shell
+    from studies.bench.kratos_shells import linear, shell
 
-    return tuple(
-        Line(problem, "kratos", kind, meshes, partial(shell, problem, kind))
-        for problem, meshes in KRATOS.items()
-        for kind in KINDS
+    return (
+        *(
+            Line(problem, "kratos", kind, meshes, partial(shell, problem, kind))
+            for problem, meshes in KRATOS.items()
+            for kind in KINDS
+        ),
+        *(Line(each.name, "kratos", KINDS[0], each.meshes, partial(linear, each)) for each in LINEAR_SHELLS),
     )
 
 
@@ -145,12 +148,24 @@ def lines() -> tuple[Line, ...]:
             for scene, quantity, meshes in shells
             for family, settings in families.items()
         ),
+        *(
+            Line(
+                each.name,
+                "footprint",
+                "default",
+                each.meshes,
+                partial(solved, each.scene, each.quantity, "auto", each.settings, measure="linear"),
+            )
+            for each in LINEAR_SHELLS
+        ),
     )
 
 
-def solved(scene: str, quantity: str, model: str, settings: Mapping[str, str], mesh: str) -> Solved:
+def solved(
+    scene: str, quantity: str, model: str, settings: Mapping[str, str], mesh: str, *, measure: str = "exact"
+) -> Solved:
     """The quantity at the last load.  The parts are shares of wall time, taken of the processor time."""
-    seconds, result = timed(lambda: solve(*complete(scene, settings, mesh, model=model)))
+    seconds, result = timed(lambda: solve(*complete(scene, settings, mesh, model=model, measure=measure)))
     value = float(result.steps[-1][quantity]) if result.outcome is Outcome.CONVERGED else math.nan
     parts = (seconds * result.timing[part] / result.timing["total"] for part in ("build", "assembly", "factorisation"))
     return Solved(value, int(result.counters["dofs"]), int(result.counters["newton_iterations"]), seconds, *parts)
@@ -202,7 +217,7 @@ def measured(
 def judged(table: pd.DataFrame) -> pd.DataFrame:
     """With the relative error of each value, and of the problem what it is compared by."""
     known = pd.DataFrame(map(vars, problems().values())).set_index("name")
-    found = table.join(known[["reference", "uncertainty", "within", "bar"]], on="problem")
+    found = table.join(known[["reference", "uncertainty", "within", "bar", "linear"]], on="problem")
     return found.assign(error=found["value"] / found["reference"] - 1)
 
 

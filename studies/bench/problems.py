@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 from studies.scenes.data import reference_rows
+from studies.scenes.references import closest
 
 DELTA_MM = 10.0
 SOLID, PLIES = "isotropic_tyre_3d_solid.csv", "bias_tyre_3d_solid.csv"
@@ -36,7 +38,7 @@ class Problem:
     """A quantity of a scene at its full load; its reference and the relative uncertainty of that, from ``source``.
 
     within: relative error at which costs are compared.  bar: how many times the seconds of the shells the best mesh of
-    a peer is to take there, nan without one.
+    a peer is to take there, nan without one.  linear: one solve of a linear shell, whose time is no matter.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Problem:
     uncertainty: float
     within: float
     bar: float = math.nan
+    linear: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,49 @@ class Line:
     family: str
     meshes: tuple[str, ...]
     solve: Callable[[str], Solved]
+
+
+@dataclass(frozen=True)
+class LinearShell:
+    """A quantity of a scene of quadrilaterals by the linear measure, on meshes from coarse to fine."""
+
+    scene: str
+    quantity: str
+    meshes: tuple[str, ...]
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """That of the problem."""
+        return ", ".join([self.scene, *self.settings.values()])
+
+    def problem(self) -> Problem:
+        """Raises LookupError without a reference."""
+        _, request = complete(self.scene, self.settings, self.meshes[0], measure="linear")
+        there = {**request.settings, "measure": "linear", "load_fraction": 1.0}
+        known = closest(self.scene, there, {self.quantity})
+        if self.quantity not in known:
+            raise LookupError(f"{self.name} has no reference of {self.quantity}")
+        reference = known[self.quantity]
+        return Problem(self.name, self.quantity, reference.value, reference.uncertainty, 0.01, linear=True)
+
+
+TIP, STRIP, SIX = "tip_deflection_mm", ("12x2", "24x4", "48x8", "96x16"), ("6x1", "12x2", "24x4", "48x8", "96x16")
+LINEAR_SHELLS = (
+    *(
+        LinearShell("twisted-beam", TIP, STRIP, {"h_mm": h, "load": load})
+        for h in ("0.32", "0.0032")
+        for load in ("in-plane", "out-of-plane")
+    ),
+    LinearShell("raasch-hook", TIP, ("14x4", "28x8", "56x16", "112x32")),
+    *(LinearShell("hypar", TIP, ("12x6", "24x12", "48x24", "96x48"), {"t_over_L": t}) for t in ("0.01", "0.001")),
+    LinearShell("morley-skew-plate", "w_bar", ("4x4", "8x8", "16x16", "32x32", "64x64")),
+    *(
+        LinearShell("slender-beam", TIP, SIX, {"load": load, "shape": shape})
+        for load in ("in-plane", "out-of-plane")
+        for shape in ("rectangle", "trapezoid", "parallelogram")
+    ),
+)
 
 
 def size(mesh: str) -> tuple[int, int]:
@@ -73,6 +119,7 @@ def problems() -> dict[str, Problem]:
         Problem("hemisphere", "inward_mm", *_published("hemisphere", "inward_mm", "read"), 0.01, 50.0),
         Problem("sze-pullout", "w_A_mm", *_published("sze-pullout", "w_A_mm", "read"), 0.01),
         Problem("cantilever", "tip_deflection_mm", *_published("cantilever", "tip_deflection_mm", "exact"), 0.01),
+        *(shell.problem() for shell in LINEAR_SHELLS),
     )
     return {problem.name: problem for problem in listed}
 

@@ -120,8 +120,10 @@ def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
     never = ("hemisphere", "kratos", "thin", "8x8", 486, 7.0, 50, 1.0, 0.1, 0.5, 0.2, 3, 5.0)
     columns = ["problem", "program", "family", "mesh", "unknowns", "value", "iterations", "seconds"]
     columns += ["start", "assembly", "factorisation", "runs", "units"]
-    measured = pd.DataFrame([shell, peer, never], columns=columns)
+    linear = [("hypar, 0.01", program, "one", "8x8", *shell[4:]) for program in ("footprint", "kratos")]
+    measured = pd.DataFrame([shell, peer, never, *linear], columns=columns)
     judged = measured.assign(within=0.01, bar=50.0, uncertainty=0.002, error=measured["value"] / 8.178 - 1)
+    judged["linear"] = judged["problem"] != "hemisphere"
     write_table(own_store / "tables" / "peers.csv", judged)
     assert "Time to an equal error" not in programs_page(load_store(own_store)).text  # not analysed yet
     analysed_again(own_store)
@@ -131,6 +133,8 @@ def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
     found = row(page.text, "| hemisphere | `kratos` | thick | 1 % |")
     assert found[4:] == ["20x20", "2646", "-0.34 %", "8.00", "40.0", "40.0", "+0.62 %"]
     assert row(page.text, "| hemisphere | `kratos` | thin | 1 % |")[4:10] == ["–"] * 6
+    assert row(page.text, "| hypar, 0.01 |") == ["hypar, 0.01", "8x8", "-0.95 %", "-0.95 %", "0.20 %"]
+    assert "hypar, 0.01, within" not in page.text
     with drawn() as figures:
         page.pictures["cost-peers.svg"]()
     (figure,) = figures

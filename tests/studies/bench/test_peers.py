@@ -11,7 +11,7 @@ import pytest
 
 from studies.bench import peers
 from studies.bench.peers import NODAL, lines, lines_of, measured, solved, unit_of
-from studies.bench.problems import Line, Solved, problems, size, solid_force
+from studies.bench.problems import LINEAR_SHELLS, Line, LinearShell, Solved, problems, size, solid_force
 from studies.cli import main
 
 
@@ -124,6 +124,18 @@ def test_kratos_bends_the_same_shells(problem: str, kind: str, mesh: str, within
     assert found.value == pytest.approx(problems()[problem].reference, rel=within)
     assert found.seconds >= found.factorisation > 0
     assert fewest_steps(problem, kind, size(mesh)) >= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("each", LINEAR_SHELLS, ids=lambda each: each.name)
+def test_kratos_agrees_on_linear_shells(each: LinearShell) -> None:
+    """On the finest mesh within what ours leaves there; supports, loads and walls are read off the scene."""
+    pytest.importorskip("KratosMultiphysics.StructuralMechanicsApplication")
+    pytest.importorskip("KratosMultiphysics.LinearSolversApplication")
+    from studies.bench.kratos_shells import linear
+
+    own = solved(each.scene, each.quantity, "auto", each.settings, each.meshes[-1], measure="linear").value
+    assert linear(each, each.meshes[-1]).value == pytest.approx(own, rel=0.03)
 
 
 def test_one_problem_may_be_chosen(
