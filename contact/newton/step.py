@@ -20,6 +20,7 @@ from contact.solvers.sparse import SingularMatrixError
 
 GAP_TOLERANCE = 1e-12  # relative to a large gap
 ROUNDING_MARGIN = 10.0
+SETTLED = 1e-3  # of all displacement: a step no longer than this leaves no rounding of its own
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
 
 
@@ -97,12 +98,16 @@ class NewtonRun(LinearSolves):
     def balanced(self, at: Iterate) -> bool:
         """True when the relative residual is within tolerance, or is rounding and does not matter.
 
-        What it still asks for is taken to be what the last step has moved.
+        What it still asks for is taken to be what the last step has moved. A long step brings the rounding of its own
+        way with it: after one a thin plate is 6e-8 from its place of rest, and the sum of its forces shows it.
         """
         if at.residual <= self.tolerance:
             share = at.push / at.scale if at.scale > 0 else 0.0
             return at.residual <= met(self.tolerance, share, _rounding(at)) or at.moved > 0.5 * at.moved_before
         size = float(norm(at.u, check_finite=False))
+        summed = np.sqrt(len(at.u)) * at.residual  # of nodes, at most
+        if summed > ROUNDING_ALONE and at.stepped is not None and at.moved > SETTLED * size and not self.stuck(at):
+            return False
         return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
 
     def known(self, at: Iterate, last: Iterate | None) -> Iterate | None:

@@ -150,6 +150,12 @@ def test_six_trapezoids_cannot_bend_in_their_plane() -> None:
         assert share("slender-beam", "6x1", shape=shape) == pytest.approx(expected, abs=1e-3)
 
 
+@pytest.mark.parametrize("mesh", ["16x16", "28x28"])
+def test_a_thin_plate_is_no_further_from_balance_than_the_judge_admits(mesh: str) -> None:
+    """After one step the sum of its forces is 1e-6 to 2e-6 of the load, of nodal forces within rounding."""
+    assert solved("morley-skew-plate", mesh, measure="linear").counters["newton_iterations"] == 2
+
+
 def test_straight_fibres_across_the_wall_stiffen_bending_in_its_plane(monkeypatch: pytest.MonkeyPatch) -> None:
     """By s = nu^2 G (h/b)^2/(E + (1 - nu^2) G (h/b)^2) of the flexibility, where the thinning of the wall gives way."""
 
