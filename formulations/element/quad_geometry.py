@@ -82,13 +82,15 @@ class QuadGeometry(ElementGeometry):
         side_Q, side_offset, side = on_sides(faces, X, sides, kinematics)
         h = faces.height
         bent = np.sum(mid_lines(faces.normal) * mid_lines(mid), axis=-1)  # k l^2
+        # a slope w' along xi1 leaves E11 = twist l2 w'/2 xi2, as curvature leaves k l w'/2 xi1 (strain_operator)
+        warped = np.einsum("r,erx,ex->e", [1.0, -1.0, 1.0, -1.0], mid, unit(faces.normal.sum(axis=1)))  # twist l1 l2
         return cls(
             Q=faces.from_nodes(Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_GAUSS * N_Q, N_DOF),
             rows=np.ones((len(X), 1, N_E)),
             weight=area,
             face_weight=face_area.sum(axis=1),
             director=np.kron(np.eye(3), [-1.0, 1.0]) / h.mean(),
-            relaxation=1.0 / (1.0 + (bent / h.mean(axis=1, keepdims=True)) ** 2),
+            relaxation=1.0 / (1.0 + (bent**2 + warped[:, None] ** 2) / h.mean(axis=1, keepdims=True) ** 2),
             value=shape_functions(GAUSS)[0][:, :, None, None] * turn_between(inner, faces.frame),
             kinematics=kinematics,
             interpolation="quads",

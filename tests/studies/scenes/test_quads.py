@@ -101,7 +101,7 @@ def test_that_solid_by_scikit_fem() -> None:
             assert f @ spsolve(K[free][:, free], f) == pytest.approx(known.value, rel=5e-4)
 
 
-@pytest.mark.parametrize(("load", "expected"), [("in-plane", 0.99984), ("out-of-plane", 0.99778)])
+@pytest.mark.parametrize(("load", "expected"), [("in-plane", 0.99987), ("out-of-plane", 0.99778)])
 def test_the_thin_strip_is_solved_through_its_rounding(load: str, expected: float) -> None:
     """Shares of the limit of S4; Kratos' thick quadrilaterals have 1.00008 and 0.99813 on this mesh."""
     result = solved("twisted-beam", "96x16", measure="linear", load=load, **THIN)
@@ -138,9 +138,9 @@ def test_the_thinnest_shells_lock_on_moved_nodes() -> None:
         given = {"load": load, **THIN}
         even = [share("twisted-beam", mesh, **given) for mesh in MESHES]
         lost = np.subtract(even, [share("twisted-beam", mesh, **given, **MOVED) for mesh in MESHES])
-        assert lost[0] > 0.15
-        assert 0.03 < lost[1] < 0.06
-        assert lost[2] < 0.01
+        assert 0.05 < lost[0] < 0.15
+        assert 0.02 < lost[1] < 0.03
+        assert lost[2] < 0.005
     assert share("hypar", "48x24", t_over_L="0.0001", **MOVED) < 0.9
 
 
