@@ -56,8 +56,9 @@ class Deck:
     nodes: positions.  normals: all that the deck has of a node.  elements: four nodes each.  degrees: held, by node.
     sections, section_of: those that differ, with their numbers, and that of an element.  thickness: of nodes.
     transforms, systems: axes of degrees and forces, and which of them a node has, the global ones where it has none.
-    moved: values of held degrees 1 to 3.  forces: (1, 2 or 3) and value by node.  pressures: by element, along its
-    normal.  seen: sets that loads or output requests name.  silent: keywords without effect, how often each.
+    moved: values of held degrees 1 to 3.  forces: degree and value by node, moments are 4, 5 and 6.  pressures: by
+    element, along its normal.  seen: sets that loads or output requests name.  silent: keywords without effect, how
+    often each.
     """
 
     path: Path

@@ -12,7 +12,6 @@ NAMED = {  # supports by name, as degrees of freedom
     "YSYMM": (2, 4, 6),
     "ZSYMM": (3, 4, 5),
 }
-ROTATIONS = (4, 5, 6)
 
 
 def boundary(deck: Deck, card: Card) -> None:
@@ -41,21 +40,19 @@ def boundary(deck: Deck, card: Card) -> None:
 
 
 def cload(deck: Deck, card: Card) -> None:
-    """Forces, one on a node along an axis."""
+    """Forces and moments, one on a node along or about an axis."""
     card.knows("OP")
     _checked(card)
     for row in card.rows:
         row.at_most(3)
         degree = row.whole(1)
-        if degree in ROTATIONS:
-            row.refuse(f"a moment, degree of freedom {degree}, is not understood: forces are, 1 to 3")
-        if degree > 3:
-            row.refuse(f"degree of freedom {degree}: understood are 1 to 3")
+        if degree > 6:
+            row.refuse(f"degree of freedom {degree}: understood are 1 to 6")
         word, value = row.text(0), row.real(2)
         for node in deck.members_of(row, word, deck.nodes, deck.node_sets, "node"):
             own = deck.forces.setdefault(node, {})
             if degree in own:
-                row.refuse(f"a second force on node {node} along {degree}: programs differ in whether they add up")
+                row.refuse(f"a second load on node {node}, degree {degree}: programs differ in whether they add up")
             own[degree] = value
         if named(word) in deck.node_sets:
             deck.see(named(word))

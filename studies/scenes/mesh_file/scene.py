@@ -12,10 +12,8 @@ import numpy as np
 
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.strain_operator import ElementGeometry
 from formulations.geometry.grid import QuadGrid
 from formulations.geometry.surfaces import NodalSurface
-from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -28,7 +26,7 @@ from studies.scenes.contact.base import OUTER
 from studies.scenes.element import centred_laminate
 from studies.scenes.mesh_file import pressed
 from studies.scenes.mesh_file.cuts import cut_in
-from studies.scenes.mesh_file.deck import Deck
+from studies.scenes.mesh_file.loads import forces_of, loads_of, moments_of
 from studies.scenes.mesh_file.pressed import BESIDE
 from studies.scenes.mesh_file.reading import read_deck
 from studies.scenes.mesh_file.supports import moved_of, planes_of, supports_of
@@ -40,17 +38,6 @@ DEAD, FOLLOWER = "dead", "follower"
 MOST_SETS = 8  # whose displacements are read off
 PARTS = 4  # of an element along each side, with which the error of the mesh is known
 LARGEST_CUT = 10_000  # elements of a mesh that is solved without being asked for
-
-
-@dataclass(frozen=True, eq=False)
-class PressureOnElements(Pressure):
-    """Pressure [MPa] that differs from element to element: value times ``shares`` (E,)."""
-
-    shares: np.ndarray = None  # type: ignore[assignment]  # behind fields with defaults
-
-    def weights(self, geometry: ElementGeometry) -> np.ndarray:
-        """Area times share that each Gauss point carries, (E, 4)."""
-        return super().weights(geometry) * self.shares[:, None]
 
 
 class DeckScene:
@@ -125,32 +112,15 @@ class DeckScene:
             shell = Discretisation.build(surface, grid, laminates[0], *supported, ordered=True, walls=walls)
         except ValueError as error:
             raise UsageError(f"{mesh.file}: {error}") from None
-        loads = self._loads(deck, mesh, request.choice("pressure") == FOLLOWER)
-        reading = _Reading(shell, self.mesh.numbers, self._forces(mesh), self._sets())
+        height = np.full(len(mesh.numbers), laminates[0].thickness)
+        if walls is not None:
+            height = walls.at_nodes(mesh.elements, len(mesh.numbers))
+        loads = loads_of(deck, mesh, height, request.measure, follower=request.choice("pressure") == FOLLOWER)
+        reading = _Reading(shell, self.mesh.numbers, forces_of(self.deck, mesh), self._sets())
         return shell, reading, loads
 
     def _laminates(self, request: Request) -> list[Laminate]:
         return [centred_laminate(request, *plies) for plies in self.plies]
-
-    def _loads(self, deck: Deck, mesh: Mesh, follower: bool) -> Loads:
-        loads = Loads()
-        if self.deck.forces:
-            loads["forces"] = np.repeat(0.5 * mesh.along_axes(self._forces(mesh)), 2, axis=1)
-        if self.deck.pressures:
-            shares = np.array([self.deck.pressures.get(number, 0.0) for number in mesh.labels.tolist()])
-            loads["pressure"] = PressureOnElements(1.0, follower, shares=shares)
-        moved = moved_of(deck, mesh)
-        if moved.any():
-            loads["prescribed"] = np.repeat(moved, 2, axis=1)
-        return loads
-
-    def _forces(self, mesh: Mesh) -> np.ndarray:
-        """(N, 3) Cartesian."""
-        forces = np.zeros_like(mesh.middle)
-        for node, components in self.deck.forces.items():
-            for degree, value in components.items():
-                forces[mesh.at([node])] += value * mesh.axes[mesh.at([node]), degree - 1]
-        return forces
 
     def _sets(self) -> dict[str, np.ndarray]:
         """Sets that loads or output requests name, as far as they have elements; places in all meshes."""
@@ -175,9 +145,14 @@ class DeckScene:
         if deck.systems:
             yield f"axes of *TRANSFORM at {len(deck.systems)} nodes"
         yield "supports: " + ", ".join(f"degrees {kind} at {count} nodes" for kind, count in sorted(kinds.items()))
-        if deck.forces:
-            total = " ".join(f"{x + 0.0:.6g}" for x in self._forces(mesh).sum(axis=0))
-            yield f"forces on {len(deck.forces)} nodes, in all {total} N, dead, on these nodes however they are cut"
+        for loads, what, unit in (
+            (forces_of(self.deck, mesh), "forces", "N"),
+            (moments_of(self.deck, mesh), "moments", "N mm"),
+        ):
+            if loads.any():
+                total = " ".join(f"{x + 0.0:.6g}" for x in loads.sum(axis=0))
+                count = np.count_nonzero(loads.any(axis=1))
+                yield f"{what} on {count} nodes, in all {total} {unit}, dead, on these nodes however they are cut"
         moved = np.count_nonzero(moved_of(deck, mesh).any(axis=1))
         if moved:
             yield f"supports are moved at {moved} nodes, in one step unless --steps asks for more"

@@ -49,6 +49,23 @@ def test_without_nlgeom_the_measure_is_linear(tmp_path) -> None:
     assert answered(tmp_path, lines, "--no-error", "--measure", "exact")["quantities"]["u3_TIP_mm"] < 0.6 * tip
 
 
+def test_a_moment_at_the_end_bends_a_strip_to_a_circle(tmp_path, capsys) -> None:
+    """w = M L^2/(2 E I), of half a moment on both nodes; in axes of the nodes, too."""
+    lines = swapped(swapped(STRIP, "*STEP, NLGEOM", "*STEP"), "TIP, 3, 2.", "TIP, 5, -1.")
+    deflection = 2.0 * 10.0**2 / (2 * 1.2e6 * 0.1**3 / 12)
+    assert answered(tmp_path, lines, "--no-error")["quantities"]["u3_TIP_mm"] == pytest.approx(deflection, rel=1e-7)
+    assert "moments on 2 nodes, in all 0 -2 0 N mm" in capsys.readouterr().out
+    turned = swapped(lines, "TIP, 5, -1.", "TIP, 4, -1.")
+    turned = swapped(turned, "*NSET, NSET=ROOT", "*TRANSFORM, NSET=TIP", "0, 1, 0, -1, 0, 0", "*NSET, NSET=ROOT")
+    turned = [line for line in turned if line not in ("*NSET, NSET=TIP", "33, 34")]
+    turned = swapped(turned, "*TRANSFORM, NSET=TIP", "*NSET, NSET=TIP", "33, 34", "*TRANSFORM, NSET=TIP")
+    found = answered(tmp_path, turned, "--no-error")["quantities"]["u3_TIP_mm"]
+    assert found == pytest.approx(deflection, rel=1e-7)
+    assert "moments are understood with the measure linear alone" in refused(
+        tmp_path, capsys, swapped(STRIP, "TIP, 3, 2.", "TIP, 5, -1.")
+    )
+
+
 def roof_of(m: int) -> tuple[StaticModel, np.ndarray, list[str]]:
     """Scordelis-Lo with the supports that a deck can tell: u_x = u_y = 0 on the diaphragm, the director free.
 
@@ -218,8 +235,9 @@ PAIR = [*TWO, "*ELEMENT, TYPE=S4, ELSET=ALL", "1, 1, 2, 3, 4", "2, 2, 5, 6, 3", 
         ("*NSET, NSET=ROOT", ["*NSET, NSET=ROOT, GENERATE"], "there is no node"),
         ("0.1", ["-0.1"], "thickness = -0.1 must be a positive number"),
         ("1.2e6, 0.", ["1.2e6, 0.5"], "nu = 0.5 must lie in (-1, 0.5)"),
-        ("5, 3, 1.", ["5, 4, 1."], "a moment, degree of freedom 4, is not understood"),
-        ("5, 3, 1.", ["5, 3, 1.", "5, 3, 1."], "a second force on node 5"),
+        ("5, 3, 1.", ["5, 7, 1."], "degree of freedom 7: understood are 1 to 6"),
+        ("5, 3, 1.", ["5, 6, 1."], "the moment on node 5 turns about the normal (0, 0, 1)"),
+        ("5, 3, 1.", ["5, 3, 1.", "5, 3, 1."], "a second load on node 5, degree 3"),
         ("*CLOAD", ["*CLOAD, AMPLITUDE=A"], "*CLOAD has a parameter AMPLITUDE that is not understood"),
         ("*STATIC", ["*STATIC, RIKS"], "*STATIC has a parameter RIKS"),
         ("*STATIC", ["*FREQUENCY"], "*FREQUENCY is not understood"),
