@@ -10,6 +10,7 @@ from scipy.sparse.linalg import splu, spsolve
 from scipy.spatial.transform import Rotation
 
 from formulations.discretisation import Discretisation
+from formulations.element.mixed import MEMBRANES
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.strain_operator import GAUSS
 from formulations.geometry.distortion import DISTORTIONS, distorted
@@ -171,6 +172,31 @@ def test_modes_in_the_plane_leave_what_is_orthogonal_to_them(piece: str) -> None
     left, weight = taken[..., :6] - kept[..., :6], geometry.share[..., None] * [1, 1, 1, 1, 0.5, 0.5]
     assert np.abs(np.einsum("egi,egi,egi->e", left, weight, kept[..., :6])).max() < 1e-14
     assert np.abs(np.einsum("egi,egi,egim->em", left, weight, geometry.turn[:, :, :6])).max() < 1e-14
+
+
+@pytest.mark.parametrize("membrane", MEMBRANES)
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [[0, 0, 0], [1, 0, 0], [1.866, 0.5, 0], [0.866, 0.5, 0]],
+        [[0, 0, 0], [1, 0, 0], [0.55, 1, 0], [0.45, 1, 0]],
+        [[0, 0, 0], [1, 0.1, 0], [0.6, 0.6, 0], [0.1, 1, 0]],
+        [[0, 0, 0.3], [1, 0, -0.3], [1, 1, 0.3], [0, 1, -0.3]],
+    ],
+    ids=["rhomb of 30 degrees", "trapezoid", "kite", "warped"],
+)
+def test_only_rigid_motions_cost_an_element_nothing(corners: list[list[float]], membrane: str) -> None:
+    x = np.array(corners)
+    normals = np.tile(np.cross(x[2] - x[0], x[3] - x[1]), (4, 1))
+    surface = NodalSurface.of(x, normals / np.linalg.norm(normals[0]), np.tile(x[1] - x[0], (4, 1)))
+    grid, free = QuadGrid.over(np.arange(4)[None]), np.zeros((4, 6), bool)
+    body = Discretisation.build(
+        surface, grid, Laminate.single(Ply.isotropic(1.0, 0.3, 0.05)), free, interpolation="quads"
+    )
+    shell = ShellModel(body, MEASURES["linear"], membrane=membrane)
+    energies = np.linalg.eigvalsh(shell.linearise(np.zeros(24)).tangent.toarray())
+    assert np.abs(energies[:6]).max() < 1e-13
+    assert energies[6] > 5e-6
 
 
 def test_a_fibre_that_bends_along_a_side_of_a_parallelogram_is_a_mode() -> None:
