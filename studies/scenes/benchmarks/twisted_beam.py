@@ -3,8 +3,8 @@
 The targets 0.005424 and 0.001754 are those of beams, whose sections are rectangles: solids have 0.99990 and 1.0001 of
 them. A shell has its thickness along its normals, which lean by 4 degrees at the edges, so that its sections are
 thicker there: solids of its shape have 0.9977 and 0.9982, in plane and out of it. The limits here are 0.9975 and
-0.9964; a shear correction of 5/6 adds 0.0003, and 0.0017 of bending across the width are what :mod:`.slender_beam` says
-of straight fibres. Shells of h = 0.32 mm differ by 0.5 % among themselves. The limits of the thin strip here are
+0.9964; a shear correction of 5/6 adds 0.0003, and 0.0017 of bending across the width is what the slender beam loses to
+straight fibres, too. Shells of h = 0.32 mm differ by 0.5 % among themselves. The limits of the thin strip here are
 0.0052499 and 0.0012926; the usual targets, 0.005256 and 0.001294, are 0.12 and 0.11 % off them. Out of plane the limit
 of S4 is 0.2 % higher than this one, of which a force on the middle node alone explains 0.04 %; the shells of another
 program (Kratos' thick quadrilaterals) under the forces of this scene agree to 0.03 % on 96x16.
