@@ -83,7 +83,7 @@ class QuadGeometry(ElementGeometry):
         h = faces.height
         bent = np.sum(mid_lines(faces.normal) * mid_lines(mid), axis=-1)  # k l^2
         # a slope w' along xi1 leaves E11 = twist l2 w'/2 xi2, as curvature leaves k l w'/2 xi1 (strain_operator)
-        warped = np.einsum("r,erx,ex->e", [1.0, -1.0, 1.0, -1.0], mid, unit(faces.normal.sum(axis=1)))  # twist l1 l2
+        warped = np.einsum("r,erx,ex->e", CORNERS.prod(axis=1), mid, unit(faces.normal.sum(axis=1)))  # twist l1 l2
         return cls(
             Q=faces.from_nodes(Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_GAUSS * N_Q, N_DOF),
             rows=np.ones((len(X), 1, N_E)),
@@ -134,13 +134,13 @@ class QuadGeometry(ElementGeometry):
         element is stiffer for its modes, whatever the angle between its sides.
         """
         onto = np.zeros((len(self.weight), N_GAUSS, len(TAKEN), N_M))
-        for face in (0, 1):
-            rows = slice(face, len(PLANE), 2)
-            modes = [m for m, (_, row) in enumerate(MODE_ROWS) if row in PLANE[rows]]
-            A = self.turn[:, :, rows][..., modes]
-            weighted = self.share[..., None, None] * NORM[:, None] * A
-            normal = np.einsum("egim,egin->emn", A, weighted)
-            onto[:, :, rows, modes] = np.linalg.solve(normal[:, None], weighted.swapaxes(-1, -2)).swapaxes(-1, -2)
+        of_face = [[m for m, (_, row) in enumerate(MODE_ROWS) if row in PLANE[face::2]] for face in (0, 1)]
+        A = self.turn[:, :, : len(PLANE) : 2][..., of_face[0]]  # the same on both faces
+        weighted = self.share[..., None, None] * NORM[:, None] * A
+        normal = np.einsum("egim,egin->emn", A, weighted)
+        fitted = np.linalg.solve(normal[:, None], weighted.swapaxes(-1, -2)).swapaxes(-1, -2)
+        for face, modes in enumerate(of_face):
+            onto[:, :, face : len(PLANE) : 2, modes] = fitted
         for m in E33_MODES:
             r1, r2 = MODE_ROWS[m][0]
             onto[:, :, -1, m] = 3.0 ** (r1 + r2) * GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 / N_GAUSS
@@ -178,7 +178,7 @@ def _carried(frame: np.ndarray, centre: np.ndarray) -> np.ndarray:
 
 
 def _strains_along(base: np.ndarray) -> np.ndarray:
-    """Strains (11, 22, 2 12) of g_1 g_1, g_2 g_2 and the even part of g_1 g_2, of base vectors (..., 2, 2): columns."""
+    """Strains (11, 22, 2 12), columns, of g_1 g_1, g_2 g_2 and the symmetric part of g_1 g_2; base (..., 2, 2)."""
     a, b, c, d = base[..., 0, 0], base[..., 1, 0], base[..., 0, 1], base[..., 1, 1]  # g_1 = (a, b), g_2 = (c, d)
     rows = [[a * a, c * c, a * c], [b * b, d * d, b * d], [2 * a * b, 2 * c * d, a * d + b * c]]
     return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

@@ -52,7 +52,7 @@ def _beside(linear: pd.DataFrame) -> Iterator[dict[str, Any]]:
     for (problem, mesh), own in linear.groupby(["problem", "mesh"], sort=False):
         errors = dict(zip(own["program"], own["error"], strict=True))
         known = {"problem": problem, "mesh": mesh, "uncertainty": own["uncertainty"].iloc[0]}
-        yield known | {"ours": errors.get(OURS), "theirs": errors.get("kratos")}
+        yield known | {"ours": errors[OURS], "theirs": errors["kratos"]}
 
 
 def factors_said(factors: pd.DataFrame) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from typing import NamedTuple
 
 from studies.scenes import SCENES
@@ -110,6 +111,7 @@ def size(mesh: str) -> tuple[int, int]:
     return int(n1), int(n2)
 
 
+@cache
 def problems() -> dict[str, Problem]:
     """By name."""
     listed = (

@@ -17,11 +17,11 @@ from studies.scenes.statics import Loads
 ABOUT_NORMAL = 1e-6  # of a moment: a smaller part of it is rounding
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class PressureOnElements(Pressure):
     """Pressure [MPa] that differs from element to element: value times ``shares`` (E,)."""
 
-    shares: np.ndarray = None  # type: ignore[assignment]  # behind fields with defaults
+    shares: np.ndarray
 
     def weights(self, geometry: ElementGeometry) -> np.ndarray:
         """Area times share that each Gauss point carries, (E, 4)."""
