@@ -17,17 +17,23 @@ from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.quad_sampling import NodalFaces
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry, shape_functions
+from formulations.element.wall_geometry import WallGeometry
 from formulations.geometry.grid import CORNERS, Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import Surface, laminate_axes, normal
 from formulations.section.laminate import Laminate
+from formulations.section.sampling import BETWEEN_FACES, Sampling
 from formulations.section.walls import Walls
 from formulations.strains.quantities import FULL, N_V, Kinematics
 
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """Geometry on the grid, supports, and the sparse pattern; laminate: of the walls the first, where they differ."""
+    """Geometry on the grid, supports, and the sparse pattern; laminate: of the walls the first, where they differ.
+
+    dofs (E, 24 and more): displacements of the elements, those of the faces first.  surfaces: how many there are
+    through the wall; wall: what they need beside the geometry, None where there are the two faces alone.
+    """
 
     surface: Surface
     grid: Grid
@@ -40,6 +46,8 @@ class Discretisation:
     ordered: bool = False
     hangers: Hangers | None = None
     walls: Walls | None = None
+    surfaces: str = BETWEEN_FACES
+    wall: WallGeometry | None = field(default=None, repr=False)
 
     @classmethod
     def build(
@@ -55,13 +63,15 @@ class Discretisation:
         *,
         ordered: bool = False,
         walls: Walls | None = None,
+        surfaces: str = BETWEEN_FACES,
     ) -> Discretisation:
         """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
 
         ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`, or "quads", see
         :class:`QuadGeometry`, for meshes that follow no lines of curvature.  ``ordered``: number the unknowns by nested
         dissection, so that a factorisation may keep their order; else as the nodes are.  ``walls``: of quads, where
-        they differ; the laminate is the first of them.
+        they differ; the laminate is the first of them.  ``surfaces``: see :class:`Sampling`; raises ValueError where
+        quadrilaterals or hanging nodes know none inside the wall.
         """
         order = None
         if ordered:
@@ -70,18 +80,30 @@ class Discretisation:
             order = elimination_order(grid, followed, positions)
         hangers = Hangers.of(grid, surface, laminate, interpolation, fixed, hinged)
         carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
-        dof_map = DofMap.build(fixed, hinged, images, order, carried)
+        inside = () if surfaces == BETWEEN_FACES else Sampling.of(laminate, surfaces).inside
+        dof_map = DofMap.build(fixed, hinged, images, order, carried, inside)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
+        if inside:
+            places = np.arange(grid.n_nodes * len(inside) * 3).reshape(grid.n_nodes, len(inside), 3)
+            dofs = np.hstack([dofs, fixed.size + places[grid.elements].swapaxes(1, 2).reshape(len(dofs), -1)])
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
-        scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
+        scratch = (np.empty(dofs.shape), np.empty((*dofs.shape, dofs.shape[1])))
         geometry = _geometry(surface, grid, laminate, kinematics, interpolation, walls)
-        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered, hangers, walls)
+        parts = (surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
+        built = cls(*parts, ordered, hangers, walls, surfaces)
+        return replace(built, wall=built._wall())
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
         interpolation = self.geometry.interpolation
         geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, interpolation, self.walls)
-        return replace(self, geometry=geometry)
+        other = replace(self, geometry=geometry)
+        return replace(other, wall=other._wall())
+
+    def _wall(self) -> WallGeometry | None:
+        if self.surfaces == BETWEEN_FACES:
+            return None
+        return WallGeometry.of(self.surface, self.grid, Sampling.of(self.laminate, self.surfaces), self.geometry)
 
     def stiffness(self, section: str) -> np.ndarray:
         """D of the wall [N/mm], (11, 11), or at the Gauss points of each element (E, 4, 11, 11) where walls differ."""
@@ -131,6 +153,17 @@ class Discretisation:
         """The same for a linear measure: hanging nodes do not turn."""
         return self if self.hangers is None else replace(self, hangers=self.hangers.linearised())
 
+    def of_elements(self, u: np.ndarray, prescribed: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (E, 24 and more) of the elements."""
+        if self.wall is None:
+            return self.expand(u, prescribed).ravel()[self.dofs]
+        return self.map.everywhere(u, prescribed)[self.dofs]
+
+    def moved(self, du: np.ndarray) -> np.ndarray:
+        """What changes du of the unknowns are to the elements, (E, 24 and more), to first order."""
+        v = self.map.expand(du).ravel() if self.wall is None else self.map.everywhere(du)
+        return np.asarray(v[self.dofs])
+
     def expand(self, u: np.ndarray, prescribed: np.ndarray | None = None) -> np.ndarray:
         """All face displacements (N, 6) from the unknowns; held ones are zero, or ``prescribed`` (N, 6)."""
         if self.hangers is None and prescribed is None:
@@ -143,20 +176,30 @@ class Discretisation:
         return self.map.gather(forces)
 
     def gather(self, element_vectors: np.ndarray) -> np.ndarray:
-        """Sum element vectors (E, 24) into forces (n,) on the unknowns."""
+        """Sum element vectors, (E, 24) of the faces or whole ones, into forces (n,) on the unknowns."""
+        if element_vectors.shape[1] > N_DOF:
+            return self.map.gather(self._summed(element_vectors, len(self.map.number)))
         return self.map.gather(self.nodal(element_vectors))
 
     def nodal(self, element_vectors: np.ndarray) -> np.ndarray:
-        """Sum element vectors (E, 24) into nodal forces (N, 6), those on held displacements included."""
+        """Sum element vectors into nodal forces (N, 6), those on held displacements included.
+
+        Forces on surfaces inside the wall are shared by the faces, the more the closer they are.
+        """
+        if element_vectors.shape[1] > N_DOF:
+            return self.map.on_faces(self._summed(element_vectors, len(self.map.number)))
         return self.map.hand_on(self.on_nodes(element_vectors))
 
     def on_nodes(self, element_vectors: np.ndarray) -> np.ndarray:
         """Sum element vectors (E, 24) into nodal forces (N, 6), those on hanging nodes where they are."""
-        n = self.grid.n_nodes * N_V
-        return np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
+        return self._summed(element_vectors[:, :N_DOF], self.grid.n_nodes * N_V).reshape(-1, N_V)
+
+    def _summed(self, element_vectors: np.ndarray, n: int) -> np.ndarray:
+        dofs = self.dofs[:, : element_vectors.shape[1]]
+        return np.bincount(dofs.ravel(), weights=element_vectors.ravel(), minlength=n)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
-        """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
+        """Sum element matrices (E, 24 and more, 24 and more) into the CSC matrix of the unknowns."""
         return self.pattern.assemble(element_matrices)
 
     def displacement_operator(self, nodes: np.ndarray, face: int) -> sparse.csr_matrix:
@@ -165,7 +208,7 @@ class Discretisation:
         rows = np.broadcast_to(np.arange(3 * len(nodes)).reshape(-1, 1, 3), frame.shape)  # (m, i, x)
         dofs = N_V * nodes[:, None] + 2 * np.arange(3) + face
         columns = np.broadcast_to(dofs[:, :, None], frame.shape)
-        shape = (3 * len(nodes), self.grid.n_nodes * N_V)
+        shape = (3 * len(nodes), len(self.map.number))
         full = sparse.coo_matrix((frame.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
         return sparse.csr_matrix(full.tocsr() @ self.map.matrix())
 
@@ -175,6 +218,16 @@ class Discretisation:
         frame = self.surface.frame(self.grid.nodes[:, 0], self.grid.nodes[:, 1])
         inner, outer = (np.einsum("...i,...ij->...j", v[:, face::2], frame) for face in (0, 1))
         return inner, outer
+
+    def at_distance(self, u: np.ndarray, d: float, prescribed: np.ndarray | None = None) -> np.ndarray:
+        """Displacements (N, 3) in the local frames of the surface at the distance d from the reference surface."""
+        faces = self.expand(u, prescribed).reshape(-1, 3, 2)
+        if self.wall is None:
+            outer = (d - self.laminate.d_minus) / self.laminate.thickness
+            return np.asarray(faces @ [1 - outer, outer])
+        inside = self.map.everywhere(u, prescribed)[self.map.n_faces :].reshape(len(faces), -1, 3)
+        shares = self.wall.sampling.displaced(d)
+        return np.asarray(faces @ shares[[0, -1]] + np.einsum("s,nsi->ni", shares[1:-1], inside))
 
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
         """Cartesian reference positions (N, 3) of the inner and of the outer face."""

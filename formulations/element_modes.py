@@ -24,8 +24,9 @@ mixed elements under compression. No contact and no count of eigenvalues may ent
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy import sparse
@@ -95,6 +96,11 @@ class ElementModes:
     @cached_property
     def _shear(self) -> tuple[tuple[sparse.csr_matrix, sparse.csr_matrix, sparse.csr_matrix], ...]:
         return _shear_left_out(self.shell, self.u, 0), _shear_left_out(self.shell, self.u, 1)
+
+
+def element_modes(shell: ShellModel) -> Callable[[np.ndarray], ElementModes] | None:
+    """What elements leave out at a state; None where surfaces inside the wall have shears that are not looked at."""
+    return partial(ElementModes, shell) if shell.discretisation.wall is None else None
 
 
 def _hourglass(shell: ShellModel, u: np.ndarray) -> np.ndarray:

@@ -16,12 +16,14 @@ from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MixedElement
-from formulations.element.modes import N_M
 from formulations.element.quad_element import QuadElement
 from formulations.element.quad_geometry import QuadGeometry
+from formulations.element.sampling_element import SamplingElement
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
+from formulations.element.wall_modes import LINEAR, wall_law
 from formulations.loads.pressure import Couples, Pressure
+from formulations.section.laminate import PLANE, strain_rotation
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
 
@@ -60,6 +62,7 @@ class ShellModel:
     discretisation: Discretisation
     measure: StrainMeasure
     section: str = "constant-s33"
+    law: str = LINEAR
     newton: str = "mixed"
     pressure: Pressure | None = None
     forces: np.ndarray | None = None
@@ -68,7 +71,7 @@ class ShellModel:
     membrane: str = "compatible"
     couples: Couples | None = None
     prescribed: np.ndarray | None = None
-    _element: MixedElement = field(init=False, repr=False)
+    _element: MixedElement | SamplingElement = field(init=False, repr=False)
     _dead: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -82,15 +85,28 @@ class ShellModel:
             if np.any(self.prescribed[~(shell.map.held | shell.map.hinged)] != 0) or np.any(np.diff(midway) != 0):
                 raise ValueError("a prescribed displacement must be held, midway between the faces alike on both")
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
-        D = shell.laminate.stiffness(self.section)
-        element = MixedElement.build(self.measure, D, initial, self.thickness_strain, self.membrane)
-        if isinstance(shell.geometry, QuadGeometry):
-            own = shell.stiffness(self.section)
-            element = QuadElement.on(shell.geometry, element, own, initial, self.thickness_strain)
-        object.__setattr__(self, "_element", element)
+        object.__setattr__(self, "_element", self._built(self.discretisation, initial))
         if not np.any(self.measure.contract(np.zeros(N_Q), np.ones(N_E))):
             object.__setattr__(self, "discretisation", self.discretisation.linearised())
         object.__setattr__(self, "_dead", self._dead_contributions())
+
+    def _built(self, shell: Discretisation, initial: np.ndarray) -> MixedElement | SamplingElement:
+        options = (self.thickness_strain, self.membrane)
+        if shell.wall is not None:
+            law = wall_law(shell.wall.sampling, shell.wall.growth, self.law)
+            return SamplingElement.build(self.measure, shell.wall, law, initial, *options)
+        if self.law != LINEAR:
+            raise ValueError(f"law {self.law!r} needs surfaces inside the wall, where it is met at points")
+        element = MixedElement.build(self.measure, shell.laminate.stiffness(self.section), initial, *options)
+        if not isinstance(shell.geometry, QuadGeometry):
+            return element
+        own = shell.stiffness(self.section)
+        return QuadElement.on(shell.geometry, element, own, initial, self.thickness_strain)
+
+    @property
+    def powers(self) -> list[tuple[int, int]]:
+        """(r1, r2) of the mode of each mode strain."""
+        return self._element.powers
 
     @property
     def ordered(self) -> bool:
@@ -115,17 +131,19 @@ class ShellModel:
         v = self.displacements(u)
         shell = self.discretisation.at(v)
         force, tangent = shell.scratch
-        B = None if self.newton == "plain" else np.empty((len(force), N_M, N_DOF))  # remembered, so not in the scratch
-        H, external = self._integrate(v.ravel()[shell.dofs], memory, force, tangent, B)
+        mixed, element = self.newton == "mixed", self._element  # what is remembered cannot lie in the scratch
+        B = np.empty((len(force), element.n_modes, force.shape[1])) if mixed else None
+        C = element.slopes(len(force)) if mixed else None
+        H, external = self._integrate(self._element_vectors(u), memory, force, tangent, B, C)
         internal, outside = shell.gather(force), self._outside(shell, external)
         inside = internal if self.prescribed is None else shell.nodal(force)
         if shell.hangers is not None:
-            shell.hangers.stiffen(tangent, v, shell.on_nodes(force - self._loads(external)))
+            shell.hangers.stiffen(tangent, v, shell.on_nodes(_less(force, self._loads(external))))
         return Linearisation(
             residual=internal - outside,
             tangent=shell.assemble(tangent),
             scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
-            remember=lambda du: None if B is None else H + self._element.resultants(_along(B, shell, du)),
+            remember=lambda du: None if B is None else H + element.change(_along(B, shell, du), C),
         )
 
     @property
@@ -135,8 +153,8 @@ class ShellModel:
             return f"measure {self.measure.name} is not quadratic in the displacements"
         if self.discretisation.hangers is not None:
             return "hanging nodes turn with the edges that carry them"
-        if isinstance(self._element, QuadElement):
-            return "quadrilaterals have no series yet"
+        if not isinstance(self._element, MixedElement) or isinstance(self._element, QuadElement):
+            return "quadrilaterals and surfaces inside the wall have no series yet"
         if self.couples is not None or (self.pressure is not None and self.pressure.follower):
             return "the load follows the shell"
         return None
@@ -146,6 +164,7 @@ class ShellModel:
         if self.quadratic is not None:
             raise ValueError(self.quadratic)
         shell = self.discretisation
+        assert isinstance(self._element, MixedElement)
         return ShellSeries(shell, ElementSeries(self._element, shell.geometry, self._element_vectors(u), order))
 
     def residual(self, u: np.ndarray) -> np.ndarray:
@@ -166,14 +185,13 @@ class ShellModel:
     def energy(self, u: np.ndarray) -> float:
         """Strain energy minus the work of the dead loads [N mm]; the potential when D is symmetric and H0 zero."""
         strain_energy = self._element.energy(self.discretisation.geometry, self._element_vectors(u))
-        work = float(np.sum(self._dead * self._element_vectors(u)))
+        work = float(np.sum(self._dead * self._element_vectors(u)[:, : self._dead.shape[1]]))
         return strain_energy - (work if self.forces is None else work + float(self.forces @ u))
 
     @property
     def conservative(self) -> bool:
         """True when :meth:`energy` is the potential of the residual: D symmetric, dead loads, H0 zero."""
-        D = self.discretisation.stiffness(self.section)
-        symmetric = bool(np.max(np.abs(D - D.swapaxes(-1, -2))) <= 1e-12 * np.max(np.abs(D)))
+        symmetric = self.discretisation.wall is not None or _symmetric(self.discretisation.stiffness(self.section))
         follows = self.couples is not None or (self.pressure is not None and self.pressure.follower)
         return symmetric and not follows and (self.initial is None or not np.any(self.initial))
 
@@ -197,6 +215,24 @@ class ShellModel:
         """Means H (E, 11) [N/mm] over the elements, in the axes of the laminate."""
         return self._element.mean_resultants(self.discretisation.geometry, self.mode_strains(u))
 
+    def wall_stresses(self, u: np.ndarray, taken: np.ndarray) -> np.ndarray:
+        """Mean S (E, plies, k, 6) [MPa]: 11, 22, 12, 13, 23, 33 along the coordinates, with surfaces inside the wall.
+
+        taken (plies, k, T): the places, see :meth:`formulations.section.sampling.Sampling.taken`.
+        """
+        assert isinstance(self._element, SamplingElement)
+        return self._element.stresses(self.mode_strains(u), taken)
+
+    def ply_stresses(self, u: np.ndarray) -> np.ndarray:
+        """Mean S_LL, S_TT, S_LT [MPa] along and across the fibres on both sides of each ply, (E, plies, 2, 3)."""
+        shell = self.discretisation
+        if shell.wall is None:
+            return shell.stresses(self.mean_strains(u), self.section)
+        sides = np.array([shell.wall.sampling.taken(k, np.array(d)) for k, d in enumerate(shell.wall.sampling.ends)])
+        S = self.wall_stresses(u, sides)[..., :3]
+        turns = [np.linalg.inv(strain_rotation(ply.angle)[PLANE, PLANE]) for ply in shell.laminate.plies]
+        return np.einsum("epsi,pij->epsj", S, np.array(turns))
+
     def displacements(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6), the prescribed ones included."""
         return self.discretisation.expand(u, self.prescribed)
@@ -207,7 +243,7 @@ class ShellModel:
         A hinge midway between the faces acts on both alike. Nodal forces put on a support itself are not counted.
         """
         force, external = self.element_forces(u)
-        return self._reactions(self._at(u), force - self._loads(external))
+        return self._reactions(self._at(u), _less(force, self._loads(external)))
 
     def _reactions(self, shell: Discretisation, total: np.ndarray) -> np.ndarray:
         nodal = shell.nodal(total)
@@ -236,7 +272,7 @@ class ShellModel:
     def _outside_and_spurious(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         force, external = self.element_forces(u)
         loads, shell = self._loads(external), self._at(u)
-        nodal = shell.nodal(loads) + self._reactions(shell, force - loads)
+        nodal = shell.nodal(loads) + self._reactions(shell, _less(force, loads))
         if self.forces is not None:
             nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.map.placed(self.forces))
         return self._resultant(nodal), self._resultant(shell.nodal(force))
@@ -265,30 +301,32 @@ class ShellModel:
         force: np.ndarray,
         tangent: np.ndarray | None = None,
         mode_gradient: np.ndarray | None = None,
+        slopes: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """Resultants (E, 22), external forces that follow (or None); the rest is written, see MixedElement."""
         geometry = self.discretisation.geometry
         predicted = memory if isinstance(memory, np.ndarray) else None
-        resultants = self._element.integrate(geometry, v, predicted, force, tangent, mode_gradient)
+        resultants = self._element.integrate(geometry, v, predicted, force, tangent, mode_gradient, slopes)
         pressure = self.pressure if self.pressure is not None and self.pressure.follower else None
         if pressure is None and self.couples is None:
             return resultants, None
-        external = np.zeros_like(force)
+        external, v = np.zeros((len(force), N_DOF)), v[:, :N_DOF]
+        of_faces = None if tangent is None else tangent[:, :N_DOF, :N_DOF]
         if pressure is not None:
-            pressure.follower_force(geometry, v, external, tangent)
+            pressure.follower_force(geometry, v, external, of_faces)
         if self.couples is not None:
-            self.couples.follower_force(self.discretisation.grid, v, external, tangent)
+            self.couples.follower_force(self.discretisation.grid, v, external, of_faces)
         return resultants, external
 
     def _loads(self, external: np.ndarray | None) -> np.ndarray:
-        return self._dead if external is None else self._dead + external
+        return self._dead if external is None else _less(self._dead, -external)
 
     def _dead_contributions(self) -> np.ndarray:
         """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""
         geometry = self.discretisation.geometry
         constant = self._element.linear_initial_force(geometry)
         if self.pressure is not None and not self.pressure.follower:
-            constant = constant + self.pressure.dead_force(geometry)
+            constant[:, :N_DOF] += self.pressure.dead_force(geometry)
         return constant
 
     def strain_change(self, u: np.ndarray, du: np.ndarray) -> np.ndarray:
@@ -297,7 +335,7 @@ class ShellModel:
         return _along(B, self._at(u), du)
 
     def _element_vectors(self, u: np.ndarray) -> np.ndarray:
-        return self.displacements(u).ravel()[self.discretisation.dofs]
+        return self.discretisation.of_elements(u, self.prescribed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,9 +348,22 @@ class ShellSeries:
     def add(self, du: np.ndarray) -> np.ndarray:
         """R_{k+1} (n,) [N] once u_k (n,) is known: called with k = 1, 2, ... in turn."""
         shell = self.discretisation
-        return shell.gather(self.elements.add(shell.map.expand(du).ravel()[shell.dofs]))
+        return shell.gather(self.elements.add(shell.moved(du)))
+
+
+def _less(force: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """Forces on elements without loads, which may be of their faces alone, (E, 24)."""
+    if force.shape == loads.shape:
+        return np.asarray(force - loads)
+    left = force.copy()
+    left[:, : loads.shape[1]] -= loads
+    return left
+
+
+def _symmetric(D: np.ndarray) -> bool:
+    return bool(np.max(np.abs(D - D.swapaxes(-1, -2))) <= 1e-12 * np.max(np.abs(D)))
 
 
 def _along(B: np.ndarray, shell: Discretisation, du: np.ndarray) -> np.ndarray:
     """B dv (E, 22) of the displacements that the free ones du bring."""
-    return np.matmul(B, shell.map.expand(du).ravel()[shell.dofs][..., None])[..., 0]
+    return np.matmul(B, shell.moved(du)[..., None])[..., 0]

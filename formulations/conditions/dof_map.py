@@ -13,6 +13,8 @@ from scipy import sparse
 
 from formulations.strains.quantities import N_V, displacement_index
 
+MIDWAY = 1e-12  # of the wall, within which a surface lies midway between the faces
+
 
 @dataclass(frozen=True, eq=False)
 class Images:
@@ -35,6 +37,9 @@ class Images:
 class DofMap:
     """number (6N,): unknown of each face displacement, -1 where held; sign (6N,): +1 or -1, 0 where held.
 
+    inside: fractions of the wall at which further surfaces lie; their displacements (N, len(inside), 3) follow those of
+    the faces in number and sign. They are held where both faces are; at a hinge they are linear between the faces, as
+    on a plate that turns, with factors in the place of signs. What speaks of (N, 6) speaks of the faces alone.
     carried (6N, 6N): v = carried w of the displacements w that number and sign give; None where nothing is carried. Its
     rows are those of the identity but for the carried displacements, whose columns are empty; their sign is 0.
     """
@@ -42,6 +47,7 @@ class DofMap:
     number: np.ndarray
     sign: np.ndarray
     carried: sparse.csr_matrix | None = None
+    inside: tuple[float, ...] = ()
 
     @classmethod
     def build(
@@ -51,6 +57,7 @@ class DofMap:
         images: Images | None = None,
         order: np.ndarray | None = None,
         carried: sparse.csr_matrix | None = None,
+        inside: tuple[float, ...] = (),
     ) -> DofMap:
         """``fixed`` (N, 6) bool: held at zero.  ``hinged`` (N, 3) bool: mid-surface components held, rotation free.
 
@@ -60,37 +67,39 @@ class DofMap:
         Raises ValueError when nothing is free, when a hinged component is also held on one face, or when an image
         follows an image.
         """
-        master = np.arange(fixed.size).reshape(fixed.shape)
-        sign = np.where(fixed, 0.0, 1.0)
+        n, m = len(fixed), len(inside)
+        flat = np.hstack([np.arange(fixed.size).reshape(n, -1), fixed.size + np.arange(3 * m * n).reshape(n, -1)])
+        both = fixed.reshape(n, 3, 2).all(axis=2)
+        master, sign = flat.copy(), np.where(np.hstack([fixed, np.tile(both, m)]), 0.0, 1.0)
         if hinged is not None:
             for i in range(3):
                 inner, outer = displacement_index(i, 0), displacement_index(i, 1)
                 nodes = np.flatnonzero(hinged[:, i])
                 if np.any(fixed[nodes][:, [inner, outer]]):
                     raise ValueError(f"component {i + 1} is hinged and held at the same node")
-                master[nodes, outer] = master[nodes, inner]
-                sign[nodes, outer] = -1.0
+                for column, z in ((outer, 1.0), *((N_V + 3 * j + i, z) for j, z in enumerate(inside))):
+                    master[nodes, column] = master[nodes, inner]
+                    sign[nodes, column] = 0.0 if abs(1 - 2 * z) < MIDWAY else 1 - 2 * z
         if images is not None:
             follows = images.nodes != images.of
             if np.isin(images.of[follows], images.nodes[follows]).any():
                 raise ValueError("an image follows an image")
-            signs = np.repeat(images.signs, 2, axis=1)
+            signs = np.hstack([np.repeat(images.signs, 2, axis=1), np.tile(images.signs, m)])
             sign[images.nodes] = np.where(
                 follows[:, None], signs * sign[images.of], np.where(signs < 0, 0.0, sign[images.nodes])
             )
             master[images.nodes] = master[images.of]
         if carried is not None:
-            sign.ravel()[np.bincount(carried.indices, minlength=fixed.size) == 0] = 0.0
-        own = (master.ravel() == np.arange(fixed.size)) & (sign.ravel() != 0)
+            sign[(np.bincount(carried.indices, minlength=fixed.size) == 0).reshape(sign.shape)] = 0.0
+        followed, signs = (np.append(each[:, :N_V], each[:, N_V:]) for each in (master, sign))
+        own = (followed == np.arange(flat.size)) & (signs != 0)
         if not own.any():
             raise ValueError("every displacement is held: nothing to solve")
-        nodes = np.arange(len(fixed)) if order is None else order
-        free = (N_V * nodes[:, None] + np.arange(N_V)).ravel()
+        free = (flat if order is None else flat[order]).ravel()
         free = free[own[free]]
-        unknown = np.full(fixed.size, -1)
+        unknown = np.full(flat.size, -1)
         unknown[free] = np.arange(len(free))
-        number = np.where(sign.ravel() != 0, unknown[master.ravel()], -1)
-        return cls(number, sign.ravel(), carried)
+        return cls(np.where(signs != 0, unknown[followed], -1), signs, carried, inside)
 
     @property
     def n(self) -> int:
@@ -98,14 +107,19 @@ class DofMap:
         return int(self.number.max()) + 1
 
     @property
+    def n_faces(self) -> int:
+        """6 N: how many of the displacements are those of the faces."""
+        return len(self.number) * N_V // (N_V + 3 * len(self.inside))
+
+    @property
     def held(self) -> np.ndarray:
         """(N, 6) bool: displacements held at zero, or at a prescribed value."""
-        return (self.sign == 0).reshape(-1, N_V)
+        return (self.sign[: self.n_faces] == 0).reshape(-1, N_V)
 
     @property
     def constrained(self) -> np.ndarray:
-        """(6N,) bool: the negative of an unknown, or carried by several."""
-        return self._several | (self.sign < 0)
+        """(6N,) bool: another multiple of an unknown than 1, or carried by several."""
+        return self._several | ((self.sign != 0) & (self.sign != 1))
 
     @property
     def _several(self) -> np.ndarray:
@@ -114,7 +128,7 @@ class DofMap:
     @property
     def hinged(self) -> np.ndarray:
         """(N, 6) bool: displacements of both faces of a component held midway between them."""
-        number, sign = self.number.reshape(-1, 3, 2), self.sign.reshape(-1, 3, 2)
+        number, sign = (each[: self.n_faces].reshape(-1, 3, 2) for each in (self.number, self.sign))
         opposite = (number[..., 0] == number[..., 1]) & (sign[..., 0] * sign[..., 1] < 0)
         return np.repeat(opposite, 2, axis=1)
 
@@ -158,19 +172,43 @@ class DofMap:
 
     def placed(self, forces: np.ndarray) -> np.ndarray:
         """Forces (n,) on the unknowns at the displacements (N, 6) that follow them, none at carried ones."""
-        return (self.sign * np.append(forces, 0.0)[self.number]).reshape(-1, N_V)
+        number, sign = self.number[: self.n_faces], self.sign[: self.n_faces]
+        return (sign * np.append(forces, 0.0)[number]).reshape(-1, N_V)
+
+    def everywhere(self, u: np.ndarray, prescribed: np.ndarray | None = None) -> np.ndarray:
+        """All displacements, flat, from the unknowns (n,); ``prescribed`` (N, 6) of the faces, between them linear."""
+        v = self.sign * np.append(u, 0.0)[self.number]
+        if prescribed is None:
+            return v
+        held = (self.sign[self.n_faces :] == 0).reshape(len(prescribed), len(self.inside), 3)
+        return v + np.append(prescribed, np.where(held, self.between(prescribed), 0.0))
+
+    def between(self, v: np.ndarray) -> np.ndarray:
+        """Displacements (N, len(inside), 3) of the surfaces inside, linear between those of the faces, (N, 6)."""
+        outer = np.array(self.inside)[:, None]
+        inner_face, outer_face = np.moveaxis(v.reshape(-1, 1, 3, 2), -1, 0)
+        return np.asarray((1 - outer) * inner_face + outer * outer_face)
+
+    def on_faces(self, forces: np.ndarray) -> np.ndarray:
+        """Forces (N, 6) that do the work of flat ones where displacements are linear between the faces."""
+        inside = forces[self.n_faces :].reshape(-1, len(self.inside), 3)
+        outer = np.array(self.inside)
+        shares = np.einsum("fj,nji->nif", np.stack([1 - outer, outer]), inside)
+        return np.asarray(forces[: self.n_faces].reshape(-1, N_V) + shares.reshape(-1, N_V))
 
     def restrict(self, full: np.ndarray) -> np.ndarray:
-        """The unknowns (n,) of displacements (N, 6) that obey the map, the inverse of :meth:`expand`."""
+        """The unknowns (n,) of displacements that obey the map, flat, or (N, 6) and linear between: undoes expand."""
+        if full.size < len(self.number):
+            full = np.append(full, self.between(full))
         u = np.zeros(self.n)
-        own = np.flatnonzero(self.number >= 0)
+        own = np.flatnonzero((self.number >= 0) & (np.abs(self.sign) == 1))
         u[self.number[own]] = self.sign[own] * full.ravel()[own]
         return u
 
     def gather(self, full: np.ndarray) -> np.ndarray:
-        """Generalised forces (n,) from forces on all face displacements, the transpose of :meth:`expand`."""
-        weights = self.sign * self.hand_on(full).ravel()
-        return np.bincount(self.number + 1, weights=weights, minlength=self.n + 1)[1:]
+        """Generalised forces (n,) from forces on all displacements, flat, or on the faces alone, (N, 6)."""
+        weights = self.sign[: full.size] * self.hand_on(full).ravel()
+        return np.bincount(self.number[: full.size] + 1, weights=weights, minlength=self.n + 1)[1:]
 
     def matrix(self) -> sparse.csr_matrix:
         """The map as a sparse matrix (6N, n); the places of its entries do not depend on the values of ``carried``."""

@@ -120,6 +120,16 @@ class MixedElement:
         projections = _projections(THICKNESS_STRAINS[thickness_strain])
         return cls(measure, through_thickness(measure), blocks, on_modes, *projections, membrane == "relaxed")
 
+    @property
+    def n_modes(self) -> int:
+        """Mode strains of an element."""
+        return N_M
+
+    @property
+    def powers(self) -> list[tuple[int, int]]:
+        """(r1, r2) of each."""
+        return [mode for mode, _ in MODE_ROWS]
+
     def mode_strains(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
         """Mode strains E (E, 22) of nodal displacements v (E, 24)."""
         self._spend(len(v), SAMPLED)
@@ -141,6 +151,14 @@ class MixedElement:
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """H = D E on the modes, (e, 22), of the elements of the part."""
         return strains @ self.mode_stiffness.T
+
+    def slopes(self, elements: int) -> np.ndarray | None:
+        """Room for what :meth:`change` needs of elements: nothing, the law is linear."""
+        return None
+
+    def change(self, strains: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
+        """dH (E, 22) of dE (E, 22)."""
+        return self.resultants(strains)
 
     def mean_resultants(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
         """Means H (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
@@ -175,6 +193,7 @@ class MixedElement:
         force: np.ndarray,
         tangent: np.ndarray | None = None,
         mode_gradient: np.ndarray | None = None,
+        slopes: np.ndarray | None = None,
     ) -> np.ndarray:
         """Resultants D E (E, 22) at v (E, 24); force, tangent and B = dE/dv are written into the arrays.
 

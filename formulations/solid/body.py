@@ -1,6 +1,6 @@
 """The 3D judge: the same body as a shell, meshed with triquadratic hexahedra between its two faces.
 
-Total Lagrangian with a law of :mod:`formulations.solid.laws` for each ply, Cartesian displacements, isoparametric
+Total Lagrangian with a law of :mod:`formulations.section.laws` for each ply, Cartesian displacements, isoparametric
 geometry (so every rigid motion is exact). It shares surfaces, plies and loads with the shell but no kinematic
 assumption; no shell element and no contact may enter here.
 """
@@ -18,8 +18,8 @@ from formulations.element.sparsity import Pattern
 from formulations.loads.pressure import Pressure
 from formulations.operations import product, spend
 from formulations.section.laminate import Laminate, Ply
+from formulations.section.laws import VOIGT, Law, StVenantKirchhoff, tensor
 from formulations.shell import Linearisation
-from formulations.solid.laws import VOIGT, Law, StVenantKirchhoff, tensor
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
 
 CHUNK = 16  # elements a pass

@@ -35,6 +35,8 @@ N_Q, N_E, N_V = len(QUANTITIES), len(STRAINS), len(DISPLACEMENTS)
 N_BETA = 3
 BETA = slice(N_Q - N_BETA, N_Q)  # beta1, beta2, beta3 in q
 E33 = STRAINS.index("E33")
+OF_SURFACE = tuple(range(0, BETA.start, 2))  # the quantities of one surface: those of the inner face
+STRAINS_OF_SURFACE = tuple(range(0, N_E, 2))  # E11, E22, 2E12, 2E13, 2E23, E33
 
 
 @dataclass(frozen=True)
@@ -67,25 +69,34 @@ def gradient_coefficients(
     """
     batch = geometry.A.shape[:-1]
     c0, c1, c2 = (np.zeros((*batch, N_Q, N_V)) for _ in range(3))
-    for a, derivative in ((0, c1), (1, c2)):
-        g = 1 - a
-        for face, d in enumerate((d_minus, d_plus)):
-            zeta = 1.0 + geometry.k[..., a] * (0.0 if kinematics.thin else d)
-            slope = 1.0 / (geometry.A[..., a] * zeta)
-            curvature = geometry.k[..., a] / zeta
-            bend = geometry.B[..., g] / zeta
-            lam, om, th = (6 * a + 2 * row + face for row in range(3))
-            v_a, v_g, v_3 = (displacement_index(i, face) for i in (a, g, 2))
-            derivative[..., lam, v_a] = slope
-            c0[..., lam, v_g] = bend
-            c0[..., lam, v_3] = curvature
-            derivative[..., om, v_g] = slope
-            c0[..., om, v_a] = -bend
-            derivative[..., th, v_3] = -slope
-            c0[..., th, v_a] = 0.0 if kinematics.shallow else curvature
+    for face, d in enumerate((d_minus, d_plus)):
+        for whole, own in zip((c0, c1, c2), surface_coefficients(geometry, d, kinematics), strict=True):
+            whole[..., face : BETA.start : 2, face::2] = own
     for i in range(3):
         for face, sign in enumerate((-1.0, 1.0)):
             c0[..., 12 + i, displacement_index(i, face)] = sign / (d_plus - d_minus)
+    return c0, c1, c2
+
+
+def surface_coefficients(
+    geometry: Geometry, d: float, kinematics: Kinematics = FULL
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """C0, C1, C2 (..., 6, 3) of l1, w1, t1, l2, w2, t2 on the surface at the distance d, from its displacement v."""
+    c0, c1, c2 = (np.zeros((*geometry.A.shape[:-1], len(OF_SURFACE), 3)) for _ in range(3))
+    for a, derivative in ((0, c1), (1, c2)):
+        g = 1 - a
+        zeta = 1.0 + geometry.k[..., a] * (0.0 if kinematics.thin else d)
+        slope = 1.0 / (geometry.A[..., a] * zeta)
+        curvature = geometry.k[..., a] / zeta
+        bend = geometry.B[..., g] / zeta
+        lam, om, th = range(3 * a, 3 * a + 3)
+        derivative[..., lam, a] = slope
+        c0[..., lam, g] = bend
+        c0[..., lam, 2] = curvature
+        derivative[..., om, g] = slope
+        c0[..., om, a] = -bend
+        derivative[..., th, 2] = -slope
+        c0[..., th, a] = 0.0 if kinematics.shallow else curvature
     return c0, c1, c2
 
 

@@ -1,8 +1,8 @@
 """Powers: of strains over small motions, of errors over epsilon and meshes, of laws of a material over the strain.
 
 A law that is linear in Green's strain has to first order S = E (e - k e^2): the strain of a membrane under a given load
-differs by k e of itself, k = 3 between St. Venant-Kirchhoff and Hencky (:mod:`formulations.solid.laws`). In bending the
-two sides of the wall cancel that. Errors of manufactured solutions are known: nothing has to be extrapolated.
+differs by k e of itself, k = 3 between St. Venant-Kirchhoff and Hencky (:mod:`formulations.section.laws`). In bending
+the two sides of the wall cancel that. Errors of manufactured solutions are known: nothing has to be extrapolated.
 """
 
 from __future__ import annotations

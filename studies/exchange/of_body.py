@@ -17,9 +17,9 @@ import numpy as np
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import TensorGrid
 from formulations.section.laminate import Laminate
+from formulations.section.laws import StVenantKirchhoff
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
-from formulations.solid.laws import StVenantKirchhoff
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import UsageError
 from studies.exchange.problem import INNER, ON_FACE, OUTER, Bricks, Supports, serendipity

@@ -134,7 +134,7 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     corners = discretisation.grid.elements
     turned = discretisation.left_handed()[:, None]
     corners = np.where(turned, corners[:, ::-1], corners)  # a hexahedron of positive volume
-    resultants, stresses = shell.mean_resultants(u), discretisation.stresses(shell.mean_strains(u), shell.section)
+    resultants, stresses = shell.mean_resultants(u), shell.ply_stresses(u)
     names = ["H_" + strain.lstrip("2").replace("E", "") for strain in STRAINS]
     plies = range(1, stresses.shape[1] + 1)
     names += [f"S_{part}{ply}{side}" for ply in plies for side in "-+" for part in ("LL", "TT", "LT")]

@@ -12,15 +12,18 @@ from formulations.conditions.dof_map import Images
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
 from formulations.element.quad_geometry import FoldedQuadError
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
+from formulations.element.wall_modes import LINEAR
 from formulations.geometry.distortion import DISTORTIONS, LARGEST, distorted
 from formulations.geometry.grid import Grid, QuadGrid, TensorGrid
 from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Surface
-from formulations.section.laminate import Laminate, Ply
-from formulations.strains.catalogue import MEASURES
+from formulations.section.laminate import SECTIONS, Laminate, Ply
+from formulations.section.laws import LAWS
+from formulations.section.sampling import BETWEEN_FACES, SURFACES
+from formulations.strains.catalogue import EXACT, MEASURES
 from formulations.strains.quantities import FULL, N_E
-from studies.ask.request import Request
+from studies.ask.request import Request, text_of
 from studies.ask.scene import Setting, UsageError
 
 PRESETS = {
@@ -40,6 +43,10 @@ OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
     ("membrane", MEMBRANES, "linear modes of the membrane strain"),
 )
 BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
+WALL = (
+    Setting.one_of("surfaces", SURFACES, None, "with displacements through the wall: in all, or a ply", otherwise="2"),
+    Setting.one_of("law", (LINEAR, *LAWS), None, "of the plies, with surfaces inside the wall", otherwise=LINEAR),
+)
 MOVED_NODES = (
     Setting(
         "distort", None, "how far nodes are moved, over the size of an element", low=0, high=LARGEST, otherwise="0"
@@ -49,9 +56,11 @@ MOVED_NODES = (
 ELEMENT = (
     Setting.one_of("element", ELEMENTS, "refined", BY_ONE_NAME, presets=ELEMENTS),
     *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
+    *WALL,
     *MOVED_NODES,
 )
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
+GREEN = EXACT.name
 Span = tuple[float, float]  # both ends of a coordinate
 
 
@@ -148,6 +157,36 @@ def on_grid(request: Request, surface: Surface, grid: Grid, laminate: Laminate, 
     return discretise(request, surface, grid, laminate, *Supports.of_edges(grid, *edges).masks)
 
 
+def check_wall(request: Request, laminate: Laminate) -> str:
+    """The surfaces through the wall; raises UsageError where other settings or the plies rule them, or the law, out."""
+    surfaces, law = (str(request.settings.get(each.key, each.otherwise)) for each in WALL)
+    if surfaces == BETWEEN_FACES:
+        if law != LINEAR:
+            raise UsageError(f"law = {law} is met at points through the wall: it needs surfaces = 3 or more")
+        return surfaces
+    for key, value, needed in (
+        ("interpolation", request.settings.get("interpolation"), ON_LINES),
+        ("section", request.settings.get("section"), (None, SECTIONS[0])),
+        ("shear_correction", request.settings.get("shear_correction"), (None, 1.0)),
+    ):
+        if value not in needed:
+            raise UsageError(f"surfaces = {surfaces}: {key} = {text_of(value)} is of two faces")
+    if request.leaves:
+        raise UsageError(f"surfaces = {surfaces}: there are none inside the wall of elements that meet hanging nodes")
+    if law == LINEAR:
+        return surfaces
+    if request.measure != GREEN:
+        raise UsageError(
+            f"law = {law} is a function of Green's strain: it needs measure {GREEN}, got {request.measure}"
+        )
+    try:
+        for ply in laminate.plies:
+            LAWS[law](ply)
+    except ValueError as error:
+        raise UsageError(f"law = {law}: {error}") from None
+    return surfaces
+
+
 def discretise(
     request: Request,
     surface: Surface,
@@ -172,8 +211,8 @@ def discretise(
     if interpolation == "isoparametric" and kinematics != FULL:
         whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
         raise UsageError(f"interpolation 'isoparametric' needs a measure with full gradients: one of {whole}")
-    options = (kinematics, interpolation, images)
+    options, surfaces = (kinematics, interpolation, images), check_wall(request, laminate)
     try:
-        return Discretisation.build(surface, grid, laminate, fixed, hinged, *options, ordered=True)
+        return Discretisation.build(surface, grid, laminate, fixed, hinged, *options, ordered=True, surfaces=surfaces)
     except FoldedQuadError as error:
         raise UsageError(f"mesh {request.mesh_text}: {error}") from None

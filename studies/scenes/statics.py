@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TypedDict, Unpack
 
 import numpy as np
@@ -12,7 +11,8 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
-from formulations.element_modes import ElementModes
+from formulations.element.wall_modes import LINEAR
+from formulations.element_modes import element_modes
 from formulations.geometry.grid import Grid
 from formulations.loads.lines import edge_lengths
 from formulations.loads.pressure import Couples, Pressure
@@ -110,6 +110,7 @@ def loaded_shell(
         forces=discretisation.reduce(loads["forces"]) if "forces" in loads else None,
         couples=loads.get("couples"),
         prescribed=loads.get("prescribed"),
+        law=str(request.settings.get("law", LINEAR)),
         thickness_strain=request.choice("thickness_strain"),
         membrane=request.choice("membrane"),
     )
@@ -122,7 +123,7 @@ def with_balances(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
         energy=shell.energy if shell.conservative else None,
         others=shell.left_to_foundation,
         residual=shell.residual,
-        element_modes=partial(ElementModes, shell),
+        element_modes=element_modes(shell),
     )
 
 

@@ -1,9 +1,10 @@
-"""Pagano's cross-ply plate [0/90/0], b = 3a, simply supported, under a sinusoidal pressure: the elasticity solution.
+"""Pagano's cross-ply plate [0/90/0], simply supported, under a sinusoidal pressure: the elasticity solution.
 
-The reference is three-dimensional and holds for every span-to-thickness ratio S = a/h. The shell has one director and
-no shear correction: its shear strain is constant through plies whose shear moduli differ by 2.5, so it is stiffer than
-the plate, and the more so the thicker the plate. Stresses: sigma_x from strain and S33 of the section's law, the
-transverse shears from the equilibrium of each ply, since a constant shear strain carries no local shear stress.
+The reference is three-dimensional and holds for every span-to-thickness ratio S = a/h. A shell of two faces has one
+director and no shear correction: its shear strain is constant through plies whose shear moduli differ by 2.5, so it is
+stiffer than the plate, and the more so the thicker the plate. Stresses: sigma_x from strain and S33 of the section's
+law, the transverse shears from the equilibrium of each ply, since a constant shear strain carries no local shear
+stress. With surfaces inside the wall all are those of the law, the shears by equilibrium as well.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import numpy as np
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
+from formulations.wall_stresses import S11, S13, S23, WallStresses
 from studies.ask.declarations import LINEAR, Ladder, ShellLimit, meshes
 from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
@@ -28,6 +30,13 @@ ANGLES = (0.0, np.pi / 2, 0.0)
 H = 1.0  # mm
 DEFLECTION = 1e-6  # w/(h w_bar): the load that gives it is small enough for every measure to be linear
 
+SQUARE = {  # b = a: S: (w, sigma_x, tau_xz, tau_yz)
+    4.0: (2.005911, 0.800840, 0.255902, 0.217181),
+    10.0: (0.753030, 0.590592, 0.357305, 0.122753),
+    20.0: (0.516388, 0.552389, 0.384602, 0.093771),
+    100.0: (0.434722, 0.539255, 0.394686, 0.082819),
+}
+
 COLUMNS = {"wbar": "w_bar", "sigma_x": "sigma_x_bar", "tau_xz": "tau_xz_bar", "tau_yz": "tau_yz_bar"}
 
 
@@ -39,10 +48,18 @@ def cross_plies(ratio: float = E_L / E_T) -> tuple[Ply, ...]:
 def _references() -> tuple[Reference, ...]:
     source = "Pagano, J. Compos. Mater. 4 (1970) 20, table 2, in the helper notebook of the package panels"
     rows: list[Row] = [
-        ({"S": row["S"], "E_ratio": E_L / E_T}, {quantity: row[column] for column, quantity in COLUMNS.items()})
+        (
+            {"S": row["S"], "E_ratio": E_L / E_T, "aspect": 3.0},
+            {quantity: row[column] for column, quantity in COLUMNS.items()},
+        )
         for row in reference_rows("pagano1970_sandwich_and_crossply.csv")
     ]
-    return references("read", source, 5e-3, rows)
+    square: list[Row] = [
+        ({"S": S, "E_ratio": E_L / E_T, "aspect": 1.0}, dict(zip(COLUMNS.values(), values, strict=True)))
+        for S, values in SQUARE.items()
+    ]
+    layerwise = "polynomials of each ply in a Fourier mode, which meet the table of Pagano (1970)"
+    return references("read", source, 5e-3, rows) + references("computed", layerwise, 1e-5, square)
 
 
 class Pagano:
@@ -53,6 +70,7 @@ class Pagano:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = (
         Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000),
+        Setting("aspect", 3.0, "width over span, b/a", low=0.1, high=10),
         Setting("E_ratio", E_L / E_T, "modulus along the fibres over that across them, 1 MPa", low=1, high=1e9),
         *SHELL_SETTINGS,
     )
@@ -62,6 +80,8 @@ class Pagano:
         "sigma_x_bar": "sigma_x/(q0 S^2) on the upper face at the middle of the plate",
         "tau_xz_bar": "tau_xz/(q0 S) in the middle plane at x = 0, y = b/2",
         "tau_yz_bar": "tau_yz/(q0 S) in the middle plane at x = a/2, y = 0",
+        "tau_xz_bar_equilibrium": "the same by equilibrium, with surfaces inside the wall",
+        "tau_yz_bar_equilibrium": "the same by equilibrium, with surfaces inside the wall",
     }
     ladders: tuple[Ladder, ...] = tuple(
         Ladder(LINEAR, meshes(8, 8), ("w_bar", "sigma_x_bar"), "linear", {"S": S}, name=f"pagano-S{S}")
@@ -72,7 +92,7 @@ class Pagano:
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face; the supports on x = 0 and y = 0 hold the edge's own plane."""
         S = request.number("S")
-        a, b = S * H, 3 * S * H
+        a, b = S * H, request.number("aspect") * S * H
         plies = cross_plies(request.number("E_ratio"))
         edges = ("hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
         quarter = patch(request, Plate(), (0, a / 2), (0, b / 2), centred_laminate(request, *plies), edges)
@@ -82,7 +102,30 @@ class Pagano:
             return q0 * (np.sin(np.pi * x / a) * np.sin(np.pi * y / b))[..., None] * [0.0, 0.0, 1.0]
 
         shell = loaded_shell(quarter, request, forces=area_load(quarter, pressure, shares=(0.0, 1.0)))
-        return StaticModel(shell, (1.0,), lambda shell, u: _normalised(shell, u, S, q0))
+        read = _normalised if shell.discretisation.wall is None else _through_the_wall
+        return StaticModel(shell, (1.0,), lambda shell, u: read(shell, u, S, q0))
+
+
+def _through_the_wall(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[str, float]:
+    """Pagano's numbers by the law of surfaces inside the wall, and the shears by equilibrium."""
+    grid = shell.discretisation.grid
+    (x0, y0), (x1, y1) = grid.nodes.min(axis=0), grid.nodes.max(axis=0)
+    corners = [grid.node_at(*point) for point in ((x1, y1), (x0, y1), (x1, y0))]
+    at_centre, at_x0, at_y0 = (int(np.flatnonzero((grid.elements == each).any(axis=1))[0]) for each in corners)
+    stresses = WallStresses.of(shell, u)
+    middle = len(stresses.d) // 2
+    shears = {
+        "tau_xz_bar": stresses.law[at_x0, middle, S13],
+        "tau_yz_bar": stresses.law[at_y0, middle, S23],
+        "tau_xz_bar_equilibrium": stresses.equilibrium[at_x0, middle, 0],
+        "tau_yz_bar_equilibrium": stresses.equilibrium[at_y0, middle, 1],
+    }
+    w = shell.discretisation.at_distance(u, 0.0)[corners[0], 2]
+    return {
+        "w_bar": float(100 * E_T * w / (q0 * H * S**4)),
+        "sigma_x_bar": float(stresses.law[at_centre, -1, S11] / (q0 * S**2)),
+        **{name: float(tau / (q0 * S)) for name, tau in shears.items()},
+    }
 
 
 def _normalised(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[str, float]:

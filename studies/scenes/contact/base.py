@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Self
 
@@ -21,7 +21,7 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.conditions.boundary import FACES
 from formulations.discretisation import Discretisation
-from formulations.element_modes import ElementModes
+from formulations.element_modes import element_modes
 from formulations.geometry.grid import graded_lines
 from formulations.shell import ShellModel
 from studies.ask.request import Request
@@ -113,7 +113,7 @@ class ContactModel(ShellSceneModel):
         """The shell and the foundation at a point of the path."""
         body = (self.body_at or self.shell.scaled)(t)
         problem = against(body.linearise, self.candidates, self.plane_at(t))
-        return replace(problem, ordered=body.ordered, element_modes=partial(ElementModes, body))
+        return replace(problem, ordered=body.ordered, element_modes=element_modes(body))
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)

@@ -15,8 +15,8 @@ import numpy as np
 
 from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactProblem, ContactSolution
+from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
-from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request

@@ -16,7 +16,7 @@ from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
-from formulations.element_modes import ElementModes
+from formulations.element_modes import element_modes
 from formulations.loads.lines import Traction, edge_force
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
@@ -142,7 +142,7 @@ class ManufacturedModel(ShellSceneModel):
         shell = carrying(self.shell, self.exact_at(t), self.loaded)
         problem = without_contact(shell.linearise, self.n_unknowns, ordered=shell.ordered)
         seen = replace(problem, others=shell.left_to_foundation, residual=shell.residual)
-        return replace(seen, element_modes=partial(ElementModes, shell))
+        return replace(seen, element_modes=element_modes(shell))
 
     def moved(self, t: float) -> Self:
         """With its held edges where they are at t."""

@@ -119,7 +119,7 @@ def disturbance(shell: ShellModel, part: Part, d: np.ndarray, inflated: np.ndarr
     K: tangent of the inflated shell, its tension included.
     """
     tangent = shell.element_contributions(inflated, None)[2]
-    v = shell.discretisation.expand(d).reshape(-1)[shell.discretisation.dofs]
+    v = shell.discretisation.of_elements(d)
     energy = 0.5 * np.einsum("ei,eij,ej->e", v, tangent, v)
     grid = part.grid
     middles, column = np.unique(np.round(grid.centre[:, 1], 12), return_inverse=True)

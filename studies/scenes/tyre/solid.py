@@ -16,8 +16,8 @@ import numpy as np
 from contact.obstacles.foundation import Candidates
 from contact.problem import ContactSolution
 from formulations.geometry.surfaces import torus
+from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
-from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request, Value

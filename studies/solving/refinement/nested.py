@@ -25,7 +25,6 @@ from contact.continuation.candidates import Start, Starts, none_known
 from contact.continuation.critical_points import State
 from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
-from formulations.element.modes import MODE_ROWS
 from formulations.geometry.transfer import Transfer
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage
@@ -39,7 +38,6 @@ from studies.solving.solve import solve, stages_of
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
 FAR = 0.5  # of a step, as far as which from its state a start is none
-POWERS = tuple(powers for powers, _ in MODE_ROWS)
 LINEAR = 1  # what jumps at the rim of a patch is interpolated without overshooting
 MOSTLY = 0.5  # of the nodes around, in contact
 
@@ -247,7 +245,7 @@ class Carrier:
         H = None
         if shell.newton == "mixed":
             change = shell.resultants(at[1].u) - was.resultants(before[1].u)
-            H = old.resultants(last.u) + self.transfer.modes(change, POWERS)
+            H = old.resultants(last.u) + self.transfer.modes(change, shell.powers)
         start = Start(u, at[1].pressure, at[1].active, H)
         return self._touching(visited, *at, start) if len(at[1].active) else start
 

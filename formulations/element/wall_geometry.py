@@ -1,0 +1,102 @@
+"""What an element with surfaces inside its wall needs of reference surface, grid and wall, beside ElementGeometry.
+
+No strain measure, no law and no load may enter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry, area_factor, shape_functions
+from formulations.geometry.grid import CORNERS, Grid
+from formulations.geometry.surfaces import Surface
+from formulations.section.sampling import Sampling
+from formulations.strains.quantities import N_BETA, OF_SURFACE, surface_coefficients
+
+N_SURFACE = N_DOF // 2  # displacements of one surface in an element: those of its corners, three each
+IDENTITY = (0, 3, 8)  # l1, l2 and beta3 of positions, less 1
+
+
+@dataclass(frozen=True, eq=False)
+class WallGeometry:
+    """own (E, T, 24, 12): l, w, t at the Gauss points on the surfaces where strains are taken, by their displacements.
+
+    value (1 or E, 12, 12): components of a displacement at the Gauss points from those of the nodes.  offset
+    (E, T, 4, 9): quantities of the interpolated positions, see :class:`ElementGeometry`; None on components.
+    area (E,): of the reference surface, by its value at the centre.  growth (E, 3): 1, k1 + k2 and k1 k2 there; with 1,
+    d and d^2 they add up to zeta_1 zeta_2, by which volumes grow at the distance d.
+    """
+
+    sampling: Sampling
+    own: np.ndarray
+    value: np.ndarray
+    offset: np.ndarray | None
+    area: np.ndarray
+    growth: np.ndarray
+
+    @classmethod
+    def of(cls, surface: Surface, grid: Grid, sampling: Sampling, geometry: ElementGeometry) -> WallGeometry:
+        """On lines of curvature; raises ValueError for quadrilaterals and hanging nodes."""
+        if geometry.interpolation == "quads":
+            raise ValueError("surfaces inside the wall need lines of curvature")
+        if grid.hanging is not None:
+            raise ValueError("surfaces inside the wall know no hanging nodes")
+        points, T = grid.points(GAUSS), len(sampling.strained)
+        at = surface.geometry(points[..., 0], points[..., 1])
+        value, slope = shape_functions(GAUSS)
+        slope = slope / grid.half[:, None, :, None]
+        own = np.empty((len(points), T, N_GAUSS, len(OF_SURFACE), 4, 3))
+        for t, d in enumerate(sampling.strained):
+            if geometry.interpolation == "curvilinear":
+                c0, c1, c2 = (c[..., None, :] for c in surface_coefficients(at, d, geometry.kinematics))
+                own[:, t] = c0 * value[:, None, :, None] + c1 * slope[:, :, None, 0, :, None]
+                own[:, t] += c2 * slope[:, :, None, 1, :, None]
+                continue
+            turn = geometry.value / value[:, :, None, None]
+            for a in (0, 1):
+                along = slope[:, :, a] / (at.A[..., a] * (1.0 + at.k[..., a] * d))[..., None]
+                for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
+                    own[:, t, :, 3 * a + row] = sign * along[..., None] * turn[:, :, :, i]
+        offset = None if geometry.offset is None else _offset(surface, grid, sampling, own, geometry.value)
+        centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
+        area = 4.0 * grid.half.prod(axis=-1) * area_factor(centre, 0.0)
+        k = np.zeros_like(centre.k) if geometry.kinematics.thin else centre.k
+        growth = np.stack([np.ones(len(k)), k.sum(axis=1), k.prod(axis=1)], axis=1)
+        by_surface = own.reshape(len(points), T, N_GAUSS * len(OF_SURFACE), N_SURFACE)
+        return cls(sampling, by_surface, _values(geometry.value), offset, area, growth)
+
+    @property
+    def n_dof(self) -> int:
+        """Displacements of an element."""
+        return N_SURFACE * len(self.sampling.at)
+
+    @property
+    def columns(self) -> list[slice]:
+        """Places of each surface in the element vector: first both faces, (4, 3, 2), then surface by surface inside."""
+        inside = [slice(start, start + N_SURFACE) for start in range(N_DOF, self.n_dof, N_SURFACE)]
+        return [slice(0, N_DOF, 2), *inside, slice(1, N_DOF, 2)]
+
+    def by_surface(self, v: np.ndarray) -> np.ndarray:
+        """(e, S, 12) of element vectors (e, 12 S)."""
+        return np.stack([v[:, columns] for columns in self.columns], axis=1)
+
+
+def _values(value: np.ndarray) -> np.ndarray:
+    """(1 or E, 12, 12) of (1 or E, Gauss, node, i, j)."""
+    return np.ascontiguousarray(value.swapaxes(2, 3)).reshape(len(value), N_GAUSS * N_BETA, N_SURFACE)
+
+
+def _offset(surface: Surface, grid: Grid, sampling: Sampling, own: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """(E, T, 4, 9) quantities of the interpolated positions of the surfaces, less those of the true ones."""
+    corners = np.moveaxis(grid.points(CORNERS), -1, 0)
+    x, frame = surface.position(*corners), surface.frame(*corners)
+    normal = np.einsum("egrij,erj->egi", value, np.broadcast_to([0.0, 0.0, 1.0], (*x.shape[:2], 3)))
+    offset = np.empty((*own.shape[:3], len(OF_SURFACE) + N_BETA))
+    for t, d in enumerate(sampling.strained):
+        local = np.einsum("erix,erx->eri", frame, x + d * frame[:, :, 2])
+        offset[:, t, :, :6] = np.einsum("egqri,eri->egq", own[:, t], local)
+        offset[:, t, :, 6:] = normal
+    offset[..., IDENTITY] -= 1.0
+    return offset

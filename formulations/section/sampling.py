@@ -1,0 +1,149 @@
+"""Surfaces inside a wall: at which distances displacements are unknown and strains are taken, and the law between them.
+
+Displacements are polynomials L^I(d) through the wall, or through each ply, of those of the surfaces I; strains are
+polynomials of those taken on the same surfaces, on both sides of one that two plies share, where the slope of the
+displacements jumps. Both faces are among the surfaces; those inside lie at Chebyshev points, which keep polynomials
+of any order well conditioned. No surface geometry and no element may enter here.
+Source: sampling surfaces, Kulikov, Plotnikova, ZAMM 92 (2012) 910-920 (recalled).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from formulations.section.laminate import Laminate
+
+BETWEEN_FACES = "2"
+SURFACES = (BETWEEN_FACES, "3", "5", "7", "2/ply", "3/ply", "4/ply")
+IN_VOIGT = (0, 1, 2, 4, 5, 3)  # E11, E22, 2E12, 2E13, 2E23, E33 among 11, 22, 12, 33, 13, 23
+
+
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """at (S,): distances of the surfaces with unknown displacements from the reference surface [mm], inner face first.
+
+    strained (T,): where strains are taken; on (T,): the surface that lies there; slope (T, S): dL^I/dd there [1/mm].
+    points, weights (K,) [mm]: for integrals through the wall, as many points a ply as surfaces, exact for the square of
+    a strain; ply (K,): of each; value (K, T): the strain at a point from those taken.
+    """
+
+    laminate: Laminate
+    at: np.ndarray
+    strained: np.ndarray
+    on: np.ndarray
+    slope: np.ndarray
+    points: np.ndarray
+    weights: np.ndarray
+    ply: np.ndarray
+    value: np.ndarray
+
+    @classmethod
+    def of(cls, laminate: Laminate, surfaces: str) -> Sampling:
+        """``surfaces``: of :data:`SURFACES`, how many there are, or how many a ply; raises ValueError for others."""
+        if surfaces not in SURFACES:
+            raise ValueError(f"surfaces {surfaces!r} is not one of {', '.join(SURFACES)}")
+        count, _, each = surfaces.partition("/")
+        n = int(count)
+        ends = laminate.d_minus + np.append(0.0, np.cumsum([ply.thickness for ply in laminate.plies]))
+        ends[-1] = laminate.d_plus
+        blocks = ends if each else ends[[0, -1]]
+        fraction = 0.5 * (1 - np.cos(np.pi * np.arange(n) / (n - 1)))
+        own = [low + (high - low) * fraction for low, high in pairwise(blocks)]
+        T, S = n * len(own), (n - 1) * len(own) + 1
+        on = np.concatenate([(n - 1) * b + np.arange(n) for b in range(len(own))])
+        slope = np.zeros((T, S))
+        for b, d in enumerate(own):
+            slope[n * b : n * (b + 1), (n - 1) * b : (n - 1) * (b + 1) + 1] = lagrange(d, d)[1]
+        unit, share = np.polynomial.legendre.leggauss(n)
+        points = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * unit for a, b in pairwise(ends)])
+        ply = np.repeat(np.arange(len(laminate.plies)), n)
+        value = np.zeros((len(points), T))
+        for b, d in enumerate(own):
+            inside = ply == b if each else slice(None)
+            value[inside, n * b : n * (b + 1)] = lagrange(d, points[inside])[0]
+        at = np.empty(S)
+        at[on] = np.concatenate(own)
+        weights = np.repeat(0.5 * np.diff(ends), n) * np.tile(share, len(laminate.plies))
+        return cls(laminate, at, np.concatenate(own), on, slope, points, weights, ply, value)
+
+    @property
+    def inside(self) -> tuple[float, ...]:
+        """Fractions of the wall at which the surfaces between the faces lie."""
+        return tuple((self.at[1:-1] - self.laminate.d_minus) / self.laminate.thickness)
+
+    @property
+    def ends(self) -> list[tuple[float, float]]:
+        """Distances of both sides of each ply."""
+        inner = self.laminate.d_minus + np.append(0.0, np.cumsum([ply.thickness for ply in self.laminate.plies]))
+        return list(pairwise(inner.tolist()))
+
+    def taken(self, ply: int, d: np.ndarray) -> np.ndarray:
+        """(k, T): the strain at distances d (k,) in a ply from those taken."""
+        T, plies = len(self.strained), len(self.laminate.plies)
+        own = slice(None) if len(self.at) == T else slice(ply * T // plies, (ply + 1) * T // plies)
+        found = np.zeros((len(d), T))
+        found[:, own] = lagrange(self.strained[own], d)[0]
+        return found
+
+    def displaced(self, d: float) -> np.ndarray:
+        """(S,): the displacement at the distance d from those of the surfaces."""
+        found = np.zeros(len(self.at))
+        inside = np.array([low <= d for low, _ in self.ends])
+        ply = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
+        n = len(self.strained) // len(self.laminate.plies)
+        own = slice(None) if len(self.strained) == len(self.at) else slice(ply * (n - 1), (ply + 1) * (n - 1) + 1)
+        found[own] = lagrange(self.at[own], np.array([d]))[0][0]
+        return found
+
+    @cached_property
+    def means(self) -> np.ndarray:
+        """(T,) weights of the mean through the wall of what is taken on the surfaces."""
+        return np.asarray(self.weights @ self.value / self.laminate.thickness)
+
+    @cached_property
+    def to_faces(self) -> np.ndarray:
+        """(2, T): N^-(d) and N^+(d), linear from face to face, at the surfaces where strains are taken."""
+        outer = (self.strained - self.laminate.d_minus) / self.laminate.thickness
+        return np.stack([1 - outer, outer])
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """b (plies, 6, 6) [MPa] of the plies, in the order E11, E22, 2E12, 2E13, 2E23, E33."""
+        return np.array([each.stiffness() for each in self.laminate.plies])[:, IN_VOIGT][:, :, IN_VOIGT]
+
+    @cached_property
+    def moments(self) -> np.ndarray:
+        """(3, T, 6, T, 6): sums over points of w d^m L^t L^t' b, m = 0, 1, 2, b the stiffness of their ply [N/mm]."""
+        weights = self.weights * self.points ** np.arange(3)[:, None]
+        return np.einsum(
+            "mk,kt,ks,kij->mtisj", weights, self.value, self.value, self.stiffness[self.ply], optimize=True
+        )
+
+    def linear_stress(self, resultants: np.ndarray) -> np.ndarray:
+        """Work (T, 6) of a stress that is linear through the wall on the strains taken, of its resultants (11,).
+
+        As of two faces: H^-+ of the strains of both faces, H33 of the mean of E33.
+        """
+        h = self.laminate.thickness
+        at_faces = np.linalg.solve(h / 6 * np.array([[2.0, 1.0], [1.0, 2.0]]), resultants[:10].reshape(5, 2).T)
+        outer = (self.points - self.laminate.d_minus) / h
+        stress = np.stack([1 - outer, outer], axis=-1) @ at_faces
+        stress = np.hstack([stress, np.full((len(outer), 1), resultants[10] / h)])
+        return np.asarray(self.value.T @ (self.weights[:, None] * stress))
+
+
+def lagrange(nodes: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values and derivatives (k, n) of the polynomials that are 1 on one of the nodes (n,) and 0 on the others."""
+    n = len(nodes)
+    value, slope = np.ones((len(at), n)), np.zeros((len(at), n))
+    for i in range(n):
+        for j in range(n):
+            if j != i:
+                step = 1 / (nodes[i] - nodes[j])
+                slope[:, i] = slope[:, i] * (at - nodes[j]) * step + value[:, i] * step
+                value[:, i] *= (at - nodes[j]) * step
+    return value, slope

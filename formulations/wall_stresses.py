@@ -1,0 +1,79 @@
+"""Stresses through the wall of a shell with surfaces inside it: by the law, and across the wall by equilibrium.
+
+The law gives all six from the strains of an element. Those across the wall, S13, S23 and S33, are small sums of large
+parts there, and jump from ply to ply where the surfaces are few; equilibrium gives them from the stresses in the plane,
+
+    S_a3(d) = - int (S_a1,1 + S_a2,2) dd,    S33(d) = S33(d-) - int (S13,1 + S23,2) dd
+
+from the inner face on, where S_a3 = 0 and S33 = -p. Both are printed side by side; where they agree either is good. For
+small displacements of a plate on a tensor grid; derivatives are differences between elements. Nothing is solved here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import cumulative_simpson
+
+from formulations.geometry.grid import TensorGrid
+from formulations.geometry.surfaces import Plate
+from formulations.shell import ShellModel
+
+POINTS = 9  # in a ply, both sides included
+S11, S22, S12, S13, S23, S33 = range(6)
+
+
+@dataclass(frozen=True, eq=False)
+class WallStresses:
+    """Means over the elements at distances d (P,) in the plies ply (P,), along the coordinates.
+
+    law (E, P, 6) [MPa]: 11, 22, 12, 13, 23, 33.  equilibrium (E, P, 3) [MPa]: 13, 23, 33.
+    """
+
+    d: np.ndarray
+    ply: np.ndarray
+    law: np.ndarray
+    equilibrium: np.ndarray
+
+    @classmethod
+    def of(cls, shell: ShellModel, u: np.ndarray, pressure: float = 0.0) -> WallStresses:
+        """At the displacements u; pressure [MPa]: on the inner face. Raises ValueError where the wall is not flat."""
+        discretisation = shell.discretisation
+        grid, wall = discretisation.grid, discretisation.wall
+        if wall is None:
+            raise ValueError("stresses through the wall need surfaces inside it")
+        if not isinstance(discretisation.surface, Plate) or not isinstance(grid, TensorGrid):
+            raise ValueError("equilibrium through the wall is that of a plate on a tensor grid")
+        sampling = wall.sampling
+        plies = len(sampling.laminate.plies)
+        inside = np.linspace(0.0, 1.0, POINTS)
+        d = np.array([low + inside * (high - low) for low, high in sampling.ends])
+        taken = np.array([sampling.taken(k, d[k]) for k in range(plies)])
+        law = shell.wall_stresses(u, taken).reshape(len(grid.elements), plies * POINTS, 6)
+        field = law.reshape(*(len(line) - 1 for line in grid.lines), plies, POINTS, 6)
+        centres = [0.5 * (line[1:] + line[:-1]) for line in grid.lines]
+        found = np.zeros((*field.shape[:-1], 3))
+        for a, row in ((0, (S11, S12)), (1, (S12, S22))):
+            found[..., a] = _through(_divergence(field[..., row[0]], field[..., row[1]], centres), d)
+        found[..., 2] = _through(_divergence(found[..., 0], found[..., 1], centres), d) - pressure
+        ply = np.repeat(np.arange(plies), POINTS)
+        return cls(d.ravel(), ply, law, found.reshape(len(law), -1, 3))
+
+
+def _divergence(first: np.ndarray, second: np.ndarray, centres: list[np.ndarray]) -> np.ndarray:
+    """first,1 + second,2 (n1, n2, ...) between elements; where there is one element, nothing varies."""
+    total = np.zeros_like(first)
+    for axis, (field, x) in enumerate(zip((first, second), centres, strict=True)):
+        if len(x) > 1:
+            total += np.asarray(np.gradient(field, x, axis=axis, edge_order=2 if len(x) > 2 else 1))
+    return total
+
+
+def _through(divergence: np.ndarray, d: np.ndarray) -> np.ndarray:
+    """- int of the divergence (..., plies, POINTS) from the inner face to the distances d (plies, POINTS)."""
+    found, start = np.empty_like(divergence), np.zeros(divergence.shape[:-2])
+    for ply, at in enumerate(d):
+        found[..., ply, :] = start[..., None] - cumulative_simpson(divergence[..., ply, :], x=at, initial=0.0)
+        start = found[..., ply, -1]
+    return found
