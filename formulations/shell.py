@@ -21,7 +21,7 @@ from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.sampling_element import SamplingElement
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
-from formulations.element.wall_modes import LINEAR, wall_law
+from formulations.element.wall_modes import LINEAR, WallLaw
 from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import PLANE, strain_rotation
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
@@ -93,7 +93,7 @@ class ShellModel:
     def _built(self, shell: Discretisation, initial: np.ndarray) -> MixedElement | SamplingElement:
         options = (self.thickness_strain, self.membrane)
         if shell.wall is not None:
-            law = wall_law(shell.wall.sampling, shell.wall.growth, self.law)
+            law = WallLaw.of(shell.wall.sampling, shell.wall.growth, self.law)
             return SamplingElement.build(self.measure, shell.wall, law, initial, *options)
         if self.law != LINEAR:
             raise ValueError(f"law {self.law!r} needs surfaces inside the wall, where it is met at points")

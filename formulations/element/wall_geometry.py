@@ -6,6 +6,7 @@ No strain measure, no law and no load may enter here.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,8 +26,8 @@ class WallGeometry:
 
     value (1 or E, 12, 12): components of a displacement at the Gauss points from those of the nodes.  offset
     (E, T, 4, 9): quantities of the interpolated positions, see :class:`ElementGeometry`; None on components.
-    area (E,): of the reference surface, by its value at the centre.  growth (E, 3): 1, k1 + k2 and k1 k2 there; with 1,
-    d and d^2 they add up to zeta_1 zeta_2, by which volumes grow at the distance d.
+    area (E,):
+    of the reference surface, by its value at the centre.  curvature (E, 2): k1 and k2 there, 0 where they are left out.
     """
 
     sampling: Sampling
@@ -34,7 +35,7 @@ class WallGeometry:
     value: np.ndarray
     offset: np.ndarray | None
     area: np.ndarray
-    growth: np.ndarray
+    curvature: np.ndarray
 
     @classmethod
     def of(cls, surface: Surface, grid: Grid, sampling: Sampling, geometry: ElementGeometry) -> WallGeometry:
@@ -63,9 +64,19 @@ class WallGeometry:
         centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
         area = 4.0 * grid.half.prod(axis=-1) * area_factor(centre, 0.0)
         k = np.zeros_like(centre.k) if geometry.kinematics.thin else centre.k
-        growth = np.stack([np.ones(len(k)), k.sum(axis=1), k.prod(axis=1)], axis=1)
         by_surface = own.reshape(len(points), T, N_GAUSS * len(OF_SURFACE), N_SURFACE)
-        return cls(sampling, by_surface, _values(geometry.value), offset, area, growth)
+        return cls(sampling, by_surface, _values(geometry.value), offset, area, k)
+
+    @property
+    def growth(self) -> np.ndarray:
+        """(E, 3): 1, k1 + k2 and k1 k2; times 1, d and d^2 they are zeta_1 zeta_2, by which volumes grow."""
+        k = self.curvature
+        return np.stack([np.ones(len(k)), k.sum(axis=1), k.prod(axis=1)], axis=1)
+
+    @cached_property
+    def stretch(self) -> np.ndarray:
+        """zeta_a (E, 2, T) of the surfaces where strains are taken."""
+        return np.asarray(1.0 + self.curvature[:, :, None] * self.sampling.strained)
 
     @property
     def n_dof(self) -> int:

@@ -1,12 +1,23 @@
 """The modes of an element with surfaces inside its wall, and the law from their strains to resultants.
 
-The strains of every surface lie on the modes xi1^r1 xi2^r2 of :mod:`formulations.element.modes`, mode by mode, then
-surface by surface. Resultants are weighted: H dE is the work an area of the reference surface::
+The strains of every surface lie on modes xi1^r1 xi2^r2, mode by mode, then surface by surface::
 
-    H^r_t = sum over g, k of w_k zeta_1 zeta_2 xi_g^r/4 L^t(d_k) S(E(xi_g, d_k))
+    00: all six     01: E11, 2E13, 2E23, E33     10: E22, 2E13, 2E23, E33     11: E33
 
-over the four Gauss points g and the points k through the wall. A linear law gives this in closed form, each mode by
-itself; any other is met at the points and couples the modes. No measure, no displacement and no load may enter here.
+Those are the modes of :mod:`formulations.element.modes` and, of 2E23 on 01 and 2E13 on 10, what differs from the mean
+through the wall. The mean would lock in bending; without the rest nothing but E_aa, which costs little where elements
+are long and surfaces close, would resist directors that alternate from node to node and from surface to surface.
+
+Resultants are weighted: H dE is the work an area of the reference surface. On 00 they are those of the law, met in the
+middle of the element at points k through the wall::
+
+    H_t = sum over k of w_k zeta_1 zeta_2 L^t(d_k) S(E(d_k))
+
+On the other modes, which vanish with the square of the element, H = D E with D of the law at rest, as of stresses that
+have no other components on that mode: E33 does not vary against strains that cannot vary with it, and nearly
+incompressible walls do not lock. A law thus costs a quarter of its points, and the modes are not coupled.
+
+No measure, no displacement and no load may enter here.
 """
 
 from __future__ import annotations
@@ -14,17 +25,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
-from formulations.element.strain_operator import GAUSS, N_GAUSS
+from formulations.element.strain_operator import GAUSS
 from formulations.geometry.grid import CORNERS
 from formulations.operations import product, spend
 from formulations.section.laws import LAWS, Law
 from formulations.section.sampling import IN_VOIGT, Sampling
 
-ROWS_OF_MODE = {(0, 0): (0, 1, 2, 3, 4, 5), (0, 1): (0, 3, 5), (1, 0): (1, 4, 5), (1, 1): (5,)}
+ROWS_OF_MODE = {(0, 0): (0, 1, 2, 3, 4, 5), (0, 1): (0, 3, 4, 5), (1, 0): (1, 3, 4, 5), (1, 1): (5,)}
 POWERS, ROWS = list(ROWS_OF_MODE), list(ROWS_OF_MODE.values())
 N_ROWS, N_OF_SURFACE = len(IN_VOIGT), sum(map(len, ROWS))
 FACTORS = np.array([3.0 ** (r1 + r2) for r1, r2 in POWERS])
@@ -34,13 +45,13 @@ LINEAR = "linear"
 
 
 def mode_slices(T: int) -> list[slice]:
-    """Where the modes of T surfaces lie among 13 T."""
+    """Where the modes of T surfaces lie among 15 T."""
     ends = np.cumsum([0, *(T * len(rows) for rows in ROWS)]).tolist()
     return [slice(start, end) for start, end in pairwise(ends)]
 
 
 def strains_at(strains: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Strains (e, p, T, 6) of mode strains (e, 13 T) at p points where the modes have the values ``at`` (4, p)."""
+    """Strains (e, p, T, 6) of mode strains (e, 15 T) at p points where the modes have the values ``at`` (4, p)."""
     T = strains.shape[1] // N_OF_SURFACE
     found = np.zeros((len(strains), at.shape[1], T, N_ROWS))
     for rows, values, block in zip(ROWS, at, mode_slices(T), strict=True):
@@ -52,12 +63,12 @@ def strains_at(strains: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """Derivative of resultants by strains: blocks (1 or e, n, n), a mode each, or one of all modes, (e, 13 T, 13 T)."""
+    """Derivative of resultants by strains: blocks (1 or e, n, n), a mode each."""
 
     blocks: tuple[np.ndarray, ...]
 
     def times(self, strains: np.ndarray) -> np.ndarray:
-        """(e, 13 T, j) of (e, 13 T, j)."""
+        """(e, 15 T, j) of (e, 15 T, j)."""
         found, start = np.empty_like(strains), 0
         for block in self.blocks:
             rows = slice(start, start + block.shape[-1])
@@ -66,51 +77,104 @@ class Stiffness:
         return found
 
 
-class WallLaw(Protocol):
-    """From the strains of elements on their modes to resultants; the elements are those of a part."""
+class PointsThrough(Protocol):
+    """H (e, 6 T) of uniform strains (e, 6 T), their derivative, and the energy an area, of the elements of a part."""
 
-    def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
-        """H (e, 13 T) [N/mm] of E (e, 13 T)."""
+    @property
+    def linear(self) -> bool:
+        """Whether the derivative is the same at all strains."""
 
-    def response(self, strains: np.ndarray, part: slice = ALL) -> tuple[np.ndarray, Stiffness]:
-        """H and dH/dE."""
+    def resultants(self, strains: np.ndarray, part: slice) -> np.ndarray:
+        """H [N/mm]."""
 
-    def energy(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
-        """(e,) an area [N/mm]."""
+    def response(self, strains: np.ndarray, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """H and dH/dE (1 or e, 6 T, 6 T)."""
+
+    def energy(self, strains: np.ndarray, part: slice) -> np.ndarray:
+        """(e,) [N/mm]."""
 
     def stresses(self, strains: np.ndarray) -> np.ndarray:
         """S (e, plies, ..., 6) [MPa] of strains (e, plies, ..., 6), E11, E22, 2E12, 2E13, 2E23, E33, in the plies."""
 
 
 @dataclass(frozen=True, eq=False)
+class WallLaw:
+    """uniform: the law on the mode 00; linear: stiffness (n, n) of each other mode."""
+
+    uniform: PointsThrough
+    linear: tuple[np.ndarray, ...]
+
+    @classmethod
+    def of(cls, sampling: Sampling, growth: np.ndarray, name: str = LINEAR) -> WallLaw:
+        """Of "linear", or one of :data:`LAWS` for every ply; growth (E, 3): of volumes by 1, d and d^2.
+
+        Raises ValueError for another name, and where a ply has no such law.
+        """
+        if name == LINEAR:
+            return cls(LinearLaw.of(sampling, growth), _linear_modes(sampling))
+        if name not in LAWS:
+            raise ValueError(f"law {name!r} is not one of {', '.join((LINEAR, *LAWS))}")
+        laws = tuple(LAWS[name](ply) for ply in sampling.laminate.plies)
+        return cls(PointLaw(sampling, laws, growth), _linear_modes(sampling))
+
+    def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+        """H (e, 15 T) [N/mm] of E (e, 15 T)."""
+        n = strains.shape[1] // N_OF_SURFACE * N_ROWS
+        rest = Stiffness(self.linear).times(strains[:, n:, None])[..., 0]
+        return np.hstack([self.uniform.resultants(strains[:, :n], part), rest])
+
+    def response(self, strains: np.ndarray, part: slice = ALL) -> tuple[np.ndarray, Stiffness]:
+        """H and dH/dE."""
+        n = strains.shape[1] // N_OF_SURFACE * N_ROWS
+        H, slope = self.uniform.response(strains[:, :n], part)
+        rest = Stiffness(self.linear).times(strains[:, n:, None])[..., 0]
+        return np.hstack([H, rest]), Stiffness((slope, *self.linear))
+
+    def energy(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+        """(e,) an area [N/mm]."""
+        n = strains.shape[1] // N_OF_SURFACE * N_ROWS
+        rest = strains[:, n:]
+        work = np.sum(rest * Stiffness(self.linear).times(rest[..., None])[..., 0], axis=1)
+        return np.asarray(self.uniform.energy(strains[:, :n], part) + 0.5 * work)
+
+
+def _linear_modes(sampling: Sampling) -> tuple[np.ndarray, ...]:
+    """D of the modes but 00, weighted: what is not of a mode is left free there, (C^-1 on its rows)^-1."""
+    T, moments, blocks = len(sampling.strained), sampling.moments[0], []
+    for rows, factor in zip(ROWS[1:], FACTORS[1:], strict=True):
+        free = [row for row in range(N_ROWS) if row not in rows]
+        pairs = ((rows, rows), (free, rows), (free, free))
+        own, coupled, other = (moments[:, list(i)][..., list(j)].reshape(T * len(i), -1) for i, j in pairs)
+        blocks.append((own - coupled.T @ np.linalg.solve(other, coupled)) / factor)
+    return tuple(blocks)
+
+
+@dataclass(frozen=True, eq=False)
 class LinearLaw:
-    """S = b E.  moments: of each mode, (3, n, n), by 1, d and d^2.  growth (1 or E, 3): of volumes by these."""
+    """S = b E.  moments (3, 6 T, 6 T): by 1, d and d^2.  growth (1 or E, 3): of volumes by these."""
 
     sampling: Sampling
-    moments: tuple[np.ndarray, ...]
+    moments: np.ndarray
     growth: np.ndarray
+    linear: ClassVar[bool] = True
 
     @classmethod
     def of(cls, sampling: Sampling, growth: np.ndarray) -> LinearLaw:
         """In every ply its own stiffness."""
-        blocks = []
-        for rows, factor in zip(ROWS, FACTORS, strict=True):
-            D = sampling.moments[:, :, rows][..., rows] / factor
-            blocks.append(D.reshape(3, D.shape[1] * len(rows), -1))
         alike = np.allclose(growth, growth[0], rtol=1e-13, atol=0)
-        return cls(sampling, tuple(blocks), growth[:1] if alike else growth)
+        n = N_ROWS * len(sampling.strained)
+        return cls(sampling, sampling.moments.reshape(3, n, n), growth[:1] if alike else growth)
 
-    def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+    def resultants(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """D E."""
         return self.response(strains, part)[0]
 
-    def response(self, strains: np.ndarray, part: slice = ALL) -> tuple[np.ndarray, Stiffness]:
+    def response(self, strains: np.ndarray, part: slice) -> tuple[np.ndarray, np.ndarray]:
         """D E and D."""
-        growth = self.growth if len(self.growth) == 1 else self.growth[part]
-        D = Stiffness(tuple(np.tensordot(growth, block, 1) for block in self.moments))
-        return D.times(strains[..., None])[..., 0], D
+        D = np.tensordot(self.growth if len(self.growth) == 1 else self.growth[part], self.moments, 1)
+        return np.matmul(D, strains[..., None])[..., 0], D
 
-    def energy(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+    def energy(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """1/2 E.D E."""
         return np.asarray(0.5 * np.sum(strains * self.resultants(strains, part), axis=-1))
 
@@ -121,40 +185,31 @@ class LinearLaw:
 
 @dataclass(frozen=True, eq=False)
 class PointLaw:
-    """Any law of each ply, at the Gauss points and at the points through the wall.  growth (E, 3): of volumes."""
+    """Any law of each ply, at the points through the wall.  growth (E, 3): of volumes by 1, d and d^2."""
 
     sampling: Sampling
     laws: tuple[Law, ...]
     growth: np.ndarray
+    linear: ClassVar[bool] = False
 
-    def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+    def resultants(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """Of the stresses."""
         return self._work(self._at_points(strains, part)[0])
 
-    def response(self, strains: np.ndarray, part: slice = ALL) -> tuple[np.ndarray, Stiffness]:
-        """All modes coupled; products of modes are modes, for xi^2 is 1/3 at every Gauss point."""
+    def response(self, strains: np.ndarray, part: slice) -> tuple[np.ndarray, np.ndarray]:
+        """Of the stresses and of dS/dE."""
         S, C = self._at_points(strains, part, tangent=True)
-        n, T = len(S), len(self.sampling.strained)
-        value = self.sampling.value
-        mean = np.einsum("rg,kt,ks->rtsgk", ON_GAUSS / N_GAUSS, value, value).reshape(len(POWERS) * T * T, -1)
-        spend(n * product(*mean.shape, N_ROWS**2))
-        sums = np.matmul(mean, C.reshape(n, -1, N_ROWS**2)).reshape(n, len(POWERS), T, T, N_ROWS, N_ROWS)
-        whole = np.empty((n, N_OF_SURFACE * T, N_OF_SURFACE * T))
-        blocks = list(zip(POWERS, ROWS, mode_slices(T), strict=True))
-        for one, rows, down in blocks:
-            for other, columns, across in blocks:
-                both = (one[0] + other[0]) % 2, (one[1] + other[1]) % 2
-                share = 3.0 ** -sum(a * b for a, b in zip(one, other, strict=True))
-                block = sums[:, POWERS.index(both)][..., rows, :][..., columns].swapaxes(2, 3)
-                whole[:, down, across] = share * block.reshape(n, T * len(rows), -1)
-        return self._work(S), Stiffness((whole,))
+        value, T = self.sampling.value, len(self.sampling.strained)
+        pairs = np.einsum("kt,ks->tsk", value, value).reshape(T * T, -1)
+        spend(len(S) * product(*pairs.shape, N_ROWS**2))
+        sums = np.matmul(pairs, C.reshape(len(S), -1, N_ROWS**2)).reshape(len(S), T, T, N_ROWS, N_ROWS)
+        return self._work(S), sums.swapaxes(2, 3).reshape(len(S), T * N_ROWS, -1)
 
-    def energy(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
+    def energy(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """Sum of W."""
-        E, weights, found = self._strains(strains), self._weights(part), np.zeros(len(strains))
-        for law, own in self._plies:
-            found += np.einsum("egk,ek->e", law.energy(E[:, :, own]), weights[:, own]) / N_GAUSS
-        return found
+        E, weights = self._strains(strains), self._weights(part)
+        parts = (np.sum(law.energy(E[:, own]) * weights[:, own], axis=1) for law, own in self._plies)
+        return np.asarray(sum(parts))
 
     def stresses(self, strains: np.ndarray) -> np.ndarray:
         """Of the strains there."""
@@ -173,36 +228,22 @@ class PointLaw:
         return np.asarray(self.growth[part] @ (self.sampling.weights * self.sampling.points ** np.arange(3)[:, None]))
 
     def _strains(self, strains: np.ndarray) -> np.ndarray:
-        """E (e, 4, K, 6) in the order of a ply's stiffness."""
-        found = np.empty((len(strains), N_GAUSS, len(self.sampling.points), N_ROWS))
-        found[..., IN_VOIGT] = np.matmul(self.sampling.value, strains_at(strains, ON_GAUSS))
+        """E (e, K, 6) in the order of a ply's stiffness."""
+        found = np.empty((len(strains), len(self.sampling.points), N_ROWS))
+        found[..., IN_VOIGT] = np.matmul(self.sampling.value, strains.reshape(len(strains), -1, N_ROWS))
         return found
 
     def _at_points(self, strains: np.ndarray, part: slice, *, tangent: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """Weighted S (e, 4, K, 6) and dS/dE (e, 4, K, 6, 6), the latter empty unless wanted."""
-        E, weights = self._strains(strains), self._weights(part)[:, None, :, None]
+        """Weighted S (e, K, 6) and dS/dE (e, K, 6, 6), the latter empty unless wanted."""
+        E, weights = self._strains(strains), self._weights(part)[..., None]
         S, C = np.empty_like(E), np.empty((*E.shape, N_ROWS) if tangent else 0)
         for law, own in self._plies:
-            stress, slope = law.response(E[:, :, own])
-            S[:, :, own] = weights[:, :, own] * stress[..., IN_VOIGT]
+            stress, slope = law.response(E[:, own])
+            S[:, own] = weights[:, own] * stress[..., IN_VOIGT]
             if tangent:
-                C[:, :, own] = weights[:, :, own, :, None] * slope[..., IN_VOIGT, :][..., IN_VOIGT]
+                C[:, own] = weights[:, own, :, None] * slope[..., IN_VOIGT, :][..., IN_VOIGT]
         return S, C
 
     def _work(self, S: np.ndarray) -> np.ndarray:
-        """H (e, 13 T) of weighted S (e, 4, K, 6)."""
-        on_surfaces = np.matmul(self.sampling.value.T, S).swapaxes(1, 2)  # (e, T, 4, 6)
-        means = [
-            np.matmul(at, on_surfaces[..., rows]).reshape(len(S), -1)
-            for rows, at in zip(ROWS, ON_GAUSS / N_GAUSS, strict=True)
-        ]
-        return np.hstack(means)
-
-
-def wall_law(sampling: Sampling, growth: np.ndarray, name: str) -> WallLaw:
-    """Of "linear", or one of :data:`LAWS` for every ply; raises ValueError for another, and where a ply has none."""
-    if name == LINEAR:
-        return LinearLaw.of(sampling, growth)
-    if name not in LAWS:
-        raise ValueError(f"law {name!r} is not one of {', '.join((LINEAR, *LAWS))}")
-    return PointLaw(sampling, tuple(LAWS[name](ply) for ply in sampling.laminate.plies), growth)
+        """H (e, 6 T) of weighted S (e, K, 6)."""
+        return np.matmul(self.sampling.value.T, S).reshape(len(S), -1)

@@ -187,6 +187,12 @@ def check_wall(request: Request, laminate: Laminate) -> str:
     return surfaces
 
 
+def two_faces(request: Request) -> None:
+    """Raises UsageError where surfaces inside the wall are asked for, of quadrilaterals."""
+    if str(request.settings.get("surfaces", BETWEEN_FACES)) != BETWEEN_FACES or "law" in request.settings:
+        raise UsageError(f"{request.scene} is of quadrilaterals: surfaces = 2, law = linear, and no others")
+
+
 def discretise(
     request: Request,
     surface: Surface,

@@ -21,7 +21,7 @@ from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, Value
 from studies.ask.scene import SOLVER, Setting, UsageError
-from studies.scenes.element import ELEMENT, LINES, even_grid
+from studies.scenes.element import ELEMENT, LINES, even_grid, two_faces
 from studies.scenes.statics import LOAD_FRACTION
 
 SHEAR = Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4)
@@ -73,6 +73,7 @@ class MappedShell:
         """
         if request.leaves:
             raise UsageError(f"{request.scene}: quadrilaterals have no hanging nodes, refine by --mesh")
+        two_faces(request)
         square = even_grid(request, (0.0, 1.0), (0.0, 1.0), closer)
         s, t = square.nodes.T
         middle = mapped(s, t)
