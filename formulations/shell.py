@@ -237,6 +237,14 @@ class ShellModel:
         """All face displacements (N, 6), the prescribed ones included."""
         return self.discretisation.expand(u, self.prescribed)
 
+    def nodal_displacements(self, u: np.ndarray) -> np.ndarray:
+        """The same, (N, 6 and more): those of surfaces inside the wall follow those of the faces."""
+        shell = self.discretisation
+        if shell.wall is None:
+            return self.displacements(u)
+        faces, inside = np.split(shell.map.everywhere(u, self.prescribed), [shell.map.n_faces])
+        return np.hstack([each.reshape(shell.grid.n_nodes, -1) for each in (faces, inside)])
+
     def reactions(self, u: np.ndarray) -> np.ndarray:
         """Forces (N, 6) of the supports on the shell in equilibrium at u [N], in the local frames; 0 where free.
 

@@ -205,6 +205,10 @@ class DofMap:
         u[self.number[own]] = self.sign[own] * full.ravel()[own]
         return u
 
+    def restrict_nodal(self, full: np.ndarray) -> np.ndarray:
+        """The same of displacements node by node, (N, 6 and more)."""
+        return self.restrict(np.append(full[:, :N_V], full[:, N_V:]))
+
     def gather(self, full: np.ndarray) -> np.ndarray:
         """Generalised forces (n,) from forces on all displacements, flat, or on the faces alone, (N, 6)."""
         weights = self.sign[: full.size] * self.hand_on(full).ravel()

@@ -24,11 +24,14 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "pressurised-cylinder": "studies.scenes.benchmarks.pressurised",
     "pressurised-sphere": "studies.scenes.benchmarks.pressurised",
     "pressurised-torus": "studies.scenes.benchmarks.pressurised",
+    "rubber-tube": "studies.scenes.benchmarks.rubber",
+    "rubber-sphere": "studies.scenes.benchmarks.rubber",
     # linear
     "scordelis-lo": "studies.scenes.benchmarks.scordelis_lo",
     "pinched-cylinder": "studies.scenes.benchmarks.pinched_cylinder",
     "free-hyperboloid": "studies.scenes.benchmarks.hyperboloid",
     "pagano": "studies.scenes.benchmarks.pagano",
+    "wrapped-cylinder": "studies.scenes.benchmarks.wrapped_cylinder",
     # on quadrilaterals that follow no lines of curvature
     "twisted-beam": "studies.scenes.benchmarks.twisted_beam",
     "raasch-hook": "studies.scenes.benchmarks.raasch_hook",

@@ -240,8 +240,8 @@ class Carrier:
             return None
         if shell.prescribed is not None and before[0] == 0.0 and np.any(last.u):
             return None  # a stage that begins with a guess, and not with a state
-        moved = shell.displacements(at[1].u) - was.displacements(before[1].u)
-        u = last.u + other.discretisation.map.restrict(self.transfer.nodal(moved))
+        moved = shell.nodal_displacements(at[1].u) - was.nodal_displacements(before[1].u)
+        u = last.u + other.discretisation.map.restrict_nodal(self.transfer.nodal(moved))
         H = None
         if shell.newton == "mixed":
             change = shell.resultants(at[1].u) - was.resultants(before[1].u)

@@ -1,0 +1,171 @@
+"""Thick rubber blown up, a tube of fixed length and a sphere, against closed forms for an incompressible wall.
+
+The inner face is moved outwards, and the pressure is read off the reactions: under a given pressure most of them have a
+limit point on the way. A wall that is compressible differs from the closed form by about mu/K; with nu = 0.4999 that is
+2e-4. Nothing varies along the surface: what a shell can miss is the wall, which a stretch of 2 thins to a third.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from contact.problem import ContactProblem, ContactSolution, Linearised
+from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
+from formulations.geometry.surfaces import Surface, cylinder, sphere
+from formulations.section.laminate import Laminate, Ply
+from formulations.section.laws import Ogden
+from formulations.shell import ShellModel
+from studies.ask.declarations import CLOSED, Ladder
+from studies.ask.request import Request
+from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.scenes.closed_forms.thick_walls import inflation_pressure
+from studies.scenes.data import Row, references
+from studies.scenes.element import ELEMENT, WALL, discretise, even_grid
+from studies.scenes.statics import StaticModel, loaded_shell
+
+MU, RADIUS = 1.0, 10.0  # MPa, mm: of the middle surface
+THICK, SOFT = 0.3, 0.4999  # h/R and nu, of the references
+SECTOR = np.pi / 12
+LARGEST = 2.0  # stretch of the inner face at load fraction 1
+STRETCHES = Setting.positive(
+    "load_fraction", (0.25, 0.5, 1.0), "stretches of the inner face less 1, over that at the end, 1", 2, kind="floats"
+)
+LAWS_OF_RUBBER = {"neo-hooke": ((1.0, 2.0),), "mooney-rivlin": Ogden.MOONEY, "ogden": Ogden.RUBBER}
+
+
+def terms_of(law: str) -> tuple[tuple[float, float], ...]:
+    """Ogden's terms of a law with the shear modulus MU."""
+    terms = LAWS_OF_RUBBER[law]
+    share = 2 * MU / sum(m * a for m, a in terms)
+    return tuple((share * m, a) for m, a in terms)
+
+
+def _references(*, of_sphere: bool) -> tuple[Reference, ...]:
+    inner, outer = RADIUS * (1 - THICK / 2), RADIUS * (1 + THICK / 2)
+    rows: list[Row] = []
+    for law in LAWS_OF_RUBBER:
+        for fraction in (0.25, 0.5, 1.0):
+            stretch = 1 + fraction * (LARGEST - 1)
+            p = inflation_pressure(terms_of(law), stretch, inner, outer, sphere=of_sphere)
+            at: dict[str, float | str] = {"law": law, "h_over_R": THICK, "nu": SOFT, "load_fraction": fraction}
+            rows.append((at, {"pressure_MPa": p}))
+    return references("exact", "incompressible wall in equilibrium, by an integral through it", 1e-3, rows)
+
+
+@dataclass(frozen=True)
+class Rubber:
+    """A sector whose edges slide in their planes and cones, its inner face moved along the normal."""
+
+    name: str
+    title: str
+    of_sphere: bool
+    references: tuple[Reference, ...]
+    default_mesh: tuple[int, int] = (2, 2)
+    settings: tuple[Setting, ...] = (
+        STRETCHES,
+        Setting("h_over_R", THICK, "thickness over the radius of the middle surface", low=1e-3, high=1),
+        Setting("nu", SOFT, "Poisson's ratio of the wall", low=0, high=0.5, open_high=True),
+        *ELEMENT[: -len(WALL) - 2],
+        replace(WALL[0], default="5", otherwise=""),
+        replace(WALL[1], default="neo-hooke", otherwise=""),
+        SOLVER,
+    )
+
+    @property
+    def quantities(self) -> Mapping[str, str]:
+        """What the reactions add up to."""
+        return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "deformed over reference thickness"}
+
+    @property
+    def ladders(self) -> tuple[Ladder, ...]:
+        """By the mesh, which matters on the sphere alone."""
+        return (Ladder(CLOSED, ("1x1", "2x2", "4x4", "8x8"), ("pressure_MPa",), settings={"load_fraction": "1"}),)
+
+    def build(self, request: Request) -> SceneModel:
+        """By displacements alone."""
+        h = RADIUS * request.number("h_over_R")
+        ply = Ply.isotropic(2 * MU * (1 + request.number("nu")), request.number("nu"), h)
+        surface: Surface = sphere(RADIUS) if self.of_sphere else cylinder(RADIUS)
+        grid = even_grid(request, (0.0, SECTOR if self.of_sphere else RADIUS * SECTOR), (0.0, SECTOR))
+        every = np.arange(grid.n_nodes)
+        supports = Supports.of_edges(grid, *["symmetric"] * 4).hold(every, (2,), ("inner",))
+        body = discretise(request, surface, grid, Laminate.single(ply), *supports.masks)
+        inner = RADIUS - h / 2
+        moved = np.zeros((grid.n_nodes, 6))
+        moved[:, 4] = (LARGEST - 1) * inner
+        area = body.nodal_areas("inner").sum()
+
+        def read(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+            v = shell.displacements(u)[:, 4:].mean(axis=0)
+            grown = (1 + v[0] / inner) ** (2 if self.of_sphere else 1)
+            force = shell.reactions(u)[:, 4].sum()
+            return {"pressure_MPa": float(force / (grown * area)), "thinning": float(1 + (v[1] - v[0]) / h)}
+
+        def start(fraction: float) -> np.ndarray:
+            """The unknowns of a wall that keeps its volume."""
+            at = RADIUS + _distances(body)
+            n = 3 if self.of_sphere else 2
+            grown = inner**n * ((1 + fraction * (LARGEST - 1)) ** n - 1)
+            v = np.zeros((grid.n_nodes, len(at), 3))
+            v[..., 2] = (at**n + grown) ** (1 / n) - at
+            return body.map.restrict(np.append(v[:, [0, -1]].swapaxes(1, 2), v[:, 1:-1]))
+
+        shell = loaded_shell(body, request, prescribed=moved)
+        return RubberModel(shell, request.numbers("load_fraction"), read, start)
+
+
+def _distances(body: Discretisation) -> np.ndarray:
+    """Of all surfaces from the middle one."""
+    laminate = body.laminate
+    return np.array([laminate.d_minus, laminate.d_plus]) if body.wall is None else body.wall.sampling.at
+
+
+@dataclass(frozen=True, eq=False)
+class RubberModel(StaticModel):
+    """Unknowns count from those of a wall that keeps its volume, ``start`` at a load fraction.
+
+    Were they to count from rest, a step of the inner face would first be one of the first layer of the wall alone.
+    """
+
+    start: Callable[[float], np.ndarray]
+
+    def problem_at(self, fraction: float) -> ContactProblem:
+        """The shell with its inner face moved by a fraction of the way."""
+        problem, from_here = super().problem_at(fraction), self.start(fraction)
+        energy, others, residual = problem.energy, problem.others, problem.residual
+        assert energy is not None
+        assert others is not None
+        assert residual is not None
+
+        def linearise(u: np.ndarray, memory: object = None) -> Linearised:
+            return problem.linearise(from_here + u, memory)
+
+        return replace(
+            problem,
+            linearise=linearise,
+            energy=lambda u: energy(from_here + u),
+            others=lambda u: others(from_here + u),
+            residual=lambda u: residual(from_here + u),
+        )
+
+    def moved(self, t: float) -> RubberModel:
+        """With its inner face where it is at a load fraction."""
+        return replace(self, shell=self.shell.scaled(t), fractions=(t,))
+
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """From rest."""
+        super().write_fields(path, replace(state, u=self.start(self.fractions[-1]) + state.u))
+
+    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
+        return self.measure_at(self.shell.scaled(fraction), self.start(fraction) + u)
+
+
+SCENES: tuple[Scene, ...] = (
+    Rubber("rubber-tube", "Thick rubber tube blown up", False, _references(of_sphere=False)),
+    Rubber("rubber-sphere", "Thick rubber sphere blown up", True, _references(of_sphere=True)),
+)
