@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,7 @@ TEXT = Template("shell-limits")
 DEFAULT = "default"
 PASSED = {"boundary_1": 0.01, "boundary_5": 0.05}
 SMALLEST = 1e-5  # of an error that is drawn
+SURFACES = "surfaces="
 PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")
 DRAWN = ("shell exact", "shell von-karman, ν = 0")
 LAW = "solid hencky"
@@ -39,7 +41,12 @@ def limits_page(store: Store) -> Part:
         **{"quickest": times.min(), "slowest": times.max(), "median": times.median(), "timed": times.count()},
         "doubtful": ", ".join(filled("{case}, {quantity}", doubtful)) or "none",
     }
-    parts = {"options": _options(headline), "law": law_part(store), "ring": ring_part(store)}
+    parts = {
+        "options": _options(headline),
+        "surfaces": _surfaces(headline),
+        "law": law_part(store),
+        "ring": ring_part(store),
+    }
     return TEXT("page", {"shell-limits.svg": errors(points, usual)}, **told, **parts)
 
 
@@ -79,11 +86,36 @@ def _boundary(at: float, row: dict) -> str:
 
 def _options(headline: pd.DataFrame) -> str:
     """The same boundary with other options of the shell."""
-    own = headline[~headline["variant"].str.startswith("solid")]
+    own = headline[~headline["variant"].str.startswith(("solid", SURFACES))]
     variants = [name for name in dict.fromkeys(own["variant"]) if name != DEFAULT]
     cases = (((case,), of_case) for case, of_case in own.groupby("case", sort=False))
     rows = by_name(cases, (DEFAULT, *variants), lambda row: _boundary(row["boundary_1"], row), "variant")
     return table("1 % is passed at, by option", ["scene", "usual", *variants], rows)
+
+
+def _surfaces(headline: pd.DataFrame) -> Part:
+    """How many surfaces a wall needs; nothing where none were tried."""
+    own = headline[headline["variant"].str.startswith((DEFAULT, SURFACES))]
+    counts = [name for name in dict.fromkeys(own["variant"]) if name != DEFAULT]
+    if not counts:
+        return Part()
+    heads = ["2", *(name.removeprefix(SURFACES) for name in counts)]
+
+    def rows(entry: Callable[[dict], object]) -> Iterator[list[object]]:
+        cases = (((case,), of_case) for case, of_case in own.groupby("case", sort=False))
+        return by_name(cases, (DEFAULT, *counts), entry, "variant")
+
+    passed = table("1 % is passed at", ["scene", *heads], rows(lambda row: _boundary(row["boundary_1"], row)))
+    thickest = table(
+        "Error of the thickest wall solved, and seconds of the solid over those of the shell (median over the walls)",
+        ["scene", *heads],
+        rows(lambda row: f"{row['at_thickest']:+.2%}, {digits(row['seconds_ratio'], 2)}"),
+    )
+    enough = [own[(own["variant"] == name) & (own["boundary_1"] == math.inf)]["case"] for name in (DEFAULT, *counts)]
+    told = [f"{name} in {len(cases)}" for name, cases in zip(heads, enough, strict=True)]
+    tried = [int((own["variant"] == name).sum()) for name in (DEFAULT, *counts)]
+    words = [f"{each} of {n}" for each, n in zip(told, tried, strict=True)]
+    return TEXT("surfaces", enough="; ".join(words), passed=passed, thickest=thickest)
 
 
 def ring_part(store: Store) -> Part:

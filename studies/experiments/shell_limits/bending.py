@@ -17,7 +17,15 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import LINEAR
-from studies.experiments.shell_limits.bodies import Answer, Solid, Variant, solved_shell, usual_shell
+from studies.experiments.shell_limits.bodies import (
+    Answer,
+    Solid,
+    Variant,
+    body_of,
+    end_forces,
+    solved_shell,
+    usual_shell,
+)
 from studies.scenes.benchmarks import pagano, scordelis_lo
 from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
 from studies.scenes.element import ShearCorrected, spaced_lines
@@ -53,8 +61,8 @@ def shell_of(
     variant: Variant,
     forces: Callable[[Discretisation], np.ndarray],
 ) -> tuple[np.ndarray, Discretisation]:
-    """Face displacements (N, 6) under ``forces``, (N, 6) in the local frames."""
-    body = Discretisation.build(surface, grid, laminate, *supports.masks, ordered=True)
+    """Unknowns (n,) under ``forces``, (N, 6) or flat, in the local frames."""
+    body = body_of(surface, grid, laminate, supports, variant)
     return solved_shell(usual_shell(body, LINEAR, variant.section, forces=forces(body))), body
 
 
@@ -62,18 +70,15 @@ def bar_shell(ratio: float, n: int, variant: Variant) -> Answer:
     """Quarter of a ring in plane strain, one end symmetric, a moment on the other."""
     h = ratio * R
     grid = Grid.tensor(STRIP, np.linspace(0.0, QUARTER, n + 1))
-    start, tip = grid.on_line(1, 0.0), grid.on_line(1, QUARTER)
+    start = grid.on_line(1, 0.0)
     supports = Supports.of_edges(grid, "symmetric", "symmetric", "symmetric", "free")
-    supports = supports.hinged(start, (INWARDS,))
+    supports = supports.hold(start, (INWARDS,), ("inner",))  # against moving as a whole
 
     def moment(body: Discretisation) -> np.ndarray:
-        forces = np.zeros((grid.n_nodes, 6))
-        nodes, shares = edge_shares(body, 1, QUARTER)
-        forces[nodes, 2], forces[nodes, 3] = -shares / h, shares / h
-        return forces
+        return end_forces(body, *edge_shares(body, 1, QUARTER), EDGEWISE, lambda d: 12 * d / h**3)
 
-    v, body = shell_of(cylinder(R), grid, wall(h, NU, variant), supports, variant, moment)
-    turn = float(np.mean(v[tip, 3] - v[tip, 2])) / h
+    u, body = shell_of(cylinder(R), grid, wall(h, NU, variant), supports, variant, moment)
+    turn = float(moment(body) @ body.map.everywhere(u))  # on which the moment of 1 does its work
     return Answer({"rotation": turn * _bending(h) / QUARTER}, body.n_free)
 
 
@@ -121,7 +126,8 @@ def oval_shell(ratio: float, n: int, variant: Variant) -> Answer:
 
         return area_load(body, density, shares=(0.0, 1.0))
 
-    v, body = shell_of(cylinder(R), grid, wall(h, NU, variant), supports, variant, pull)
+    u, body = shell_of(cylinder(R), grid, wall(h, NU, variant), supports, variant, pull)
+    v = body.expand(u)
     return Answer({"growth": float(v[grid.node_at(0.0, 0.0), 4:].mean()) * _oval_unit(h)}, body.n_free)
 
 
@@ -159,13 +165,10 @@ def beam_shell(ratio: float, n: int, variant: Variant) -> Answer:
     supports = Supports.of_edges(grid, "clamped", "free", "symmetric", "symmetric")
 
     def shear(body: Discretisation) -> np.ndarray:
-        forces = np.zeros((grid.n_nodes, 6))
-        nodes, shares = edge_shares(body, 0, SPAN)
-        forces[nodes, 4:] = shares[:, None] / 2
-        return forces
+        return end_forces(body, *edge_shares(body, 0, SPAN), INWARDS, lambda d: 1.5 / h * (1 - (2 * d / h) ** 2))
 
-    v, body = shell_of(Plate(), grid, wall(h, NU, variant), supports, variant, shear)
-    return Answer({"deflection": float(v[grid.on_line(0, SPAN), 4:].mean()) * _beam_unit(h)}, body.n_free)
+    u, body = shell_of(Plate(), grid, wall(h, NU, variant), supports, variant, shear)
+    return Answer({"deflection": float(shear(body) @ body.map.everywhere(u)) * _beam_unit(h)}, body.n_free)
 
 
 def beam_solid(ratio: float, n: int) -> Answer:
@@ -203,7 +206,8 @@ def roof_shell(ratio: float, n: int, variant: Variant) -> Answer:
     grid = Grid.tensor(*_roof_lines(n))
     supports = Supports.of_edges(grid, "hard-diaphragm", "symmetric", "symmetric", "free")
     weigh = partial(area_load, density=lambda a1, a2: _roof_weight(h) * h * DOWN)
-    v, body = shell_of(cylinder(ROOF), grid, wall(h, ROOF_NU, variant), supports, variant, weigh)
+    u, body = shell_of(cylinder(ROOF), grid, wall(h, ROOF_NU, variant), supports, variant, weigh)
+    v = body.expand(u)
     edge = grid.node_at(DIAPHRAGM, EDGE)
     frame = body.surface.frame(*grid.nodes[edge])
     return Answer({"edge deflection": float(DOWN @ (v[edge].reshape(3, 2).mean(axis=1) @ frame))}, body.n_free)
@@ -253,8 +257,9 @@ def plate_shell(ratio: float, n: int, variant: Variant) -> Answer:
     grid = Grid.tensor(np.linspace(0.0, a / 2, n + 1), np.linspace(0.0, 1.5 * a, n + 1))
     supports = Supports.of_edges(grid, "hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
     load = partial(area_load, density=lambda x, y: _bumps(x, y, a), shares=(0.0, 1.0))
-    v, body = shell_of(Plate(), grid, corrected(_plies(), variant), supports, variant, load)
-    return Answer({"w_bar": float(v[grid.node_at(a / 2, 1.5 * a), 4:].mean()) * _plate_unit(a)}, body.n_free)
+    u, body = shell_of(Plate(), grid, corrected(_plies(), variant), supports, variant, load)
+    w = body.at_distance(u, 0.0)[grid.node_at(a / 2, 1.5 * a), 2]
+    return Answer({"w_bar": float(w) * _plate_unit(a)}, body.n_free)
 
 
 def plate_solid(ratio: float, n: int) -> Answer:

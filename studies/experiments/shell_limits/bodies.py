@@ -14,10 +14,13 @@ import numpy as np
 from scipy import sparse
 
 from contact.solvers.sparse import factorise
+from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
+from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Surface
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import SECTIONS, Laminate
+from formulations.section.sampling import BETWEEN_FACES
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
@@ -25,6 +28,7 @@ from formulations.strains.measure import StrainMeasure
 from studies.scenes.element import PRESETS
 
 Field = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (position (..., 3), parameter (..., 3)) -> vector (..., 3)
+POINTS = 8  # of an integral through the wall
 REFINEMENTS = 2  # of a solution: thin walls are stiff across by (l/h)^4
 
 
@@ -41,18 +45,22 @@ DEFAULT = "default"
 
 @dataclass(frozen=True)
 class Variant:
-    """Options of the shell that may move its limit: the law through the thickness, the shear, the pressure's area."""
+    """Options of the shell that may move its limit; ``surfaces``: how many there are through the wall."""
 
     name: str = DEFAULT
     section: str = SECTIONS[0]
     shear_correction: float = 1.0
     area: str = "face"
+    surfaces: str = BETWEEN_FACES
 
 
 NONSYMMETRIC, FULL_3D = (Variant(f"section {name}", section=name) for name in SECTIONS[1:])
 REISSNER = Variant("shear correction 5/6", shear_correction=5 / 6)
 MIDDLE = Variant("pressure area mid", area="mid")
 USUAL = Variant()
+THREE, FIVE, TWO_A_PLY, THREE_A_PLY = (
+    Variant(f"surfaces={surfaces}", surfaces=surfaces) for surfaces in ("3", "5", "2/ply", "3/ply")
+)
 
 
 def solved(matrix: sparse.csc_matrix, load: np.ndarray, *, ordered: bool = False) -> np.ndarray:
@@ -62,6 +70,33 @@ def solved(matrix: sparse.csc_matrix, load: np.ndarray, *, ordered: bool = False
     for _ in range(REFINEMENTS):
         u = u + factor.solve(load - matrix @ u)
     return u
+
+
+def body_of(surface: Surface, grid: Grid, laminate: Laminate, supports: Supports, variant: Variant) -> Discretisation:
+    """A shell without loads."""
+    return Discretisation.build(surface, grid, laminate, *supports.masks, ordered=True, surfaces=variant.surfaces)
+
+
+def end_forces(
+    body: Discretisation,
+    nodes: np.ndarray,
+    shares: np.ndarray,
+    component: int,
+    profile: Callable[[np.ndarray], np.ndarray],
+) -> np.ndarray:
+    """Forces, flat, of a traction on an end: profile(d) [MPa] over the wall, on the nodes (m,) by their shares.
+
+    On every surface what does its work there; between two faces on these alone.
+    """
+    laminate, wall = body.laminate, body.wall
+    unit, weight = np.polynomial.legendre.leggauss(POINTS)
+    d = laminate.d_minus + 0.5 * laminate.thickness * (1 + unit)
+    outer = 0.5 * (1 + unit)
+    displaced = np.stack([1 - outer, outer]) if wall is None else np.array([wall.sampling.displaced(at) for at in d]).T
+    on_surfaces = displaced @ (0.5 * laminate.thickness * weight * profile(d))
+    forces = np.zeros((body.grid.n_nodes, len(on_surfaces), 3))
+    forces[nodes, :, component] = shares[:, None] * on_surfaces
+    return np.append(forces[:, [0, -1]].swapaxes(1, 2), forces[:, 1:-1])
 
 
 def usual_shell(
@@ -81,9 +116,9 @@ def usual_shell(
 
 
 def solved_shell(shell: ShellModel) -> np.ndarray:
-    """Face displacements (N, 6) of the shell under its loads, linear about rest."""
+    """Unknowns (n,) of the shell under its loads, linear about rest."""
     at_rest = shell.linearise(np.zeros(shell.discretisation.n_free))
-    return shell.discretisation.expand(solved(at_rest.tangent, -at_rest.residual, ordered=shell.ordered))
+    return solved(at_rest.tangent, -at_rest.residual, ordered=shell.ordered)
 
 
 @dataclass(frozen=True, eq=False)

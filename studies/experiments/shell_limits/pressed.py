@@ -25,7 +25,7 @@ from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.strains.catalogue import EXACT, LINEAR
 from studies.experiments.shell_limits.bending import QUARTER, STRIP, E, R, layered, wall
-from studies.experiments.shell_limits.bodies import Answer, Solid, Variant, solved_shell, usual_shell
+from studies.experiments.shell_limits.bodies import Answer, Solid, Variant, body_of, solved_shell, usual_shell
 from studies.scenes.closed_forms.elasticity import lame_growth
 from studies.scenes.complete import complete
 from studies.scenes.contact.base import outer_face
@@ -74,8 +74,8 @@ class Vessel:
         laminate, grid = self.laminate(ratio), Grid.tensor(*self.lines(n, self.clamped))
         end = "clamped" if self.clamped else "symmetric"
         supports = Supports.of_edges(grid, "symmetric", end, "symmetric", "symmetric")
-        body = Discretisation.build(self.surface, grid, laminate, *supports.masks, ordered=True)
-        v = solved_shell(usual_shell(body, LINEAR, variant.section, p=P, area=variant.area))
+        body = body_of(self.surface, grid, laminate, supports, variant)
+        v = body.expand(solved_shell(usual_shell(body, LINEAR, variant.section, p=P, area=variant.area)))
         return self._read(v[grid.node_at(0.0, 0.0), 4:], ratio, body.n_free)
 
     def straight(self, ratio: float, n: int) -> Answer:
@@ -180,7 +180,7 @@ def ring_shell(ratio: float, n: int, variant: Variant) -> Answer:
     h = ratio * R
     grid = Grid.tensor(STRIP, spaced_lines(0.0, QUARTER, n, True))
     supports = Supports.of_edges(grid, *("symmetric",) * 4)
-    body = Discretisation.build(cylinder(R), grid, wall(h, NO_NU, variant), *supports.masks, ordered=True)
+    body = body_of(cylinder(R), grid, wall(h, NO_NU, variant), supports, variant)
     pressed = shell_before(RigidPlane(AWAY, R + h / 2), body, grid.on_line(1, QUARTER), variant)
     return Answer({"force": pressed.force(CRUSHED) * _ring_unit(h)}, body.n_free)
 
@@ -212,7 +212,7 @@ def strip_shell(ratio: float, n: int, variant: Variant) -> Answer:
     h = ratio * SPAN
     grid = Grid.tensor(spaced_lines(0.0, SPAN, n, True, True), STRIP)
     supports = Supports.of_edges(grid, "clamped", "symmetric", "symmetric", "symmetric")
-    body = Discretisation.build(Plate(), grid, wall(h, NO_NU, variant), *supports.masks, ordered=True)
+    body = body_of(Plate(), grid, wall(h, NO_NU, variant), supports, variant)
     forces = area_load(body, lambda a1, a2: _strip_load(h) * UP)
     plane = RigidPlane(UP, h / 2 + GAP * h)
     pressed = shell_before(plane, body, grid.on_line(0, 0.0), variant, forces)
@@ -268,7 +268,8 @@ def _tyre(scene: str, ratio: float, mesh: str, settings: dict[str, str]) -> Answ
 
 def tyre_shell(ratio: float, n: int, variant: Variant) -> Answer:
     """The scene ``tyre``, n elements along the meridian and as many around but two."""
-    return _tyre("tyre", ratio, f"{n}x{n - 2}", {"pressure_area": variant.area, "section": variant.section})
+    options = {"pressure_area": variant.area, "section": variant.section, "surfaces": variant.surfaces}
+    return _tyre("tyre", ratio, f"{n}x{n - 2}", options)
 
 
 def tyre_solid(ratio: float, n: int) -> Answer:
