@@ -163,7 +163,7 @@ def beyond(scene: str, settings: Settings, quantity: str | None, tolerance: floa
         limit = boundary(x, errors, tolerance)
         size = f"{'at least ' if ratio > x[-1] * (1 + 1e-9) else ''}{100 * error:.2g} %"
         option = "" if variant == DEFAULT else f", {variant}"
-        instead = _fewest_surfaces(of_case, ratio, tolerance) or solid
+        instead = " or ".join(filter(None, (_fewest_surfaces(of_case, ratio, tolerance), solid)))
         passed = f"passed at {limit:.2g}" if limit else "passed in the thinnest wall known"
         worst = error
         line = f"shell not enough: at {own['thickness'].iloc[0]} = {ratio:.3g} its kinematics are {size} off a solid"
@@ -181,7 +181,7 @@ def _fewest_surfaces(of_case: pd.DataFrame, ratio: float, tolerance: float) -> s
             continue
         error = error_at(x, errors, ratio)
         if error + float(np.interp(ratio, x, known)) <= tolerance:
-            return f"the same with --set {variant}, {100 * error:.2g} % off it"
+            return f"the same with --set {variant}, {100 * error:.2g} % off,"
     return None
 
 

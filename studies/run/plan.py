@@ -12,12 +12,13 @@ import numpy as np
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearised, without_contact
+from formulations.section.sampling import BETWEEN_FACES
 from studies.ask.request import Request
-from studies.ask.scene import UsageError, has_contact
+from studies.ask.scene import Scene, UsageError, has_contact
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaign import Campaign
-from studies.run.source_hash import BESIDE_A_CELL, FRICTION, sources_hash
+from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, sources_hash
 from studies.run.task import Task
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
@@ -58,11 +59,19 @@ def plan(campaign: Campaign) -> list[Row]:
 def _identity(request: Request) -> str:
     """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine."""
     without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
+    if two_faces(SCENES[request.scene], request):
+        without = (*without, *INSIDE_A_WALL)
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene)
     sources = sources_hash((*SOLVERS, *parts, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def two_faces(scene: Scene, request: Request) -> bool:
+    """Whether a scene of a shell, which may have surfaces inside its wall, is asked for without."""
+    offered = any(setting.key == "surfaces" for setting in scene.settings)
+    return offered and request.settings.get("surfaces", BETWEEN_FACES) == BETWEEN_FACES
 
 
 def planned(cell: Cell) -> Row:

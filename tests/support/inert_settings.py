@@ -22,6 +22,7 @@ from studies.ask.request import Request, Value
 from studies.ask.scene import CurveStage, Scene, Setting, Stage, UsageError
 from studies.ask.settings import configured, parameters_of
 from studies.scenes import SCENES
+from studies.scenes.benchmarks.quads import OnQuads
 from studies.scenes.complete import complete
 from studies.solving.refinement.grids import coarsest_mesh
 from studies.solving.solve import solve
@@ -54,6 +55,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
     ),
 }
 MOVED: dict[str, Any] = {"given": {"element": "quads", "distort": 0.05}}
+INSIDE: dict[str, Any] = {"given": {"surfaces": "3"}}
 COLUMNS = ("scene", "setting", "value", "effect")
 NONE, REFUSED, FAILS = "none", "refused", "fails"
 MISSING = "not installed"  # nobody can say here
@@ -182,6 +184,9 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
         if rows["setting"].eq("distort").any():
             moved_nodes = effects(name, **MOVED)
             rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
+        if rows["setting"].eq("law").any() and not isinstance(SCENES[name], OnQuads):
+            inside = effects(name, **INSIDE)
+            rows = pd.concat([rows, inside[inside["setting"] == "law"]])
         word = rows["value"].where(rows["value"].map(lambda value: isinstance(value, str)), "")
         for _, own in rows.groupby([rows["setting"], word], sort=False):
             broken = own[own["effect"].str.startswith(FAILS)]

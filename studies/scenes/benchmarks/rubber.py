@@ -20,7 +20,6 @@ from formulations.geometry.surfaces import Surface, cylinder, sphere
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import Ogden
 from formulations.shell import ShellModel
-from studies.ask.declarations import CLOSED, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
@@ -80,11 +79,6 @@ class Rubber:
     def quantities(self) -> Mapping[str, str]:
         """What the reactions add up to."""
         return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "deformed over reference thickness"}
-
-    @property
-    def ladders(self) -> tuple[Ladder, ...]:
-        """By the mesh, which matters on the sphere alone."""
-        return (Ladder(CLOSED, ("1x1", "2x2", "4x4", "8x8"), ("pressure_MPa",), settings={"load_fraction": "1"}),)
 
     def build(self, request: Request) -> SceneModel:
         """By displacements alone."""

@@ -17,7 +17,6 @@ from formulations.geometry.surfaces import cylinder
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import LINEAR, Ladder
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.thick_walls import Layer, layered_tube
@@ -73,7 +72,6 @@ class WrappedCylinder:
     )
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = HOOP
-    ladders: tuple[Ladder, ...] = (Ladder(LINEAR, ("1x1", "1x2", "1x4", "1x8"), tuple(HOOP), "linear"),)
 
     def build(self, request: Request) -> SceneModel:
         """Pressure on the true inner face."""

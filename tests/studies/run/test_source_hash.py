@@ -15,7 +15,16 @@ from contact.catalogue import ALGORITHMS
 from studies.commands.tables import TABLES
 from studies.run import plan
 from studies.run.plan import SOLVERS, planned
-from studies.run.source_hash import BESIDE_A_CELL, FRICTION, PACKAGES, ROOT, closure, hashed, sources_hash
+from studies.run.source_hash import (
+    BESIDE_A_CELL,
+    FRICTION,
+    INSIDE_A_WALL,
+    PACKAGES,
+    ROOT,
+    closure,
+    hashed,
+    sources_hash,
+)
 from studies.scenes.complete import Cell
 
 TYRE = (*SOLVERS, "studies.scenes.tyre.scene", "contact.algorithms.lcp")
@@ -79,6 +88,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "contact.newton.loop" in called
     assert not set(called) & rubs
+    assert not [name for name in called for each in INSIDE_A_WALL if fnmatchcase(name, each)]
 
 
 @pytest.mark.parametrize(("scene", "files"), [("cantilever", 80), ("strip-contact", 85)])

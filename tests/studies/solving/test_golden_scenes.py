@@ -39,4 +39,6 @@ def test_a_scene_is_what_it_was(case: str) -> None:
         for quantity, value in step.quantities.items():
             unit = unit_of(quantity)
             size = max(abs(other) for key, other in kept.items() if unit_of(key) == unit) if unit[0] == "_" else 1.0
+            if quantity.startswith("moment"):  # without friction rounding of forces a millimetre apart
+                size = max(size, abs(kept.get("force_N", 0.0)))
             assert value == pytest.approx(kept[quantity], rel=EXACT, abs=EXACT * size), quantity

@@ -1,0 +1,176 @@
+"""Scenes whose walls need surfaces inside them: laminates, rubber, contact, against closed forms and solids."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from formulations.section.laminate import Ply
+from formulations.section.laws import NeoHooke
+from studies.ask.request import UsageError
+from studies.ask.scene import SceneModel
+from studies.scenes.benchmarks.pagano import COLUMNS, SQUARE
+from studies.scenes.benchmarks.rubber import LAWS_OF_RUBBER, MU, RADIUS, SOFT, THICK, terms_of
+from studies.scenes.benchmarks.wrapped_cylinder import HOOP, PRINTED, lame
+from studies.scenes.closed_forms.thick_walls import inflation_pressure
+from studies.scenes.complete import complete
+from support.problems.differences import fitted_order
+from support.problems.solved import ended, read, solved
+
+MESHES = 6, 12
+SLOW = pytest.mark.slow
+
+
+def square_plate(surfaces: str, S: float) -> dict[str, float]:
+    """Of Pagano's square plate in the limit of two meshes, whose order is 2."""
+    settings = {"S": str(S), "aspect": "1", "surfaces": surfaces}
+    coarse, fine = (solved("pagano", f"{n}x{n}", measure="linear", **settings).quantities for n in MESHES)
+    return {name: fine[name] + (fine[name] - coarse[name]) / 3 for name in fine}
+
+
+@pytest.mark.parametrize(("surfaces", "within"), [("2/ply", 0.04), pytest.param("3/ply", 0.01, marks=SLOW)])
+def test_surfaces_in_every_ply_come_to_elasticity(surfaces, within) -> None:
+    """The limits of 2 and 3 a ply are those of layerwise polynomials of their degree, digit by digit."""
+    found = square_plate(surfaces, 4.0)["w_bar"]
+    assert found == pytest.approx(SQUARE[4.0][0], rel=within)
+    assert found == pytest.approx({"2/ply": 1.937908, "3/ply": 1.986382}[surfaces], rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("S", [4.0, 10.0])
+def test_stresses_between_plies(S) -> None:
+    """By the law and by equilibrium, four surfaces a ply."""
+    found = square_plate("4/ply", S)
+    exact = dict(zip(COLUMNS.values(), SQUARE[S], strict=True))
+    assert found["w_bar"] == pytest.approx(exact["w_bar"], rel=3e-3)
+    assert found["sigma_x_bar"] == pytest.approx(exact["sigma_x_bar"], rel=5e-3)
+    for name in ("tau_xz_bar", "tau_yz_bar"):
+        assert found[name] == pytest.approx(exact[name], rel=1e-2)
+        assert found[f"{name}_equilibrium"] == pytest.approx(exact[name], rel=5e-3)
+
+
+def test_wrapped_cylinder_is_lames() -> None:
+    free, fixed = (
+        solved("wrapped-cylinder", "1x4", measure="linear", ends=ends).quantities for ends in ("free", "fixed")
+    )
+    for name, printed in zip(HOOP, PRINTED, strict=True):
+        assert lame("free")[name] == pytest.approx(printed, rel=7e-3)
+        assert free[name] == pytest.approx(lame("free")[name], rel=6e-3)
+        assert fixed[name] == pytest.approx(lame("fixed")[name], rel=2e-3)
+    fine = solved("wrapped-cylinder", "1x4", measure="linear", ends="fixed", surfaces="4/ply").quantities
+    assert max(abs(fine[name] / lame("fixed")[name] - 1) for name in HOOP) <= 2e-4
+
+
+@pytest.mark.parametrize(("scene", "law"), list(itertools.product(("rubber-tube", "rubber-sphere"), LAWS_OF_RUBBER)))
+def test_thick_rubber_is_blown_up_to_a_stretch_of_two(scene, law) -> None:
+    result = solved(scene, "4x4", law=law)
+    inner, outer = RADIUS * (1 - THICK / 2), RADIUS * (1 + THICK / 2)
+    for stretch, pressure in zip((1.25, 1.5, 2.0), read(result, "pressure_MPa"), strict=True):
+        exact = inflation_pressure(terms_of(law), stretch, inner, outer, sphere=scene == "rubber-sphere")
+        assert pressure == pytest.approx(exact, rel=1e-3)
+    assert all(step["stability"]["negative"] == 0 for step in result.steps)
+
+
+def test_closed_forms_of_rubber_are_those_of_a_compressible_wall_that_hardly_is() -> None:
+    """r'' of a tube in equilibrium, P_rr' + (P_rr - P_tt)/R = 0, by collocation with the law of the shell."""
+    ply = Ply.isotropic(2 * MU * (1 + SOFT), SOFT, 1.0)
+    law, inner, outer = NeoHooke.of(ply), RADIUS * (1 - THICK / 2), RADIUS * (1 + THICK / 2)
+
+    def stress(R: np.ndarray, r: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        strain = np.zeros((len(R), 6))
+        strain[:, 1], strain[:, 3] = 0.5 * ((r / R) ** 2 - 1), 0.5 * (slope**2 - 1)
+        S, _ = law.response(strain)
+        return slope * S[:, 3], r / R * S[:, 1]
+
+    def field(R: np.ndarray, y: np.ndarray) -> np.ndarray:
+        r, P = y  # the slope follows from P_rr by Newton
+        slope = R / r
+        for _ in range(30):
+            now, _ = stress(R, r, slope)
+            step = 1e-7 * slope
+            tangent = (stress(R, r, slope + step)[0] - stress(R, r, slope - step)[0]) / (2 * step)
+            slope = slope - (now - P) / tangent
+        return np.stack([slope, (stress(R, r, slope)[1] - P) / R])
+
+    stretch = 1.5
+    R = np.linspace(inner, outer, 41)
+    r = np.sqrt(R**2 + (stretch**2 - 1) * inner**2)
+    found = solve_bvp(field, lambda a, b: [a[0] - stretch * inner, b[1]], R, [r, 0.2 * (R - outer)], tol=1e-8)
+    assert found.success
+    exact = inflation_pressure(terms_of("neo-hooke"), stretch, inner, outer, sphere=False)
+    assert -found.y[1, 0] / stretch == pytest.approx(exact, rel=5e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["svk", "hencky", "neo-hooke"])
+def test_crushed_ring_of_any_law_is_that_of_the_solid(law) -> None:
+    """The thick ring at its largest approach; both meshes are within 0.4 % of their limits."""
+    shell = solved("crushed-ring", surfaces="5", law=law).quantities["force_N"]
+    solid = solved("crushed-ring-solid", law=law, newton="plain").quantities["force_N"]
+    assert shell == pytest.approx(solid, rel=3e-3)
+
+
+@pytest.mark.parametrize("surfaces", ["3", "5"])
+def test_the_tyre_of_more_surfaces_is_stable_and_close(surfaces) -> None:
+    """Two faces have the reduced law, the others the plain one; no element lets a surface alternate."""
+    asked = {"delta_mm": "10,20", "E_MPa": "20", "nu": "0.3"}
+    two, more = (solved("tyre", "24x20", surfaces=each, **asked) for each in ("2", surfaces))
+    assert read(more, "force_N") == pytest.approx(read(two, "force_N"), rel=1e-2)
+    assert all(step["stability"]["negative"] == 0 for step in more.steps)
+
+
+def test_friction_acts_on_the_outer_face_of_more_surfaces() -> None:
+    asked = {"E_MPa": "20", "nu": "0.3", "delta_mm": "10", "mu": "0.3"}
+    two, three = (solved("tyre", "14x12", surfaces=each, **asked).quantities["force_N"] for each in ("2", "3"))
+    assert three == pytest.approx(two, rel=2e-2)
+
+
+def test_order_of_a_law_at_points() -> None:
+    """The crushed ring on four meshes, its errors against their limit."""
+    sizes, values = (4, 8, 16, 32), []
+    for n in sizes:
+        values.append(
+            solved("crushed-ring", f"1x{4 * n}", surfaces="3", law="neo-hooke", delta_mm="5").quantities["force_N"]
+        )
+    errors = [abs(value - values[-1] - (values[-1] - values[-2]) / 3) for value in values[:-1]]
+    assert fitted_order([1 / n for n in sizes[:-1]], errors) >= 1.5
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "message"),
+    [
+        ("tyre", {"surfaces": "4"}, "must be one of 2, 3, 5, 7"),
+        ("tyre", {"law": "hencky"}, "needs surfaces = 3 or more"),
+        ("tyre", {"surfaces": "3", "law": "hencky"}, "this law is isotropic"),
+        ("tyre", {"surfaces": "3", "section": "full-3d"}, "section = full-3d is of two faces"),
+        ("scordelis-lo", {"surfaces": "3", "shear_correction": "0.8"}, "shear_correction = 0.8 is of two faces"),
+        ("hemisphere", {"surfaces": "3", "element": "quads"}, "interpolation = quads is of two faces"),
+        ("raasch-hook", {"surfaces": "3"}, "is of quadrilaterals"),
+    ],
+)
+def test_what_does_not_go_with_surfaces_is_refused_in_one_line(scene, settings, message) -> None:
+    with pytest.raises(UsageError, match=message):
+        built(scene, settings)
+
+
+def test_laws_of_greens_strain_refuse_other_measures() -> None:
+    with pytest.raises(UsageError, match="needs measure exact, got linear"):
+        built("hemisphere", {"surfaces": "3", "law": "ogden"}, measure="linear")
+
+
+def built(scene: str, settings: dict[str, str], **options: str) -> SceneModel:
+    found, request = complete(scene, settings, **options)
+    return found.build(request)
+
+
+def test_three_surfaces_have_the_answers_of_thin_shells_of_two() -> None:
+    """The plain law beside the reduced one, within 0.2 % on one mesh."""
+    for scene, mesh, quantity in (
+        ("hemisphere", "16x16", "inward_mm"),
+        ("scordelis-lo", "16x16", "edge_deflection_mm"),
+    ):
+        two, three = (ended(scene, mesh, surfaces=each).quantities[quantity] for each in ("2", "3"))
+        assert three == pytest.approx(two, rel=2e-3), scene
