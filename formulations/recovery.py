@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.element.modes import MODE_ROWS
 from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E
@@ -37,12 +36,14 @@ def recovery_errors(shell: ShellModel, u: np.ndarray, finer: ShellModel, axis: i
     grid, fine = shell.discretisation.grid, finer.discretisation.grid
     assert isinstance(grid, TensorGrid)
     assert isinstance(fine, TensorGrid)
-    v = _spline(grid, fine, shell.displacements(u), axis)
-    smooth = finer.mode_strains(finer.discretisation.map.restrict(v))[:, :N_E]
+    v = _spline(grid, fine, shell.nodal_displacements(u), axis)
+    smooth = finer.mean_strains(finer.discretisation.map.restrict_nodal(v))
     counts = [n - 1 + (axis_ == 1 and grid.periodic) for axis_, n in enumerate(grid.node_shape)]
     cut = smooth.reshape(counts[0], PARTS, counts[1], N_E) if axis == 0 else smooth.reshape(*counts, PARTS, N_E)
     parts = np.moveaxis(cut, axis + 1, 2).reshape(-1, PARTS, N_E)
-    return parts - _at_parts(shell.mode_strains(u), axis)
+    middles = np.zeros((PARTS, 2))
+    middles[:, axis] = (2 * np.arange(PARTS) + 1) / PARTS - 1
+    return parts - shell.strains_at(u, middles)
 
 
 def energy_products(shell: ShellModel, first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -54,7 +55,7 @@ def energy_products(shell: ShellModel, first: np.ndarray, second: np.ndarray) ->
 
 
 def _spline(grid: TensorGrid, fine: TensorGrid, v: np.ndarray, axis: int) -> np.ndarray:
-    """Nodal values (N, 6) of the grid on the finer one: not-a-knot at ends, periodic where the grid is."""
+    """Nodal values (N, k) of the grid on the finer one: not-a-knot at ends, periodic where the grid is."""
     from scipy.interpolate import CubicSpline  # slow to load, and only adapted grids need it
 
     lines, values = grid.nodes[:, axis].reshape(grid.node_shape), v.reshape(*grid.node_shape, -1)
@@ -64,13 +65,3 @@ def _spline(grid: TensorGrid, fine: TensorGrid, v: np.ndarray, axis: int) -> np.
         along, values = np.append(along, along[0] + 2 * np.pi), np.concatenate([values, values[:, :1]], axis=1)
         return CubicSpline(along, values, axis=1, bc_type="periodic")(points).reshape(fine.n_nodes, -1)
     return np.asarray(CubicSpline(along, values, axis=axis)(points).reshape(fine.n_nodes, -1))
-
-
-def _at_parts(modes: np.ndarray, axis: int) -> np.ndarray:
-    """The strains (E, PARTS, 11) of the elements in the middles of their parts, of mode strains (E, 22)."""
-    xi = (2 * np.arange(PARTS) + 1) / PARTS - 1
-    found = np.zeros((len(modes), PARTS, N_E))
-    for m, (mode, row) in enumerate(MODE_ROWS):
-        if mode[1 - axis] == 0:
-            found[:, :, row] += modes[:, None, m] * xi ** mode[axis]
-    return found

@@ -207,6 +207,11 @@ class ShellModel:
         """Strains (E, 4, 11) of the modes at the Gauss points, in the axes of the laminate."""
         return self._element.at_gauss(self.discretisation.geometry, self.mode_strains(u))
 
+    def strains_at(self, u: np.ndarray, xi: np.ndarray) -> np.ndarray:
+        """Strains (E, p, 11) of the modes at points xi (p, 2) of the reference square, as of two faces."""
+        assert not isinstance(self._element, QuadElement)
+        return self._element.at_points(self.mode_strains(u), xi)
+
     def mean_strains(self, u: np.ndarray) -> np.ndarray:
         """Means E (E, 11) over the elements, in the axes of the laminate."""
         return self._element.mean_strains(self.discretisation.geometry, self.mode_strains(u))

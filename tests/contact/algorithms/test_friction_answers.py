@@ -33,7 +33,7 @@ from support.problems.planted_friction import linear, planted, tied, with_mu
 
 GOLDEN = json.loads(Path(__file__).with_name("friction_golden.json").read_text(encoding="utf-8"))
 EXACT = 1e-12  # of the largest
-BY_ROUNDING = {"regularised, stiff": 1e-10}  # springs of 1e8 make 7e-12 of what kernels of two machines differ by
+BY_ROUNDING = {"regularised, stiff": 1e-8}  # of springs of 1e8 the tolerance leaves 3e-9: kernels decide an iteration
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
 WAYS: dict[str, tuple[str, dict[str, Any]]] = {
     "trial-and-error": ("trial-and-error", {}),
