@@ -6,7 +6,7 @@ Nothing is solved here.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, KeysView, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -44,7 +44,7 @@ class Setting:
     open_low: bool = False
     open_high: bool = False
     infinite: bool = False
-    choices: tuple[str, ...] = ()
+    choices: Collection[str] = ()
     presets: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
     unit: str = ""
     otherwise: str = ""
@@ -57,7 +57,8 @@ class Setting:
     @classmethod
     def one_of(cls, key: str, choices: Iterable[str], default: str | None, meaning: str, **more: Any) -> Setting:
         """A word."""
-        return cls(key, default, meaning, "choice", choices=tuple(choices), **more)
+        words = choices if isinstance(choices, KeysView) else tuple(choices)  # a catalogue: parts from outside join it
+        return cls(key, default, meaning, "choice", choices=words, **more)
 
     @classmethod
     def positive(cls, key: str, default: Value | None, meaning: str, high: float = math.inf, **more: Any) -> Setting:

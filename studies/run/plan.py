@@ -62,7 +62,7 @@ def _identity(request: Request) -> str:
     if two_faces(SCENES[request.scene], request):
         without = (*without, *INSIDE_A_WALL)
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
-    outside = modules_of(request.measure, request.contact, request.scene)
+    outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
     sources = sources_hash((*SOLVERS, *parts, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]

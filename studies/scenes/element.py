@@ -45,7 +45,7 @@ OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
 BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
 WALL = (
     Setting.one_of("surfaces", SURFACES, None, "with displacements through the wall: in all, or a ply", otherwise="2"),
-    Setting.one_of("law", (LINEAR, *LAWS), None, "of the plies, with surfaces inside the wall", otherwise=LINEAR),
+    Setting.one_of("law", LAWS.keys(), None, "of the plies, with surfaces inside the wall", otherwise=LINEAR),
 )
 MOVED_NODES = (
     Setting(

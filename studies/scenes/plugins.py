@@ -17,6 +17,7 @@ from typing import Any
 
 from contact.answered import ContractError
 from contact.catalogue import ALGORITHMS
+from formulations.section.laws import LAWS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, UsageError
 from studies.ask.scene import Scene
@@ -69,11 +70,13 @@ GROUPS: dict[str, MutableMapping[str, Any]] = {
     "footprint.measures": MEASURES,
     "footprint.contact": ALGORITHMS,
     "footprint.scenes": SCENES,
+    "footprint.laws": LAWS,
 }
 NEEDED = {  # of a part, beside its name
     "footprint.measures": ("reference", "rigid_body_law", "kinematics", "strain", "gradient", "contract"),
     "footprint.contact": ("parameters", "epsilon", "supports", "solve"),
     "footprint.scenes": ("title", "default_mesh", "settings", "references", "build"),
+    "footprint.laws": ("__call__",),
 }
 _used: list[str] = []  # the files of --use, which worker processes need, too
 _module_of: dict[tuple[str, str], str] = {}  # the module that a part came with, by group and name
@@ -125,9 +128,9 @@ def load_file(path: Path) -> None:
             _module_of[group, part] = name
 
 
-def modules_of(measure: str, contact: str, scene: str) -> set[str]:
+def modules_of(measure: str, contact: str, scene: str, law: str = "") -> set[str]:
     """The modules from outside that these parts came with."""
-    asked = zip(GROUPS, (measure, contact, scene), strict=True)
+    asked = zip(GROUPS, (measure, contact, scene, law), strict=True)
     return {_module_of[part] for part in asked if part in _module_of}
 
 

@@ -251,3 +251,49 @@ def test_a_broken_entry_point_is_one_line(
     said = refused(path=installed(tmp_path, source, entry))
     assert said.startswith(f"{next(iter(names))!r} of {group} (")
     assert says in said
+
+
+FOAM = '''
+"""Blatz and Ko's foam, W = mu/2 (tr C^-1 + 2 J - 5), which is that of nu = 1/4."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.section.laws import LAWS, Principal, lame_constants
+
+
+@dataclass(frozen=True)
+class BlatzKo(Principal):
+    mu: float
+
+    @classmethod
+    def of(cls, ply):
+        return cls(lame_constants(ply)[1])
+
+    def stored(self, h):
+        return self.mu / 2 * (np.exp(-2 * h).sum(axis=-1) + 2 * np.exp(h.sum(axis=-1)) - 5)
+
+    def kirchhoff(self, h):
+        e, J = np.exp(-2 * h), np.exp(h.sum(axis=-1))[..., None]
+        return self.mu * (J - e), self.mu * (J[..., None] + 2 * e[..., None] * np.eye(3))
+
+
+LAWS["foam"] = BlatzKo.of
+'''
+
+
+def test_a_law_from_a_file_is_solved_and_judged(tmp_path: Path) -> None:
+    """Its small strains are those of the ply: at a thousandth of the stretch the pressure is that of any law."""
+    (tmp_path / "foam.py").write_text(FOAM, encoding="utf-8")
+    pressures = []
+    for law, use in (("foam", ["--use", tmp_path / "foam.py"]), ("neo-hooke", [])):
+        options = [f"law={law}", "nu=0.25", "load_fraction=0.001"]
+        settings = [word for option in options for word in ("--set", option)]
+        words = ("solve", "rubber-tube", "--mesh", "1x1", "--no-error", *settings, "--out", tmp_path / law)
+        code, _, error = footprint(*words, *use)
+        assert code == 0, error
+        pressures.append(json.loads((tmp_path / law / "result.json").read_text())["quantities"]["pressure_MPa"])
+    assert pressures[0] == pytest.approx(pressures[1], rel=5e-3)
+    code, _, error = footprint("solve", "rubber-tube", "--set", "law=foam", "--out", tmp_path / "none")
+    assert code == 2
+    assert "law = 'foam' must be one of svk, hencky, neo-hooke, mooney-rivlin, ogden" in error
