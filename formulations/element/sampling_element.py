@@ -50,9 +50,8 @@ E33 = N_ROWS - 1
 # on 01 and of E22 on 10, by a relaxed element; wholly, of 2E13 zeta_1 on 10 and of 2E23 zeta_2 on 01
 MEMBRANE, SHEAR = ((1, 0), (2, 0)), ((2, 1), (1, 2))
 CHUNK = 128  # elements per pass
-Samples = tuple[
-    np.ndarray, np.ndarray
-]  # q at the Gauss points (e, T, 4, 9), the director's there and at nodes (e, 8, 3)
+# q at the Gauss points (e, T, 4, 9), and of the director of the faces there and at the nodes (e, 8, 3)
+Samples = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "pressurised-cylinder": "studies.scenes.benchmarks.pressurised",
     "pressurised-sphere": "studies.scenes.benchmarks.pressurised",
     "pressurised-torus": "studies.scenes.benchmarks.pressurised",
+    "inflated-membrane": "studies.scenes.benchmarks.inflated_membrane",
     "rubber-tube": "studies.scenes.benchmarks.rubber",
     "rubber-sphere": "studies.scenes.benchmarks.rubber",
     # linear

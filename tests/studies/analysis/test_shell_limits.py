@@ -28,7 +28,12 @@ from studies.scenes.complete import complete
 RATIOS = np.array([0.01, 0.03, 0.1, 0.3])
 WITHOUT = {"heavy-strip", "shallow-cap", "free-hyperboloid", "tyre-solid", "crushed-ring-solid"}
 WITHOUT |= {"manufactured", "manufactured-contact"}  # forces that no solid has
-WITHOUT |= {"rubber-tube", "rubber-sphere", "wrapped-cylinder"}  # which ask for surfaces inside the wall
+WITHOUT |= {
+    "rubber-tube",
+    "rubber-sphere",
+    "wrapped-cylinder",
+    "inflated-membrane",
+}  # of many surfaces
 WITHOUT |= {
     "twisted-beam",
     "raasch-hook",
