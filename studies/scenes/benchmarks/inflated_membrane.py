@@ -31,8 +31,8 @@ UNIT = 1e-3  # MPa, at load fraction 1
 HOLE, SECTOR = 1e-3, np.pi / 90  # of the radius
 DOME = 0.25  # of the radius: height of the dome from which the first state is looked for
 GUESSED = 40  # iterations of it
-# pressure over UNIT: deflection [mm]; the equations of the membrane (closed_forms) have the same digits, but 0.09655 for
-# the first entry of the table, 0.0975 at 250 mm, which is left out
+# pressure over UNIT: deflection [mm]; the equations of the membrane (closed_forms) have the same digits, but 0.09655
+# for the first entry of the table, 0.0975 at 250 mm, which is left out
 READ = {0.51748: 500.0, 1.00262: 750.0, 1.28642: 1000.0}
 CODE_ASTER = "Code_Aster V6.05.115 (SSNS115), read as a table"
 
