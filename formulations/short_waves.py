@@ -36,8 +36,10 @@ class ShortWaves:
 def short_waves(shell: ShellModel, u: np.ndarray) -> ShortWaves:
     """At the middles of the elements, from their mean gradients and strains; u (n,) free displacements.
 
-    D counts by its symmetric part, which is all that an energy sees.
+    D counts by its symmetric part, which is all that an energy sees. Raises ValueError with surfaces inside the wall.
     """
+    if shell.discretisation.wall is not None:
+        raise ValueError("short waves are those of a wall between two faces")
     angles = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
     found = [np.linalg.eigh(A) for A in acoustic_tensors(shell, u, angles)]
     values, vectors = (np.array([each[i][..., 0] for each in found]) for i in (0, 1))

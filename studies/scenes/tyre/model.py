@@ -145,6 +145,8 @@ class TyreModel(ShellSceneModel, PressedTyre):
 
     def _see_mode(self, state: ContactSolution, mode: np.ndarray) -> Observation:
         seen = super()._see_mode(state, mode)
+        if self.shell.discretisation.wall is not None:
+            return seen
         waves = beside_the_patch(self.shell, self.part, state.u, self.nodes[state.active])
         said, least = seen.said, waves["short_wave_N_mm"]
         if least < 0:

@@ -18,6 +18,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.section.sampling import SURFACES, Sampling
 from formulations.shell import ShellModel
+from formulations.short_waves import short_waves
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
 from support.problems.differences import fitted_order, rotation
@@ -233,4 +234,6 @@ def test_what_has_no_surfaces_inside_refuses_them() -> None:
     body = Discretisation.build(Plate(), grid, SKEW_LAMINATE, free)
     with pytest.raises(ValueError, match="needs surfaces inside the wall"):
         ShellModel(body, MEASURES["exact"], law="hencky")
+    with pytest.raises(ValueError, match="between two faces"):
+        short_waves(shell_on(), np.zeros(shell_on().discretisation.n_free))
     assert shell_on().quadratic == "quadrilaterals and surfaces inside the wall have no series yet"
