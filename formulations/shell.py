@@ -23,7 +23,7 @@ from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
 from formulations.element.wall_modes import LINEAR, WallLaw
 from formulations.loads.pressure import Couples, Pressure
-from formulations.section.laminate import PLANE, strain_rotation
+from formulations.section.laminate import PLANE, SECTIONS, strain_rotation
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
 
@@ -93,6 +93,8 @@ class ShellModel:
     def _built(self, shell: Discretisation, initial: np.ndarray) -> MixedElement | SamplingElement:
         options = (self.thickness_strain, self.membrane)
         if shell.wall is not None:
+            if self.section != SECTIONS[0]:
+                raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
             law = WallLaw.of(shell.wall.sampling, shell.wall.growth, self.law)
             return SamplingElement.build(self.measure, shell.wall, law, initial, *options)
         if self.law != LINEAR:
@@ -196,11 +198,14 @@ class ShellModel:
         return symmetric and not follows and (self.initial is None or not np.any(self.initial))
 
     def resultants(self, u: np.ndarray) -> np.ndarray:
-        """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.modes.MODES`."""
+        """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.modes.MODES`.
+
+        With surfaces inside the wall (E, 15 T), in that of :mod:`formulations.element.wall_modes`.
+        """
         return self._element.resultants(self.mode_strains(u))
 
     def mode_strains(self, u: np.ndarray) -> np.ndarray:
-        """Mode strains E (E, 22), in the order of :data:`formulations.element.modes.MODES`."""
+        """Mode strains E (E, 22), or (E, 15 T) as :meth:`resultants`."""
         return self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
 
     def gauss_strains(self, u: np.ndarray) -> np.ndarray:

@@ -35,7 +35,7 @@ class Images:
 
 @dataclass(frozen=True, eq=False)
 class DofMap:
-    """number (6N,): unknown of each face displacement, -1 where held; sign (6N,): +1 or -1, 0 where held.
+    """number (6N and more,): unknown of each displacement, -1 where held; sign, alike: +1 or -1, 0 where held.
 
     inside: fractions of the wall at which further surfaces lie; their displacements (N, len(inside), 3) follow those of
     the faces in number and sign. They are held where both faces are; at a hinge they are linear between the faces, as
@@ -118,7 +118,7 @@ class DofMap:
 
     @property
     def constrained(self) -> np.ndarray:
-        """(6N,) bool: another multiple of an unknown than 1, or carried by several."""
+        """(6N and more,) bool: another multiple of an unknown than 1, or carried by several."""
         return self._several | ((self.sign != 0) & (self.sign != 1))
 
     @property
@@ -180,8 +180,8 @@ class DofMap:
         v = self.sign * np.append(u, 0.0)[self.number]
         if prescribed is None:
             return v
-        held = (self.sign[self.n_faces :] == 0).reshape(len(prescribed), len(self.inside), 3)
-        return v + np.append(prescribed, np.where(held, self.between(prescribed), 0.0))
+        follows = self.held.reshape(-1, 3, 2).all(axis=2) | self.hinged[:, ::2]
+        return v + np.append(prescribed, np.where(follows[:, None], self.between(prescribed), 0.0))
 
     def between(self, v: np.ndarray) -> np.ndarray:
         """Displacements (N, len(inside), 3) of the surfaces inside, linear between those of the faces, (N, 6)."""
@@ -215,7 +215,7 @@ class DofMap:
         return np.bincount(self.number[: full.size] + 1, weights=weights, minlength=self.n + 1)[1:]
 
     def matrix(self) -> sparse.csr_matrix:
-        """The map as a sparse matrix (6N, n); the places of its entries do not depend on the values of ``carried``."""
+        """The map as a sparse matrix (6N and more, n), whose places do not depend on the values of ``carried``."""
         carried = sparse.eye_array(len(self.number)) if self.carried is None else self.carried
         row, column, value = carried.tocoo().row, carried.tocoo().col, carried.tocoo().data
         on = self.number[column] >= 0

@@ -51,7 +51,12 @@ class Body(Generic[Model]):
 
 
 def of_shell(body: Discretisation, fine: Discretisation, through: int) -> Body[ShellModel]:
-    """``through`` bricks through each ply, over every element of the shell; ``fine``: on the mesh twice as fine."""
+    """``through`` bricks through each ply, over every element of the shell; ``fine``: on the mesh twice as fine.
+
+    Raises UsageError for surfaces inside the wall: of them a deck has neither displacements nor laws.
+    """
+    if body.wall is not None:
+        raise UsageError(f"surfaces = {body.surfaces}: what is exported is a shell of two faces with the linear law")
     grid = tensor_grid(body)
     mesh = SolidMesh.build(body.surface, *grid.lines, body.laminate, per_ply=through, periodic=grid.periodic)
     bricks = Bricks.of(mesh)

@@ -59,7 +59,7 @@ def plan(campaign: Campaign) -> list[Row]:
 def _identity(request: Request) -> str:
     """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine."""
     without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
-    if two_faces(SCENES[request.scene], request):
+    if _between_faces(SCENES[request.scene], request):
         without = (*without, *INSIDE_A_WALL)
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
@@ -68,7 +68,7 @@ def _identity(request: Request) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
-def two_faces(scene: Scene, request: Request) -> bool:
+def _between_faces(scene: Scene, request: Request) -> bool:
     """Whether a scene of a shell, which may have surfaces inside its wall, is asked for without."""
     offered = any(setting.key == "surfaces" for setting in scene.settings)
     return offered and request.settings.get("surfaces", BETWEEN_FACES) == BETWEEN_FACES

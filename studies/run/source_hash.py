@@ -35,7 +35,7 @@ FRICTION = (  # what only a cell with friction executes
 
 INSIDE_A_WALL = (  # what only a shell with surfaces between its faces executes, and a solid
     *("formulations.element.sampling_element", "formulations.element.wall_*"),
-    *("formulations.section.laws", "formulations.section.sampling"),
+    *("formulations.section.laws", "formulations.section.sampling", "formulations.wall_stresses"),
 )
 
 

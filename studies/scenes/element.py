@@ -188,9 +188,9 @@ def check_wall(request: Request, laminate: Laminate) -> str:
 
 
 def two_faces(request: Request) -> None:
-    """Raises UsageError where surfaces inside the wall are asked for, of quadrilaterals."""
+    """Raises UsageError where surfaces inside the wall are asked for of a scene that knows none."""
     if str(request.settings.get("surfaces", BETWEEN_FACES)) != BETWEEN_FACES or "law" in request.settings:
-        raise UsageError(f"{request.scene} is of quadrilaterals: surfaces = 2, law = linear, and no others")
+        raise UsageError(f"surfaces, law: {request.scene} has two faces with the linear law, and no others")
 
 
 def discretise(

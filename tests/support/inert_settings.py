@@ -42,6 +42,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
     ),
     "tyre": (
         {"given": {"E_MPa": 20.0, "nu": 0.45}},
+        {"given": {"E_MPa": 20.0, "nu": 0.45, "surfaces": "3"}},
         {"given": {"path": "arc"}},
         {"given": {"foundation": "drum"}},
         {"given": {"foundation": "cleat"}},
@@ -56,10 +57,16 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
 }
 MOVED: dict[str, Any] = {"given": {"element": "quads", "distort": 0.05}}
 INSIDE: dict[str, Any] = {"given": {"surfaces": "3"}}
+
 COLUMNS = ("scene", "setting", "value", "effect")
 NONE, REFUSED, FAILS = "none", "refused", "fails"
 MISSING = "not installed"  # nobody can say here
 Print = dict[str, Any]  # what is seen, by where: arrays, numbers, words
+
+
+def of_two_faces(name: str) -> bool:
+    """Whether a scene refuses surfaces inside the wall."""
+    return isinstance(SCENES[name], OnQuads) or name.startswith("manufactured")
 
 
 def moved(setting: Setting, now: Value | None, factors: Sequence[float] = FACTORS) -> Iterator[object]:
@@ -184,7 +191,7 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
         if rows["setting"].eq("distort").any():
             moved_nodes = effects(name, **MOVED)
             rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
-        if rows["setting"].eq("law").any() and not isinstance(SCENES[name], OnQuads):
+        if rows["setting"].eq("surfaces").any() and not of_two_faces(name):
             inside = effects(name, **INSIDE)
             rows = pd.concat([rows, inside[inside["setting"] == "law"]])
         word = rows["value"].where(rows["value"].map(lambda value: isinstance(value, str)), "")

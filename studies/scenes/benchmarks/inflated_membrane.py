@@ -18,6 +18,7 @@ from contact.solvers.sparse import factorise
 from formulations.geometry.surfaces import annulus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
+from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
@@ -51,7 +52,7 @@ class Membrane:
     settings: tuple[Setting, ...] = (
         replace(LOAD_FRACTIONS, default=(0.1, *READ), help="pressures to report, over 0.001 MPa"),
         *ELEMENT[: -len(WALL) - 2],
-        replace(WALL[0], default="3", otherwise=""),
+        replace(WALL[0], default="3", otherwise="", choices=SURFACES[1:]),
         replace(WALL[1], default="neo-hooke", otherwise=""),
         SOLVER,
     )

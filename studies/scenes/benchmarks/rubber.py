@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Surface, cylinder, sphere
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import Ogden
+from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
@@ -70,7 +72,7 @@ class Rubber:
         Setting("h_over_R", THICK, "thickness over the radius of the middle surface", low=1e-3, high=1),
         Setting("nu", SOFT, "Poisson's ratio of the wall", low=0, high=0.5, open_high=True),
         *ELEMENT[: -len(WALL) - 2],
-        replace(WALL[0], default="5", otherwise=""),
+        replace(WALL[0], default="5", otherwise="", choices=SURFACES[1:]),
         replace(WALL[1], default="neo-hooke", otherwise=""),
         SOLVER,
     )
@@ -127,6 +129,7 @@ class RubberModel(StaticModel):
     """
 
     start: Callable[[float], np.ndarray]
+    from_rest: ClassVar[bool] = False
 
     def problem_at(self, fraction: float) -> ContactProblem:
         """The shell with its inner face moved by a fraction of the way."""

@@ -89,6 +89,6 @@ class InflatedMembrane:
     def limit(self) -> tuple[float, float]:
         """The largest pressure [MPa], and the stretch at the centre there."""
         found = minimize_scalar(
-            lambda x: -self.pressure(x), bounds=(1.3, 4.0), method="bounded", options={"xatol": 1e-4}
+            lambda x: -self.pressure(x), bounds=STRETCHES, method="bounded", options={"xatol": 1e-4}
         )
         return -float(found.fun), float(found.x)

@@ -40,7 +40,7 @@ from studies.scenes.element import spaced_lines
 
 SLICE = 0.2  # mm, a hundredth of the wall; half of it changes the force by 2e-5
 HALVES = {"plane-strain": WIDTH, "plane-stress": SLICE, "3d": WIDTH / 2}  # what is solved of the width
-LAW = Setting.one_of("law", LAWS, "svk", "material law")
+LAW = Setting.one_of("law", LAWS.keys(), "svk", "material law")
 STATE = Setting.one_of("state", HALVES, "plane-strain", "what the ring does along its axis")
 THROUGH = Setting("per_ply", 4, "elements through the thickness", "int", 1, 16)
 SOURCE = "plane solid of 9-node quadrilaterals, 24x4, another program"

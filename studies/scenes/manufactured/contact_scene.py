@@ -20,7 +20,7 @@ from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.element import ELEMENT, discretise, even_grid, two_faces
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, SPIN, Piece, faces, wall, waved
 from studies.scenes.manufactured.scene import QUANTITIES, carrying, errors, unknowns_at
 from studies.scenes.manufactured.solution import Displacement, Exact, Patch
@@ -180,7 +180,8 @@ class ManufacturedContact:
     sheet: Sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
-        """The first edge of either coordinate is held, the last one loaded."""
+        """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
+        two_faces(request)
         piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
         grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
         supports = Supports.of_edges(grid, "clamped", "free", "clamped", "free")

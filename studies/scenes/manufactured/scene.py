@@ -24,7 +24,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.element import ELEMENT, discretise, even_grid, two_faces
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, TurnedWaves, wall
 from studies.scenes.manufactured.solution import Exact, Patch, Solution
 from studies.scenes.statics import area_load, loaded_shell
@@ -170,7 +170,8 @@ class Manufactured:
     sheet: Sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
-        """The first edge of either coordinate is held, the last one loaded."""
+        """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
+        two_faces(request)
         piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
         grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
         held = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
