@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -59,6 +59,20 @@ ELEMENT = (
     *WALL,
     *MOVED_NODES,
 )
+
+
+def of_wall(surfaces: str, law: str) -> tuple[Setting, ...]:
+    """The settings of the element of a scene whose wall has surfaces inside it, and these defaults."""
+    inside, met = WALL
+    options = ((key, ON_LINES if key == "interpolation" else choices, text) for key, choices, text in OPTIONS)
+    return (
+        Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
+        *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in options),
+        replace(inside, choices=SURFACES[1:], default=surfaces, otherwise=""),
+        replace(met, default=law, otherwise=""),
+    )
+
+
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 GREEN = EXACT.name
 Span = tuple[float, float]  # both ends of a coordinate

@@ -35,6 +35,7 @@ TRAVELS: dict[str, object] = {"delta_mm": 20.0}
 BY_POINTS: tuple[dict[str, Any], ...] = ({"given": {"path": "arc-length"}},)
 WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults, in which more settings have a say
     **dict.fromkeys((*(f"roof-{letter}" for letter in "abcdef"), "shallow-cap", "sze-pullout"), BY_POINTS),
+    "free-hyperboloid": ({"given": {"shear_correction": 1.0}},),
     "panel": (
         {"mesh": (6, 6)},
         {"given": {"E_ratio": 10.0, "inflation": 1.0}},
@@ -56,7 +57,6 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
     ),
 }
 MOVED: dict[str, Any] = {"given": {"element": "quads", "distort": 0.05}}
-INSIDE: dict[str, Any] = {"given": {"surfaces": "3"}}
 
 COLUMNS = ("scene", "setting", "value", "effect")
 NONE, REFUSED, FAILS = "none", "refused", "fails"
@@ -192,7 +192,8 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
             moved_nodes = effects(name, **MOVED)
             rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
         if rows["setting"].eq("surfaces").any() and not of_two_faces(name):
-            inside = effects(name, **INSIDE)
+            corrected = rows["setting"].eq("shear_correction").any()  # which two faces alone have
+            inside = effects(name, given={"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})})
             rows = pd.concat([rows, inside[inside["setting"] == "law"]])
         word = rows["value"].where(rows["value"].map(lambda value: isinstance(value, str)), "")
         for _, own in rows.groupby([rows["setting"], word], sort=False):

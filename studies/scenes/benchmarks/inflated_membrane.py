@@ -18,13 +18,12 @@ from contact.solvers.sparse import factorise
 from formulations.geometry.surfaces import annulus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
-from studies.scenes.element import ELEMENT, WALL, patch
+from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
 
 RADIUS, THICKNESS, E, NU = 1000.0, 1.0, 2.0, 0.3  # mm, MPa
@@ -51,9 +50,7 @@ class Membrane:
     default_mesh: tuple[int, int] = (80, 1)
     settings: tuple[Setting, ...] = (
         replace(LOAD_FRACTIONS, default=(0.1, *READ), help="pressures to report, over 0.001 MPa"),
-        *ELEMENT[: -len(WALL) - 2],
-        replace(WALL[0], default="3", otherwise="", choices=SURFACES[1:]),
-        replace(WALL[1], default="neo-hooke", otherwise=""),
+        *of_wall("3", "neo-hooke"),
         SOLVER,
     )
     references: tuple[Reference, ...] = _references()

@@ -20,13 +20,12 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Surface, cylinder, sphere
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import Ogden
-from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
 from studies.scenes.data import Row, references
-from studies.scenes.element import ELEMENT, WALL, discretise, even_grid
+from studies.scenes.element import discretise, even_grid, of_wall
 from studies.scenes.statics import StaticModel, loaded_shell
 
 MU, RADIUS = 1.0, 10.0  # MPa, mm: of the middle surface
@@ -71,9 +70,7 @@ class Rubber:
         STRETCHES,
         Setting("h_over_R", THICK, "thickness over the radius of the middle surface", low=1e-3, high=1),
         Setting("nu", SOFT, "Poisson's ratio of the wall", low=0, high=0.5, open_high=True),
-        *ELEMENT[: -len(WALL) - 2],
-        replace(WALL[0], default="5", otherwise="", choices=SURFACES[1:]),
-        replace(WALL[1], default="neo-hooke", otherwise=""),
+        *of_wall("5", "neo-hooke"),
         SOLVER,
     )
 

@@ -9,7 +9,6 @@ instead. Nothing varies around or along: all that a shell can miss is the wall.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.thick_walls import Layer, layered_tube
 from studies.scenes.data import references
-from studies.scenes.element import ELEMENT, WALL, patch
+from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTION, StaticModel
 
 INNER, BETWEEN, OUTER, PRESSURE = 23.0, 25.0, 27.0, 200.0  # mm, MPa
@@ -67,7 +66,7 @@ class WrappedCylinder:
     settings: tuple[Setting, ...] = (
         LOAD_FRACTION,
         Setting.one_of("ends", ENDS, "free", "along the axis: a slice without stress, or a length without strain"),
-        *(replace(each, default="3/ply", otherwise="") if each is WALL[0] else each for each in ELEMENT),
+        *of_wall("3/ply", "svk"),
         SOLVER,
     )
     references: tuple[Reference, ...] = _references()
