@@ -16,6 +16,7 @@ from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MixedElement
+from formulations.element.modal import ModalElement
 from formulations.element.quad_element import QuadElement
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.sampling_element import SamplingElement
@@ -71,7 +72,7 @@ class ShellModel:
     membrane: str = "compatible"
     couples: Couples | None = None
     prescribed: np.ndarray | None = None
-    _element: MixedElement | SamplingElement = field(init=False, repr=False)
+    _element: ModalElement = field(init=False, repr=False)
     _dead: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -90,7 +91,7 @@ class ShellModel:
             object.__setattr__(self, "discretisation", self.discretisation.linearised())
         object.__setattr__(self, "_dead", self._dead_contributions())
 
-    def _built(self, shell: Discretisation, initial: np.ndarray) -> MixedElement | SamplingElement:
+    def _built(self, shell: Discretisation, initial: np.ndarray) -> ModalElement:
         options = (self.thickness_strain, self.membrane)
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
@@ -342,7 +343,7 @@ class ShellModel:
     def _dead_contributions(self) -> np.ndarray:
         """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""
         geometry = self.discretisation.geometry
-        constant = self._element.linear_initial_force(geometry)
+        constant = self._element.linear_initial_force(geometry, self.discretisation.dofs.shape[1])
         if self.pressure is not None and not self.pressure.follower:
             constant[:, :N_DOF] += self.pressure.dead_force(geometry)
         return constant

@@ -31,10 +31,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
+from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
 from formulations.element.modes import E33_MODES, MODE_ROWS, MODE_WEIGHTS, MODES, N_M, ON_GAUSS
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
-from formulations.operations import product, spend
+from formulations.operations import product
 from formulations.strains.measure import StrainFunction, StrainMeasure, strain_and_gradient, through_thickness
 from formulations.strains.quantities import E33, N_BETA, N_E, N_Q, N_V
 
@@ -49,8 +50,6 @@ BALANCED = product(N_M, N_DOF)
 STIFFENED = product(N_M, N_M, N_DOF) + product(N_DOF, N_M, N_DOF) + product(N_M, N_SAMPLES)
 STIFFENED += product(N_GAUSS, N_Q, N_Q, N_DOF) + product(N_GAUSS, N_DOF, N_Q, N_DOF)
 OF_MEASURE = product(N_GAUSS, N_E, N_Q, N_Q)  # dE/dq of a quadratic one, and its second derivative times H
-ALL = slice(None)  # elements
-Samples = tuple[np.ndarray, ...]  # of q, or of derivatives by it, at the points where an element takes its strains
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
 
 
@@ -69,7 +68,7 @@ def _projections(share: float) -> tuple[np.ndarray, np.ndarray | None]:
 
 
 @dataclass(frozen=True, eq=False)
-class MixedElement:
+class MixedElement(ModalElement):
     """Measure and section on the modes; ``initial`` are the resultants H0 of the reference state on the modes.
 
     ``through``: the measure of E33 alone at the nodes, see :func:`formulations.strains.measure.through_thickness`.
@@ -121,44 +120,18 @@ class MixedElement:
         return cls(measure, through_thickness(measure), blocks, on_modes, *projections, membrane == "relaxed")
 
     @property
-    def n_modes(self) -> int:
-        """Mode strains of an element."""
-        return N_M
+    def mode_weights(self) -> np.ndarray:
+        """1/3^(r1+r2)."""
+        return MODE_WEIGHTS
 
     @property
     def powers(self) -> list[tuple[int, int]]:
         """(r1, r2) of each."""
         return [mode for mode, _ in MODE_ROWS]
 
-    def mode_strains(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
-        """Mode strains E (E, 22) of nodal displacements v (E, 24)."""
-        self._spend(len(v), SAMPLED)
-        strains = np.empty((len(v), N_M))
-        for part in geometry.chunks():
-            strains[part], _ = self._strains(geometry, part, self._gradients(geometry, part, v))
-        return strains
-
-    def mode_gradient(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
-        """B = dE/dv (E, 22, 24) at nodal displacements v (E, 24)."""
-        self._spend(len(v), SAMPLED + DIFFERENTIATED)
-        B = np.empty((len(v), N_M, N_DOF))
-        for part in geometry.chunks():
-            q = self._gradients(geometry, part, v)
-            _, gradient = self._strains(geometry, part, q)
-            self._mode_gradient(geometry, part, gradient, q, out=B[part])
-        return B
-
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """H = D E on the modes, (e, 22), of the elements of the part."""
         return strains @ self.mode_stiffness.T
-
-    def slopes(self, elements: int) -> np.ndarray | None:
-        """Room for what :meth:`change` needs of elements: nothing, the law is linear."""
-        return None
-
-    def change(self, strains: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
-        """dH (E, 22) of dE (E, 22)."""
-        return self.resultants(strains)
 
     def mean_resultants(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
         """Means H (E, 11) over the elements in the axes of the laminate, of mode strains (E, 22)."""
@@ -185,50 +158,15 @@ class MixedElement:
         work = np.sum(MODE_WEIGHTS * strains * self.resultants(strains), axis=-1)
         return float(0.5 * geometry.weight @ work)
 
-    def linear_initial_force(self, geometry: ElementGeometry) -> np.ndarray:
-        """The work of H0 on the linear strains, (E, 24): balanced in the reference state, so it is taken off."""
-        at_rest = np.zeros((len(geometry.Q), N_DOF))
-        if not np.any(self.initial):
-            return at_rest
-        return geometry.weight[:, None] * ((MODE_WEIGHTS * self.initial) @ self.mode_gradient(geometry, at_rest))
+    def _areas(self, geometry: ElementGeometry) -> np.ndarray:
+        return geometry.weight
 
-    def integrate(
-        self,
-        geometry: ElementGeometry,
-        v: np.ndarray,
-        predicted: np.ndarray | None,
-        force: np.ndarray,
-        tangent: np.ndarray | None = None,
-        mode_gradient: np.ndarray | None = None,
-        slopes: np.ndarray | None = None,
-    ) -> np.ndarray:
-        """Resultants D E (E, 22) at v (E, 24); force, tangent and B = dE/dv are written into the arrays.
+    def _response(self, strains: np.ndarray, part: slice) -> tuple[np.ndarray, Stiffness]:
+        return self.resultants(strains, part), Stiffness((self._weighted_stiffness(part),))
 
-        ``predicted`` (E, 22): the resultants that build the geometric stiffness; None takes D E(v).  force (E, 24);
-        tangent (E, 24, 24), mode_gradient (E, 22, 24): not wanted where None.
-        """
-        self._spend(len(v), SAMPLED + DIFFERENTIATED + BALANCED)
-        if tangent is not None:
-            self._spend(len(v), STIFFENED)
-        resultants = np.empty((len(v), N_M))
-        for part in geometry.chunks():
-            weight = geometry.weight[part, None]
-            q = self._gradients(geometry, part, v)
-            strains, gradient = self._strains(geometry, part, q)
-            H = resultants[part] = self.resultants(strains, part)
-            B = np.empty((len(H), N_M, N_DOF)) if mode_gradient is None else mode_gradient[part]
-            self._mode_gradient(geometry, part, gradient, q, out=B)
-            initial = self._initial(part)
-            force[part] = np.matmul((MODE_WEIGHTS * (H + initial) * weight)[:, None], B)[:, 0]
-            if tangent is None:
-                continue
-            DB = np.matmul(self._weighted_stiffness(part), B)
-            DB *= weight[..., None]
-            np.matmul(B.swapaxes(1, 2), DB, out=tangent[part])
-            if predicted is not None:
-                H = predicted[part]
-            self._stiffen(tangent[part], MODE_WEIGHTS * (H + initial) * weight, geometry, part, q)
-        return resultants
+    @property
+    def _operations(self) -> Operations:
+        return Operations(SAMPLED, DIFFERENTIATED, BALANCED, STIFFENED, OF_MEASURE)
 
     def _weighted_stiffness(self, part: slice) -> np.ndarray:
         """(22, 22), or one of each element of the part."""
@@ -237,10 +175,6 @@ class MixedElement:
     def _initial(self, part: slice) -> np.ndarray:
         """H0 on the modes (22,), or of each element of the part."""
         return self.initial
-
-    def _spend(self, elements: int, each: int) -> None:
-        """Count operations, and of the measure one derivative with them."""
-        spend(elements * (each + getattr(self.measure, "work", 1.0) * OF_MEASURE))
 
     def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> Samples:
         """The q of v at the Gauss points, (e, 4, 15), and its beta at the nodes, (e, 4, 3)."""

@@ -36,7 +36,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.element.mixed import ALL, THICKNESS_STRAINS, MixedElement, Samples
+from formulations.element.mixed import THICKNESS_STRAINS, MixedElement
+from formulations.element.modal import ALL, Samples
 from formulations.element.modes import E33_MODES, MODE_WEIGHTS, N_M, mode_index
 from formulations.element.quad_geometry import ACROSS, TAKEN, QuadGeometry
 from formulations.element.quad_sampling import N_SIDES
@@ -147,14 +148,6 @@ class QuadElement(MixedElement):
         """Strains (E, 4, 11) at the Gauss points in the axes of the laminate, of mode strains (E, 22)."""
         assert isinstance(geometry, QuadGeometry)
         return np.asarray(np.matmul(geometry.turn, strains[:, None, :, None])[..., 0])
-
-    def linear_initial_force(self, geometry: ElementGeometry) -> np.ndarray:
-        """The work of H0 on the linear strains, (E, 24): balanced in the reference state, so it is taken off."""
-        at_rest = np.zeros((len(geometry.Q), N_DOF))
-        if not np.any(self.initial):
-            return at_rest
-        work = MODE_WEIGHTS * self.initial * geometry.weight[:, None]
-        return np.matmul(work[:, None], self.mode_gradient(geometry, at_rest))[:, 0]
 
     def _weighted_stiffness(self, part: slice) -> np.ndarray:
         return self.mode_stiffness[part]

@@ -25,9 +25,8 @@ class WallGeometry:
     """own (E, T, 24, 12): l, w, t at the Gauss points on the surfaces where strains are taken, by their displacements.
 
     value (1 or E, 12, 12): components of a displacement at the Gauss points from those of the nodes.  offset
-    (E, T, 4, 9): quantities of the interpolated positions, see :class:`ElementGeometry`; None on components.
-    area (E,):
-    of the reference surface, by its value at the centre.  curvature (E, 2): k1 and k2 there, 0 where they are left out.
+    (E, T, 4, 9): quantities of the interpolated positions, see :class:`ElementGeometry`; None on components.  area (E,)
+    of the reference surface and curvature (E, 2), k1 and k2, are those of the centre; k is 0 where it is left out.
     """
 
     sampling: Sampling
@@ -88,6 +87,10 @@ class WallGeometry:
         """Places of each surface in the element vector: first both faces, (4, 3, 2), then surface by surface inside."""
         inside = [slice(start, start + N_SURFACE) for start in range(N_DOF, self.n_dof, N_SURFACE)]
         return [slice(0, N_DOF, 2), *inside, slice(1, N_DOF, 2)]
+
+    def value_of(self, part: slice) -> np.ndarray:
+        """value (1 or e, 12, 12) of a part of the elements."""
+        return self.value if len(self.value) == 1 else self.value[part]
 
     def by_surface(self, v: np.ndarray) -> np.ndarray:
         """(e, S, 12) of element vectors (e, 12 S)."""

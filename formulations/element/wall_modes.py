@@ -29,6 +29,7 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from formulations.element.modal import ALL, Stiffness
 from formulations.element.strain_operator import GAUSS
 from formulations.geometry.grid import CORNERS
 from formulations.operations import product, spend
@@ -40,7 +41,8 @@ POWERS, ROWS = list(ROWS_OF_MODE), list(ROWS_OF_MODE.values())
 N_ROWS, N_OF_SURFACE = len(IN_VOIGT), sum(map(len, ROWS))
 FACTORS = np.array([3.0 ** (r1 + r2) for r1, r2 in POWERS])
 ON_GAUSS, ON_CORNERS = (np.array([at[:, 0] ** r1 * at[:, 1] ** r2 for r1, r2 in POWERS]) for at in (GAUSS, CORNERS))
-ALL = slice(None)  # elements
+E33 = N_ROWS - 1  # the last row of every mode
+OF_E33 = np.cumsum([len(rows) for rows in ROWS]) - 1
 LINEAR = "svk"  # in closed form: it is linear in the strain
 
 
@@ -61,20 +63,21 @@ def strains_at(strains: np.ndarray, at: np.ndarray) -> np.ndarray:
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class Stiffness:
-    """Derivative of resultants by strains: blocks (1 or e, n, n), a mode each."""
+def by_mode(of_surfaces: np.ndarray) -> np.ndarray:
+    """(e, 15 T, ...) of (e, T, 15, ...)."""
+    n, _, _, *rest = of_surfaces.shape
+    parts = np.split(of_surfaces, OF_E33[:-1] + 1, axis=2)
+    return np.concatenate([part.reshape(n, -1, *rest) for part in parts], axis=1)
 
-    blocks: tuple[np.ndarray, ...]
 
-    def times(self, strains: np.ndarray) -> np.ndarray:
-        """(e, 15 T, j) of (e, 15 T, j)."""
-        found, start = np.empty_like(strains), 0
-        for block in self.blocks:
-            rows = slice(start, start + block.shape[-1])
-            np.matmul(block, strains[:, rows], out=found[:, rows])
-            start = rows.stop
-        return found
+def by_surface(modes: np.ndarray, T: int) -> np.ndarray:
+    """(e, T, 15) of (e, 15 T)."""
+    return np.concatenate([modes[:, block].reshape(len(modes), T, -1) for block in mode_slices(T)], axis=2)
+
+
+def on_every_surface(block: slice, mode: int, column: int) -> slice:
+    """One row of a mode."""
+    return slice(block.start + column, block.stop, len(ROWS[mode]))
 
 
 class PointsThrough(Protocol):
