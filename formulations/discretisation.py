@@ -31,8 +31,8 @@ from formulations.strains.quantities import FULL, N_V, Kinematics
 class Discretisation:
     """Geometry on the grid, supports, and the sparse pattern; laminate: of the walls the first, where they differ.
 
-    dofs (E, 24 and more): displacements of the elements, those of the faces first.  surfaces: how many there are
-    through the wall; wall: what they need beside the geometry, None where there are the two faces alone.
+    dofs (E, 24 and more): displacements of the elements, those of the faces first.  wall: what surfaces between the
+    faces need beside the geometry, None where there are none.
     """
 
     surface: Surface
@@ -46,7 +46,6 @@ class Discretisation:
     ordered: bool = False
     hangers: Hangers | None = None
     walls: Walls | None = None
-    surfaces: str = BETWEEN_FACES
     wall: WallGeometry | None = field(default=None, repr=False)
 
     @classmethod
@@ -80,7 +79,8 @@ class Discretisation:
             order = elimination_order(grid, followed, positions)
         hangers = Hangers.of(grid, surface, laminate, interpolation, fixed, hinged)
         carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
-        inside = () if surfaces == BETWEEN_FACES else Sampling.of(laminate, surfaces).inside
+        sampling = None if surfaces == BETWEEN_FACES else Sampling.of(laminate, surfaces)
+        inside = () if sampling is None else sampling.inside
         dof_map = DofMap.build(fixed, hinged, images, order, carried, inside)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         if inside:
@@ -89,21 +89,16 @@ class Discretisation:
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty(dofs.shape), np.empty((*dofs.shape, dofs.shape[1])))
         geometry = _geometry(surface, grid, laminate, kinematics, interpolation, walls)
+        wall = None if sampling is None else WallGeometry.of(surface, grid, sampling, geometry)
         parts = (surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
-        built = cls(*parts, ordered, hangers, walls, surfaces)
-        return replace(built, wall=built._wall())
+        return cls(*parts, ordered, hangers, walls, wall)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
         interpolation = self.geometry.interpolation
         geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, interpolation, self.walls)
-        other = replace(self, geometry=geometry)
-        return replace(other, wall=other._wall())
-
-    def _wall(self) -> WallGeometry | None:
-        if self.surfaces == BETWEEN_FACES:
-            return None
-        return WallGeometry.of(self.surface, self.grid, Sampling.of(self.laminate, self.surfaces), self.geometry)
+        wall = self.wall and WallGeometry.of(self.surface, self.grid, self.wall.sampling, geometry)
+        return replace(self, geometry=geometry, wall=wall)
 
     def stiffness(self, section: str) -> np.ndarray:
         """D of the wall [N/mm], (11, 11), or at the Gauss points of each element (E, 4, 11, 11) where walls differ."""

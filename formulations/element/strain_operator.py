@@ -18,12 +18,14 @@ from formulations.section.laminate import Laminate
 from formulations.strains.quantities import (
     BETA,
     FULL,
+    N_BETA,
     N_Q,
     N_V,
+    OF_SURFACE,
     QUANTITIES,
     Kinematics,
-    gradient_coefficients,
     shear_row_factors,
+    surface_coefficients,
 )
 
 N_GAUSS, N_DOF = 4, 4 * N_V
@@ -87,10 +89,11 @@ class ElementGeometry:
         geometry = surface.geometry(points[..., 0], points[..., 1])
         if interpolation == "curvilinear":
             turn = np.broadcast_to(np.eye(3), (1, N_GAUSS, 4, 3, 3))
-            Q, offset = _curvilinear(gradient_coefficients(geometry, d_minus, d_plus, kinematics), grid), None
+            Q, offset = _operator(geometry, grid, laminate, kinematics, None, turn), None
         elif interpolation == "isoparametric" and kinematics == FULL:
             turn = _frames_turn(surface, points, grid)
-            Q, offset = _isoparametric(surface, geometry, turn, grid, laminate)
+            Q = _operator(geometry, grid, laminate, kinematics, turn, turn)
+            offset = _offset(surface, Q, grid, laminate)
         else:
             known = " or ".join(ON_LINES)
             raise ValueError(f"interpolation {interpolation!r} must be {known}, the latter with full gradients only")
@@ -148,13 +151,41 @@ def _relaxation(geometry: Geometry, grid: Grid, h: float) -> np.ndarray:
     return 1.0 / (1.0 + (geometry.k * length**2 / h) ** 2)
 
 
-def _curvilinear(coefficients: tuple[np.ndarray, np.ndarray, np.ndarray], grid: Grid) -> np.ndarray:
-    """Q (E, 4, 15, 4, 6) of components interpolated in the turning frame."""
-    c0, c1, c2 = (c[..., None, :] for c in coefficients)
+def surface_operator(
+    geometry: Geometry, grid: Grid, d: float, kinematics: Kinematics, turn: np.ndarray | None
+) -> np.ndarray:
+    """l, w, t of a1, then of a2, at the Gauss points of the surface at the distance d, (E, 4, 6, 4, 3), by its nodes.
+
+    turn (E, 4, 4, 3, 3): e_i at the Gauss point . e_j at the node, of Cartesian displacements; None of components.
+    """
     value, slope = shape_functions(GAUSS)
     slope = slope / grid.half[:, None, :, None]
-    d1, d2 = slope[..., 0, :], slope[..., 1, :]
-    return c0 * value[:, None, :, None] + c1 * d1[:, :, None, :, None] + c2 * d2[:, :, None, :, None]
+    if turn is None:
+        c0, c1, c2 = (c[..., None, :] for c in surface_coefficients(geometry, d, kinematics))
+        d1, d2 = slope[..., 0, :], slope[..., 1, :]
+        return c0 * value[:, None, :, None] + c1 * d1[:, :, None, :, None] + c2 * d2[:, :, None, :, None]
+    own = np.zeros((len(turn), N_GAUSS, len(OF_SURFACE), 4, 3))
+    signs = (1, 1, -1)  # du/ds_a = l e_a + w e_g - t e3
+    for a in (0, 1):
+        scale = 1.0 / (geometry.A[..., a] * (1.0 + geometry.k[..., a] * d))
+        for row, i in enumerate((a, 1 - a, 2)):
+            along = signs[row] * scale[..., None] * slope[..., a, :]
+            own[:, :, 3 * a + row] = along[..., None] * turn[:, :, :, i, :]
+    return own
+
+
+def _operator(
+    geometry: Geometry, grid: Grid, laminate: Laminate, kinematics: Kinematics, turn: np.ndarray | None, at: np.ndarray
+) -> np.ndarray:
+    """Q (E, 4, 15, 4, 6) of two faces; ``at``: the frames at the Gauss points from those at the nodes."""
+    value, _ = shape_functions(GAUSS)
+    Q = np.zeros((len(grid.half), N_GAUSS, N_Q, 4, N_V))
+    for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
+        Q[:, :, face : BETA.start : 2, :, face::2] = surface_operator(geometry, grid, d, kinematics, turn)
+        for i in range(N_BETA):
+            sign = (2 * face - 1) / laminate.thickness
+            Q[:, :, BETA.start + i, :, face::2] = sign * value[:, :, None] * at[:, :, :, i, :]
+    return Q
 
 
 def _frames_turn(surface: Surface, points: np.ndarray, grid: Grid) -> np.ndarray:
@@ -163,33 +194,18 @@ def _frames_turn(surface: Surface, points: np.ndarray, grid: Grid) -> np.ndarray
     return np.einsum("egix,erjx->egrij", at_gauss, at_node)
 
 
-def _isoparametric(
-    surface: Surface, geometry: Geometry, turn: np.ndarray, grid: Grid, laminate: Laminate
-) -> tuple[np.ndarray, np.ndarray]:
-    """Q (E, 4, 15, 4, 6) of Cartesian displacements, and the offset (E, 4, 15) of the interpolated positions."""
-    value, slope = shape_functions(GAUSS)
-    slope = slope / grid.half[:, None, :, None]
-    Q = np.zeros((len(turn), N_GAUSS, N_Q, 4, N_V))
-    signs = ((1, 1, -1), (1, 1, -1))  # du/ds_a = l e_a + w e_g - t e3
-    for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
-        for a in (0, 1):
-            scale = 1.0 / (geometry.A[..., a] * (1.0 + geometry.k[..., a] * d))
-            for row, i in enumerate((a, 1 - a, 2)):
-                along = signs[a][row] * scale[..., None] * slope[..., a, :]
-                Q[:, :, 6 * a + 2 * row + face, :, face::2] = along[..., None] * turn[:, :, :, i, :]
-        for i in range(3):
-            sign = (2 * face - 1) / laminate.thickness
-            Q[:, :, BETA.start + i, :, face::2] = sign * value[:, :, None] * turn[:, :, :, i, :]
+def _offset(surface: Surface, Q: np.ndarray, grid: Grid, laminate: Laminate) -> np.ndarray:
+    """(E, 4, 15) of the interpolated positions."""
     corners = grid.points(CORNERS)
     x, at_node = (at(corners[..., 0], corners[..., 1]) for at in (surface.position, surface.frame))
     faces = np.stack([x + d * at_node[:, :, 2] for d in (laminate.d_minus, laminate.d_plus)], axis=2)
-    nodal = np.empty((len(turn), 4, N_V))
+    nodal = np.empty((len(Q), 4, N_V))
     for face, on_face in enumerate(np.moveaxis(_on_arcs(faces, grid, laminate.thickness), 2, 0)):
         nodal[..., face::2] = np.einsum("erix,erx->eri", at_node, on_face)
     offset = np.einsum("egqrv,erv->egq", Q, nodal)
     identity = [QUANTITIES.index(name) for name in ("l1-", "l1+", "l2-", "l2+", "beta3")]
     offset[..., identity] -= 1.0
-    return Q, offset
+    return offset
 
 
 def _on_arcs(corners: np.ndarray, grid: Grid, h: float) -> np.ndarray:

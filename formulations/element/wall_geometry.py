@@ -10,11 +10,19 @@ from functools import cached_property
 
 import numpy as np
 
-from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry, area_factor, shape_functions
+from formulations.element.strain_operator import (
+    GAUSS,
+    N_DOF,
+    N_GAUSS,
+    ElementGeometry,
+    area_factor,
+    shape_functions,
+    surface_operator,
+)
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Surface
 from formulations.section.sampling import Sampling
-from formulations.strains.quantities import N_BETA, OF_SURFACE, surface_coefficients
+from formulations.strains.quantities import N_BETA, OF_SURFACE
 
 N_SURFACE = N_DOF // 2  # displacements of one surface in an element: those of its corners, three each
 IDENTITY = (0, 3, 8)  # l1, l2 and beta3 of positions, less 1
@@ -43,27 +51,18 @@ class WallGeometry:
             raise ValueError("surfaces inside the wall need lines of curvature")
         if grid.hanging is not None:
             raise ValueError("surfaces inside the wall know no hanging nodes")
-        points, T = grid.points(GAUSS), len(sampling.strained)
+        points = grid.points(GAUSS)
         at = surface.geometry(points[..., 0], points[..., 1])
-        value, slope = shape_functions(GAUSS)
-        slope = slope / grid.half[:, None, :, None]
-        own = np.empty((len(points), T, N_GAUSS, len(OF_SURFACE), 4, 3))
-        for t, d in enumerate(sampling.strained):
-            if geometry.interpolation == "curvilinear":
-                c0, c1, c2 = (c[..., None, :] for c in surface_coefficients(at, d, geometry.kinematics))
-                own[:, t] = c0 * value[:, None, :, None] + c1 * slope[:, :, None, 0, :, None]
-                own[:, t] += c2 * slope[:, :, None, 1, :, None]
-                continue
-            turn = geometry.value / value[:, :, None, None]
-            for a in (0, 1):
-                along = slope[:, :, a] / (at.A[..., a] * (1.0 + at.k[..., a] * d))[..., None]
-                for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
-                    own[:, t, :, 3 * a + row] = sign * along[..., None] * turn[:, :, :, i]
+        turn = None
+        if geometry.interpolation == "isoparametric":
+            turn = geometry.value / shape_functions(GAUSS)[0][:, :, None, None]
+        operators = (surface_operator(at, grid, d, geometry.kinematics, turn) for d in sampling.strained)
+        own = np.stack(list(operators), axis=1)
         offset = None if geometry.offset is None else _offset(surface, grid, sampling, own, geometry.value)
         centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
         area = 4.0 * grid.half.prod(axis=-1) * area_factor(centre, 0.0)
         k = np.zeros_like(centre.k) if geometry.kinematics.thin else centre.k
-        by_surface = own.reshape(len(points), T, N_GAUSS * len(OF_SURFACE), N_SURFACE)
+        by_surface = own.reshape(*own.shape[:2], -1, N_SURFACE)
         return cls(sampling, by_surface, _values(geometry.value), offset, area, k)
 
     @property

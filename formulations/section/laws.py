@@ -14,6 +14,7 @@ keep their digits down to strains of 1e-12 and below. A law of one's own is a cl
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, Self
@@ -69,7 +70,7 @@ class StVenantKirchhoff:
         return strain @ self.B.T, self.B
 
 
-class Principal:
+class Principal(ABC):
     """Laws W(h) of the logarithms h_a of the principal stretches, with T_a = dW/dh_a (the Kirchhoff stresses).
 
     Along the principal axes of C = 1 + 2 E, with its eigenvalues c_a = exp(2 h_a): S_a = T_a/c_a,
@@ -77,13 +78,13 @@ class Principal:
     Source: Ogden, Non-linear Elastic Deformations (1984), 6.1 (recalled).
     """
 
+    @abstractmethod
     def stored(self, h: np.ndarray) -> np.ndarray:
         """W (...) of h (..., 3)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def kirchhoff(self, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """T (..., 3) and dT/dh (..., 3, 3), of h (..., 3)."""
-        raise NotImplementedError
 
     def energy(self, strain: np.ndarray) -> np.ndarray:
         """W of the principal stretches."""

@@ -48,8 +48,7 @@ class Sampling:
             raise ValueError(f"surfaces {surfaces!r} is not one of {', '.join(SURFACES)}")
         count, _, each = surfaces.partition("/")
         n = int(count)
-        ends = laminate.d_minus + np.append(0.0, np.cumsum([ply.thickness for ply in laminate.plies]))
-        ends[-1] = laminate.d_plus
+        ends = _ends(laminate)
         blocks = ends if each else ends[[0, -1]]
         fraction = 0.5 * (1 - np.cos(np.pi * np.arange(n) / (n - 1)))
         own = [low + (high - low) * fraction for low, high in pairwise(blocks)]
@@ -78,13 +77,17 @@ class Sampling:
     @property
     def ends(self) -> list[tuple[float, float]]:
         """Distances of both sides of each ply."""
-        inner = self.laminate.d_minus + np.append(0.0, np.cumsum([ply.thickness for ply in self.laminate.plies]))
-        return list(pairwise(inner.tolist()))
+        return list(pairwise(_ends(self.laminate).tolist()))
+
+    @property
+    def over_all(self) -> bool:
+        """Whether one polynomial goes through all plies, or there is one."""
+        return len(self.at) == len(self.strained)
 
     def taken(self, ply: int, d: np.ndarray) -> np.ndarray:
         """(k, T): the strain at distances d (k,) in a ply from those taken."""
         T, plies = len(self.strained), len(self.laminate.plies)
-        own = slice(None) if len(self.at) == T else slice(ply * T // plies, (ply + 1) * T // plies)
+        own = slice(None) if self.over_all else slice(ply * T // plies, (ply + 1) * T // plies)
         found = np.zeros((len(d), T))
         found[:, own] = lagrange(self.strained[own], d)[0]
         return found
@@ -95,7 +98,7 @@ class Sampling:
         inside = np.array([low <= d for low, _ in self.ends])
         ply = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
         n = len(self.strained) // len(self.laminate.plies)
-        own = slice(None) if len(self.strained) == len(self.at) else slice(ply * (n - 1), (ply + 1) * (n - 1) + 1)
+        own = slice(None) if self.over_all else slice(ply * (n - 1), (ply + 1) * (n - 1) + 1)
         found[own] = lagrange(self.at[own], np.array([d]))[0][0]
         return found
 
@@ -134,6 +137,13 @@ class Sampling:
         stress = np.stack([1 - outer, outer], axis=-1) @ at_faces
         stress = np.hstack([stress, np.full((len(outer), 1), resultants[10] / h)])
         return np.asarray(self.value.T @ (self.weights[:, None] * stress))
+
+
+def _ends(laminate: Laminate) -> np.ndarray:
+    """Distances (plies + 1,) of the sides of the plies."""
+    ends = laminate.d_minus + np.append(0.0, np.cumsum([ply.thickness for ply in laminate.plies]))
+    ends[-1] = laminate.d_plus
+    return ends
 
 
 def lagrange(nodes: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

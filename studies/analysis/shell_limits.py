@@ -22,7 +22,7 @@ import pandas as pd
 
 from studies.ask.declarations import ShellLimit
 from studies.ask.request import Settings
-from studies.experiments.shell_limits.bodies import DEFAULT, MIDDLE, REISSNER
+from studies.experiments.shell_limits.bodies import DEFAULT, MIDDLE, OF_SURFACES, REISSNER
 from studies.scenes import SCENES
 from studies.solving.refinement.richardson import power_of
 
@@ -163,7 +163,7 @@ def beyond(scene: str, settings: Settings, quantity: str | None, tolerance: floa
         limit = boundary(x, errors, tolerance)
         size = f"{'at least ' if ratio > x[-1] * (1 + 1e-9) else ''}{100 * error:.2g} %"
         option = "" if variant == DEFAULT else f", {variant}"
-        instead = " or ".join(filter(None, (_fewest_surfaces(of_case, ratio, tolerance), solid)))
+        instead = ", or ".join(filter(None, (_fewest_surfaces(of_case, ratio, tolerance), solid)))
         passed = f"passed at {limit:.2g}" if limit else "passed in the thinnest wall known"
         worst = error
         line = f"shell not enough: at {own['thickness'].iloc[0]} = {ratio:.3g} its kinematics are {size} off a solid"
@@ -177,11 +177,11 @@ def _fewest_surfaces(of_case: pd.DataFrame, ratio: float, tolerance: float) -> s
     for variant in dict.fromkeys(of_case["variant"]):
         own = of_case[of_case["variant"] == variant]
         x, errors, known = (own[name].to_numpy(float) for name in ("ratio", "error", "known_to"))
-        if not variant.startswith("surfaces=") or ratio > x[-1] * (1 + 1e-9):
+        if not variant.startswith(OF_SURFACES) or ratio > x[-1] * (1 + 1e-9):
             continue
         error = error_at(x, errors, ratio)
         if error + float(np.interp(ratio, x, known)) <= tolerance:
-            return f"the same with --set {variant}, {100 * error:.2g} % off,"
+            return f"the same with --set {variant}, {100 * error:.2g} % off"
     return None
 
 

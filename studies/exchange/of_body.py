@@ -56,7 +56,7 @@ def of_shell(body: Discretisation, fine: Discretisation, through: int) -> Body[S
     Raises UsageError for surfaces inside the wall: of them a deck has neither displacements nor laws.
     """
     if body.wall is not None:
-        raise UsageError(f"surfaces = {body.surfaces}: what is exported is a shell of two faces with the linear law")
+        raise UsageError("surfaces: what is exported is a shell of two faces with the linear law")
     grid = tensor_grid(body)
     mesh = SolidMesh.build(body.surface, *grid.lines, body.laminate, per_ply=through, periodic=grid.periodic)
     bricks = Bricks.of(mesh)

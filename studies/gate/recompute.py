@@ -81,9 +81,7 @@ def state_of(model: SceneModel, arrays: Arrays, m: int) -> ContactSolution:
             raise ClaimError("field", f"{name} has {int(np.sum(~np.isfinite(values)))} values that are no numbers")
     body, nodes = _body(model)
     if isinstance(body, Discretisation) and body.wall is not None:
-        raise ClaimError(
-            "field", f"of a wall with {body.surfaces} surfaces is not all in it: those inside are not written"
-        )
+        raise ClaimError("field", "is of both faces alone, and the wall has surfaces between them")
     moved = arrays["displacement"].reshape(-1, 3)
     if isinstance(body, Discretisation):
         frame = body.surface.frame(*body.grid.nodes.T)

@@ -22,6 +22,7 @@ from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, sour
 from studies.run.task import Task
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
+from studies.scenes.element import surfaces_of
 from studies.scenes.plugins import modules_of
 
 SOLVERS = ("studies.solving.solve", "studies.run.record")  # what solves a cell, besides its own scene
@@ -71,7 +72,7 @@ def _identity(request: Request) -> str:
 def _between_faces(scene: Scene, request: Request) -> bool:
     """Whether a scene of a shell, which may have surfaces inside its wall, is asked for without."""
     offered = any(setting.key == "surfaces" for setting in scene.settings)
-    return offered and request.settings.get("surfaces", BETWEEN_FACES) == BETWEEN_FACES
+    return offered and surfaces_of(request) == BETWEEN_FACES
 
 
 def planned(cell: Cell) -> Row:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,26 +53,27 @@ MOVED_NODES = (
     ),
     Setting.one_of("distortion", DISTORTIONS, None, "how nodes are moved; with distort", otherwise="random"),
 )
-ELEMENT = (
-    Setting.one_of("element", ELEMENTS, "refined", BY_ONE_NAME, presets=ELEMENTS),
-    *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
-    *WALL,
-    *MOVED_NODES,
-)
+
+
+def _of_element(presets: Mapping[str, Mapping[str, str]], interpolations: Iterable[str]) -> tuple[Setting, ...]:
+    own = ((key, interpolations if key == "interpolation" else choices, text) for key, choices, text in OPTIONS)
+    return (
+        Setting.one_of("element", presets, "refined", BY_ONE_NAME, presets=presets),
+        *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in own),
+    )
 
 
 def of_wall(surfaces: str, law: str) -> tuple[Setting, ...]:
     """The settings of the element of a scene whose wall has surfaces inside it, and these defaults."""
     inside, met = WALL
-    options = ((key, ON_LINES if key == "interpolation" else choices, text) for key, choices, text in OPTIONS)
     return (
-        Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
-        *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in options),
+        *_of_element(PRESETS, ON_LINES),
         replace(inside, choices=SURFACES[1:], default=surfaces, otherwise=""),
         replace(met, default=law, otherwise=""),
     )
 
 
+ELEMENT = (*_of_element(ELEMENTS, INTERPOLATIONS), *WALL, *MOVED_NODES)
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 GREEN = EXACT.name
 Span = tuple[float, float]  # both ends of a coordinate
@@ -171,9 +172,14 @@ def on_grid(request: Request, surface: Surface, grid: Grid, laminate: Laminate, 
     return discretise(request, surface, grid, laminate, *Supports.of_edges(grid, *edges).masks)
 
 
+def law_of(request: Request) -> str:
+    """The law of the plies of a shell."""
+    return str(request.settings.get("law", LINEAR))
+
+
 def check_wall(request: Request, laminate: Laminate) -> str:
     """The surfaces through the wall; raises UsageError where other settings or the plies rule them, or the law, out."""
-    surfaces, law = (str(request.settings.get(each.key, each.otherwise)) for each in WALL)
+    surfaces, law = surfaces_of(request), law_of(request)
     if surfaces == BETWEEN_FACES:
         if law != LINEAR:
             raise UsageError(f"law = {law} is met at points through the wall: it needs surfaces = 3 or more")
@@ -201,9 +207,14 @@ def check_wall(request: Request, laminate: Laminate) -> str:
     return surfaces
 
 
+def surfaces_of(request: Request) -> str:
+    """How many surfaces there are through the wall."""
+    return str(request.settings.get("surfaces", BETWEEN_FACES))
+
+
 def two_faces(request: Request) -> None:
     """Raises UsageError where surfaces inside the wall are asked for of a scene that knows none."""
-    if str(request.settings.get("surfaces", BETWEEN_FACES)) != BETWEEN_FACES or "law" in request.settings:
+    if surfaces_of(request) != BETWEEN_FACES or "law" in request.settings:
         raise UsageError(f"surfaces, law: {request.scene} has two faces with the linear law, and no others")
 
 

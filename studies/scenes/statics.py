@@ -11,7 +11,6 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
-from formulations.element.wall_modes import LINEAR
 from formulations.element_modes import element_modes
 from formulations.geometry.grid import Grid
 from formulations.loads.lines import edge_lengths
@@ -20,7 +19,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Observation, Setting, ShellSceneModel, Stage
-from studies.scenes.element import ELEMENT
+from studies.scenes.element import ELEMENT, law_of
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
@@ -110,7 +109,7 @@ def loaded_shell(
         forces=discretisation.reduce(loads["forces"]) if "forces" in loads else None,
         couples=loads.get("couples"),
         prescribed=loads.get("prescribed"),
-        law=str(request.settings.get("law", LINEAR)),
+        law=law_of(request),
         thickness_strain=request.choice("thickness_strain"),
         membrane=request.choice("membrane"),
     )

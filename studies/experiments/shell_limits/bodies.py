@@ -58,8 +58,9 @@ NONSYMMETRIC, FULL_3D = (Variant(f"section {name}", section=name) for name in SE
 REISSNER = Variant("shear correction 5/6", shear_correction=5 / 6)
 MIDDLE = Variant("pressure area mid", area="mid")
 USUAL = Variant()
+OF_SURFACES = "surfaces="  # how the variants of more of them begin, and the setting that asks for them
 THREE, FIVE, TWO_A_PLY, THREE_A_PLY = (
-    Variant(f"surfaces={surfaces}", surfaces=surfaces) for surfaces in ("3", "5", "2/ply", "3/ply")
+    Variant(f"{OF_SURFACES}{surfaces}", surfaces=surfaces) for surfaces in ("3", "5", "2/ply", "3/ply")
 )
 
 

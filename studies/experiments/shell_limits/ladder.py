@@ -28,6 +28,7 @@ from studies.experiments.shell_limits.bodies import (
     FULL_3D,
     MIDDLE,
     NONSYMMETRIC,
+    OF_SURFACES,
     REISSNER,
     THREE,
     THREE_A_PLY,
@@ -131,7 +132,7 @@ def rows_of(case: Case) -> Iterator[dict[str, Any]]:
                     **{"case": case.name, "scene": case.scene, "quantity": quantity, "thickness": case.thickness},
                     **{"ratio": ratio, "variant": name, "fails": case.fails},
                     **_compared(shell, solid, quantity, known.get(quantity)),
-                    **(_costs(shell, solid, quantity) if name == DEFAULT or name in COSTED else {}),
+                    **(_costs(shell, solid, quantity) if name.startswith((DEFAULT, OF_SURFACES)) else {}),
                 }
 
 
@@ -168,7 +169,6 @@ THIN_TO_THICK = (0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
 FROM_A_HUNDREDTH = (0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
 LAWS: tuple[Variant, ...] = (NONSYMMETRIC, FULL_3D)
 INSIDE: tuple[Variant, ...] = (THREE, FIVE)
-COSTED = {each.name for each in (*INSIDE, TWO_A_PLY, THREE_A_PLY)}
 
 CASES = (
     Case(

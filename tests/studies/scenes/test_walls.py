@@ -16,7 +16,7 @@ from studies.ask.request import UsageError
 from studies.ask.scene import SceneModel
 from studies.scenes.benchmarks import inflated_membrane
 from studies.scenes.benchmarks.pagano import COLUMNS, SQUARE
-from studies.scenes.benchmarks.rubber import LAWS_OF_RUBBER, MU, RADIUS, SOFT, THICK, terms_of
+from studies.scenes.benchmarks.rubber import MU, RADIUS, SOFT, TERMS, THICK
 from studies.scenes.benchmarks.wrapped_cylinder import HOOP, PRINTED, lame
 from studies.scenes.closed_forms.membrane import InflatedMembrane
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
@@ -68,12 +68,12 @@ def test_wrapped_cylinder_is_lames() -> None:
     assert max(abs(fine[name] / lame("fixed")[name] - 1) for name in HOOP) <= 2e-4
 
 
-@pytest.mark.parametrize(("scene", "law"), list(itertools.product(("rubber-tube", "rubber-sphere"), LAWS_OF_RUBBER)))
+@pytest.mark.parametrize(("scene", "law"), list(itertools.product(("rubber-tube", "rubber-sphere"), TERMS)))
 def test_thick_rubber_is_blown_up_to_a_stretch_of_two(scene, law) -> None:
     result = solved(scene, "4x4", law=law)
     inner, outer = RADIUS * (1 - THICK / 2), RADIUS * (1 + THICK / 2)
     for stretch, pressure in zip((1.25, 1.5, 2.0), read(result, "pressure_MPa"), strict=True):
-        exact = inflation_pressure(terms_of(law), stretch, inner, outer, sphere=scene == "rubber-sphere")
+        exact = inflation_pressure(TERMS[law], stretch, inner, outer, sphere=scene == "rubber-sphere")
         assert pressure == pytest.approx(exact, rel=1e-3)
     assert all(step["stability"]["negative"] == 0 for step in result.steps)
 
@@ -104,7 +104,7 @@ def test_closed_forms_of_rubber_are_those_of_a_compressible_wall_that_hardly_is(
     r = np.sqrt(R**2 + (stretch**2 - 1) * inner**2)
     found = solve_bvp(field, lambda a, b: [a[0] - stretch * inner, b[1]], R, [r, 0.2 * (R - outer)], tol=1e-8)
     assert found.success
-    exact = inflation_pressure(terms_of("neo-hooke"), stretch, inner, outer, sphere=False)
+    exact = inflation_pressure(TERMS["neo-hooke"], stretch, inner, outer, sphere=False)
     assert -found.y[1, 0] / stretch == pytest.approx(exact, rel=5e-4)
 
 
