@@ -16,13 +16,13 @@ from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MixedElement
-from formulations.element.modal import ModalElement
+from formulations.element.modal import ModalElement, Stiffness
 from formulations.element.quad_element import QuadElement
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.sampling_element import SamplingElement
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
-from formulations.element.wall_modes import LINEAR, WallLaw
+from formulations.element.wall_law import LINEAR, WallLaw
 from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import PLANE, SECTIONS, strain_rotation
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
@@ -136,8 +136,8 @@ class ShellModel:
         force, tangent = shell.scratch
         mixed, element = self.newton == "mixed", self._element  # what is remembered cannot lie in the scratch
         B = np.empty((len(force), element.n_modes, force.shape[1])) if mixed else None
-        C = element.slopes(len(force)) if mixed else None
-        H, external = self._integrate(self._element_vectors(u), memory, force, tangent, B, C)
+        slopes: list[Stiffness] = []
+        H, external = self._integrate(self._element_vectors(u), memory, force, tangent, B, slopes if mixed else None)
         internal, outside = shell.gather(force), self._outside(shell, external)
         inside = internal if self.prescribed is None else shell.nodal(force)
         if shell.hangers is not None:
@@ -146,7 +146,7 @@ class ShellModel:
             residual=internal - outside,
             tangent=shell.assemble(tangent),
             scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
-            remember=lambda du: None if B is None else H + element.change(_along(B, shell, du), C),
+            remember=lambda du: None if B is None else H + element.change(shell.geometry, _along(B, shell, du), slopes),
         )
 
     @property
@@ -320,7 +320,7 @@ class ShellModel:
         force: np.ndarray,
         tangent: np.ndarray | None = None,
         mode_gradient: np.ndarray | None = None,
-        slopes: np.ndarray | None = None,
+        slopes: list[Stiffness] | None = None,
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """Resultants (E, 22), external forces that follow (or None); the rest is written, see MixedElement."""
         geometry = self.discretisation.geometry

@@ -127,13 +127,18 @@ class ModalElement(ABC):
     ) -> None:
         """Add the geometric stiffness of weighted resultants times area ``work`` (e, m) to the tangent (e, d, d)."""
 
-    def slopes(self, elements: int) -> np.ndarray | None:
-        """Room for what :meth:`change` needs of elements; None where the law is linear."""
-        return None
+    @property
+    def linear(self) -> bool:
+        """Whether resultants are linear in the strains."""
+        return True
 
-    def change(self, strains: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
-        """dH (E, m) of dE (E, m), by dH/dE where it was last integrated."""
-        return self.resultants(strains)
+    def change(self, geometry: ElementGeometry, strains: np.ndarray, slopes: list[Stiffness]) -> np.ndarray:
+        """dH (E, m) of dE (E, m), by dH/dE where it was last integrated, a chunk after the other."""
+        if self.linear:
+            return self.resultants(strains)
+        parts = zip(geometry.chunks(), slopes, strict=True)
+        by_parts = [slope.times(strains[part, :, None])[..., 0] for part, slope in parts]
+        return np.concatenate(by_parts) / self.mode_weights
 
     def mode_strains(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
         """Mode strains E (E, m) of nodal displacements v (E, d)."""
@@ -172,12 +177,13 @@ class ModalElement(ABC):
         force: np.ndarray,
         tangent: np.ndarray | None = None,
         mode_gradient: np.ndarray | None = None,
-        slopes: np.ndarray | None = None,
+        slopes: list[Stiffness] | None = None,
     ) -> np.ndarray:
-        """Resultants H (E, m) at v (E, d); force, tangent, B = dE/dv and dH/dE are written into the arrays.
+        """Resultants H (E, m) at v (E, d); force, tangent and B = dE/dv are written into the arrays.
 
         ``predicted`` (E, m): the resultants that build the geometric stiffness; None takes H(v).  force (E, d);
-        tangent (E, d, d), mode_gradient (E, m, d), slopes: not wanted where None.
+        tangent (E, d, d), mode_gradient (E, m, d), slopes (dH/dE of each chunk, weighted, is added): not
+        wanted where None.
         """
         counted = self._operations
         self._spend(len(v), counted.sampled + counted.differentiated + counted.balanced)
@@ -198,7 +204,7 @@ class ModalElement(ABC):
                 DB *= area[..., None]
                 np.matmul(B.swapaxes(1, 2), DB, out=tangent[part])
                 if slopes is not None:
-                    slopes[part] = stiffness.blocks[0]
+                    slopes.append(stiffness)
             resultants[part] = H
             force[part] = np.matmul((self.mode_weights * (H + initial) * area)[:, None], B)[:, 0]
             if tangent is not None:

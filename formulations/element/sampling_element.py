@@ -22,6 +22,7 @@ from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
 from formulations.element.strain_operator import N_GAUSS, ElementGeometry
 from formulations.element.wall_geometry import N_SURFACE, WallGeometry
+from formulations.element.wall_law import WallLaw
 from formulations.element.wall_modes import (
     E33,
     FACTORS,
@@ -31,7 +32,6 @@ from formulations.element.wall_modes import (
     ON_GAUSS,
     POWERS,
     ROWS,
-    WallLaw,
     by_mode,
     by_surface,
     mode_slices,
@@ -154,16 +154,10 @@ class SamplingElement(ModalElement):
         """Strain energy of the whole grid [N mm], H0 excluded."""
         return float(self.wall.area @ self.law.energy(self.mode_strains(geometry, v)))
 
-    def slopes(self, elements: int) -> np.ndarray | None:
-        """dH/dE on the mode 00."""
-        n = N_ROWS * len(self.wall.sampling.strained)
-        return None if self.law.uniform.linear else np.empty((elements, n, n))
-
-    def change(self, strains: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
-        """dH (E, 15 T) of small dE (E, 15 T) by dH/dE where it was last integrated."""
-        if slopes is None:
-            return self.resultants(strains)
-        return Stiffness((slopes, *self.law.linear)).times(strains[..., None])[..., 0]
+    @property
+    def linear(self) -> bool:
+        """Of the law."""
+        return self.law.uniform.linear
 
     @property
     def _operations(self) -> Operations:

@@ -12,13 +12,14 @@ import numpy as np
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearised, without_contact
+from formulations.element.strain_operator import ON_LINES
 from formulations.section.sampling import BETWEEN_FACES
 from studies.ask.request import Request
 from studies.ask.scene import Scene, UsageError, has_contact
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaign import Campaign
-from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, sources_hash
+from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, OF_QUADS, sources_hash
 from studies.run.task import Task
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
@@ -62,6 +63,8 @@ def _identity(request: Request) -> str:
     without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
     if _between_faces(SCENES[request.scene], request):
         without = (*without, *INSIDE_A_WALL)
+    if request.settings.get("interpolation") in ON_LINES:
+        without = (*without, *OF_QUADS)
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
     sources = sources_hash((*SOLVERS, *parts, *outside), without=without)

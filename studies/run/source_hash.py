@@ -3,7 +3,7 @@
 Every import of our own modules counts, wherever in a file it stands, and their names in quotes, and the packages that a
 module lies in; so does a file of data beside a module that it names as ``Path(__file__).with_name("...")``. What is
 imported for annotations alone is never executed, and a module without statements does nothing: neither counts. For a
-cell some modules are not followed: see BESIDE_A_CELL, FRICTION and INSIDE_A_WALL.
+cell some modules are not followed: see BESIDE_A_CELL, FRICTION, INSIDE_A_WALL and OF_QUADS.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ FRICTION = (  # what only a cell with friction executes
     "contact.continuation.friction_path",
     *("studies.scenes.friction_readings", "studies.solving.friction_stages"),
 )
-
 INSIDE_A_WALL = (  # what only a shell with surfaces between its faces executes, and a solid
     *("formulations.element.sampling_element", "formulations.element.wall_*"),
     *("formulations.section.laws", "formulations.section.sampling", "formulations.wall_stresses"),
 )
+OF_QUADS = ("formulations.element.quad_*",)  # what only quadrilaterals execute
 
 
 def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> str:

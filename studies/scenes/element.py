@@ -13,7 +13,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
 from formulations.element.quad_geometry import FoldedQuadError
 from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
-from formulations.element.wall_modes import LINEAR
+from formulations.element.wall_law import LINEAR
 from formulations.geometry.distortion import DISTORTIONS, LARGEST, distorted
 from formulations.geometry.grid import Grid, QuadGrid, TensorGrid
 from formulations.geometry.quadtree import Quadtree
