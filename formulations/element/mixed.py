@@ -145,13 +145,6 @@ class MixedElement(ModalElement):
         """Strains (E, 4, 11) at the Gauss points in the axes of the laminate, of mode strains (E, 22)."""
         return np.einsum("gmn,em->egn", ON_GAUSS, strains)
 
-    def at_points(self, strains: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """Strains (E, p, 11) at points xi (p, 2) of mode strains (E, 22)."""
-        found = np.zeros((len(strains), len(xi), N_E))
-        for m, ((r1, r2), row) in enumerate(MODE_ROWS):
-            found[:, :, row] += strains[:, None, m] * (xi[:, 0] ** r1 * xi[:, 1] ** r2)
-        return found
-
     def energy(self, geometry: ElementGeometry, v: np.ndarray) -> float:
         """Strain energy 1/2 E D E of the whole grid (H0 excluded); a potential only where D is symmetric."""
         strains = self.mode_strains(geometry, v)

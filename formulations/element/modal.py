@@ -84,10 +84,6 @@ class ModalElement(ABC):
         """Strains (E, 4, 11) at the Gauss points, as of two faces, of mode strains (E, m)."""
 
     @abstractmethod
-    def at_points(self, strains: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """Strains (E, p, 11) at points xi (p, 2) of the reference square, as of two faces, of mode strains (E, m)."""
-
-    @abstractmethod
     def energy(self, geometry: ElementGeometry, v: np.ndarray) -> float:
         """Strain energy of the whole grid [N mm], H0 excluded."""
 

@@ -137,11 +137,6 @@ class SamplingElement(ModalElement):
         """Strains (E, 4, 11) at the Gauss points, of both faces, and of E33 through the wall."""
         return _as_of_faces(self.wall.sampling, strains_at(strains, ON_GAUSS))
 
-    def at_points(self, strains: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """Strains (E, p, 11) at points xi (p, 2), of both faces, and of E33 through the wall."""
-        values = np.array([xi[:, 0] ** r1 * xi[:, 1] ** r2 for r1, r2 in POWERS])
-        return _as_of_faces(self.wall.sampling, strains_at(strains, values))
-
     def stresses(self, strains: np.ndarray, taken: np.ndarray) -> np.ndarray:
         """Mean S (E, plies, k, 6) [MPa] at places in each ply: 11, 22, 12, 13, 23, 33, along the coordinates.
 

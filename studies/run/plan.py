@@ -15,7 +15,7 @@ from contact.problem import Linearised, without_contact
 from formulations.element.strain_operator import ON_LINES
 from formulations.section.sampling import BETWEEN_FACES
 from studies.ask.request import Request
-from studies.ask.scene import Scene, UsageError, has_contact
+from studies.ask.scene import UsageError, has_contact
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaign import Campaign
@@ -61,21 +61,16 @@ def plan(campaign: Campaign) -> list[Row]:
 def _identity(request: Request) -> str:
     """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine."""
     without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
-    if _between_faces(SCENES[request.scene], request):
+    interpolation = request.settings.get("interpolation")
+    if interpolation is not None and surfaces_of(request) == BETWEEN_FACES:  # a shell, and no solid
         without = (*without, *INSIDE_A_WALL)
-    if request.settings.get("interpolation") in ON_LINES:
+    if interpolation in ON_LINES:
         without = (*without, *OF_QUADS)
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
     sources = sources_hash((*SOLVERS, *parts, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
-
-
-def _between_faces(scene: Scene, request: Request) -> bool:
-    """Whether a scene of a shell, which may have surfaces inside its wall, is asked for without."""
-    offered = any(setting.key == "surfaces" for setting in scene.settings)
-    return offered and surfaces_of(request) == BETWEEN_FACES
 
 
 def planned(cell: Cell) -> Row:

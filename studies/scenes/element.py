@@ -73,7 +73,8 @@ def of_wall(surfaces: str, law: str) -> tuple[Setting, ...]:
     )
 
 
-ELEMENT = (*_of_element(ELEMENTS, INTERPOLATIONS), *WALL, *MOVED_NODES)
+TWO_FACES = (*_of_element(ELEMENTS, INTERPOLATIONS), *MOVED_NODES)  # and no others
+ELEMENT = (*TWO_FACES, *WALL)
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 GREEN = EXACT.name
 Span = tuple[float, float]  # both ends of a coordinate
@@ -210,12 +211,6 @@ def check_wall(request: Request, laminate: Laminate) -> str:
 def surfaces_of(request: Request) -> str:
     """How many surfaces there are through the wall."""
     return str(request.settings.get("surfaces", BETWEEN_FACES))
-
-
-def two_faces(request: Request) -> None:
-    """Raises UsageError where surfaces inside the wall are asked for of a scene that knows none."""
-    if surfaces_of(request) != BETWEEN_FACES or "law" in request.settings:
-        raise UsageError(f"surfaces, law: {request.scene} has two faces with the linear law, and no others")
 
 
 def discretise(

@@ -22,7 +22,6 @@ from studies.ask.request import Request, Value
 from studies.ask.scene import CurveStage, Scene, Setting, Stage, UsageError
 from studies.ask.settings import configured, parameters_of
 from studies.scenes import SCENES
-from studies.scenes.benchmarks.quads import OnQuads
 from studies.scenes.complete import complete
 from studies.solving.refinement.grids import coarsest_mesh
 from studies.solving.solve import solve
@@ -62,11 +61,6 @@ COLUMNS = ("scene", "setting", "value", "effect")
 NONE, REFUSED, FAILS = "none", "refused", "fails"
 MISSING = "not installed"  # nobody can say here
 Print = dict[str, Any]  # what is seen, by where: arrays, numbers, words
-
-
-def of_two_faces(name: str) -> bool:
-    """Whether a scene refuses surfaces inside the wall."""
-    return isinstance(SCENES[name], OnQuads) or name.startswith("manufactured")
 
 
 def moved(setting: Setting, now: Value | None, factors: Sequence[float] = FACTORS) -> Iterator[object]:
@@ -191,7 +185,7 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
         if rows["setting"].eq("distort").any():
             moved_nodes = effects(name, **MOVED)
             rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
-        if rows["setting"].eq("surfaces").any() and not of_two_faces(name):
+        if rows["setting"].eq("surfaces").any():
             corrected = rows["setting"].eq("shear_correction").any()  # which two faces alone have
             inside = effects(name, given={"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})})
             rows = pd.concat([rows, inside[inside["setting"] == "law"]])

@@ -20,7 +20,7 @@ from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.element import ELEMENT, discretise, even_grid, two_faces
+from studies.scenes.element import TWO_FACES, discretise, even_grid
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, SPIN, Piece, faces, wall, waved
 from studies.scenes.manufactured.scene import QUANTITIES, carrying, errors, unknowns_at
 from studies.scenes.manufactured.solution import Displacement, Exact, Patch
@@ -147,7 +147,7 @@ SETTINGS = (
     Setting("wave_mm", 0.04, "amplitude of the waves along the ball", low=0, high=0.2, unit="mm"),
     Setting.one_of("section", SECTIONS, "constant-s33", "law of the section for the thickness stretch"),
     EPSILON,
-    *ELEMENT,
+    *TWO_FACES,
     SOLVER,
 )
 
@@ -181,7 +181,6 @@ class ManufacturedContact:
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
-        two_faces(request)
         piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
         grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
         supports = Supports.of_edges(grid, "clamped", "free", "clamped", "free")

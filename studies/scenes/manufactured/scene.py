@@ -24,7 +24,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
-from studies.scenes.element import ELEMENT, discretise, even_grid, two_faces
+from studies.scenes.element import TWO_FACES, discretise, even_grid
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, TurnedWaves, wall
 from studies.scenes.manufactured.solution import Exact, Patch, Solution
 from studies.scenes.statics import area_load, loaded_shell
@@ -80,7 +80,7 @@ SETTINGS = (
     Setting("stretch", 0.15, "uniform elongation of the piece", low=0, high=1),
     Setting("wave_mm", 0.04, "amplitude of the waves that the piece is bent into", low=0, high=0.2, unit="mm"),
     Setting.one_of("section", SECTIONS, "constant-s33", "law of the section for the thickness stretch"),
-    *ELEMENT,
+    *TWO_FACES,
     SOLVER,
 )
 
@@ -171,7 +171,6 @@ class Manufactured:
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
-        two_faces(request)
         piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
         grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
         held = Supports.of_edges(grid, "clamped", "free", "clamped", "free")

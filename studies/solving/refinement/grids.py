@@ -63,8 +63,8 @@ class Family:
         shell = getattr(scene.build(request), "shell", None)
         if not isinstance(shell, ShellModel) or not isinstance(shell.discretisation.grid, TensorGrid):
             return cls(request, None)
-        if isinstance(shell.discretisation.geometry, QuadGeometry):
-            return cls(request, None)  # quadrilaterals have no hanging nodes
+        if isinstance(shell.discretisation.geometry, QuadGeometry) or shell.discretisation.wall is not None:
+            return cls(request, None)  # quadrilaterals and surfaces inside the wall have no hanging nodes
         grid = shell.discretisation.grid
         tree = tree_over(request, *grid.lines, periodic=grid.periodic)
         mirrored = bool(np.any(shell.discretisation.map.sign < 0)) and grid.lines[0][0] < 0

@@ -182,7 +182,8 @@ def test_order_of_a_law_at_points() -> None:
         ("tyre", {"surfaces": "3", "section": "full-3d"}, "section = full-3d is of two faces"),
         ("scordelis-lo", {"surfaces": "3", "shear_correction": "0.8"}, "shear_correction = 0.8 is of two faces"),
         ("hemisphere", {"surfaces": "3", "element": "quads"}, "interpolation = quads is of two faces"),
-        ("raasch-hook", {"surfaces": "3"}, "raasch-hook has two faces"),
+        ("raasch-hook", {"surfaces": "3"}, "raasch-hook has no setting 'surfaces'"),
+        ("manufactured", {"law": "ogden"}, "manufactured has no setting 'law'"),
     ],
 )
 def test_what_does_not_go_with_surfaces_is_refused_in_one_line(scene, settings, message) -> None:
