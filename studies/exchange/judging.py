@@ -166,7 +166,7 @@ def _energy(problem: Problem, found: Found, ours: Result, tolerance: float) -> I
 def _reader(problem: Problem) -> Reader | None:
     """What reads as the scene does; None where that reads more than displacements."""
     model = SCENES[problem.request.scene].build(problem.request)
-    if not isinstance(model, StaticModel) or problem.shell is None or model.shell.discretisation.wall is not None:
+    if not isinstance(model, StaticModel) or problem.shell is None:
         return None
     shell = model.shell.discretisation
     frame, nodes = shell.surface.frame(*shell.grid.nodes.T), problem.shell

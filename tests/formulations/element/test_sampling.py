@@ -212,6 +212,11 @@ def test_supports_hold_what_lies_between_the_faces() -> None:
     moved = body.map.everywhere(np.zeros(body.n_free), prescribed)[body.map.n_faces :].reshape(-1, 3, 3)
     assert moved[first, :, 0] == pytest.approx(np.broadcast_to(1 + 2 * z[:, 0], (2, 3)))
     assert not np.any(np.delete(moved, first, axis=0))
+    middle = np.where(supports.masks[1], 2.0, 0.0)
+    moved = body.map.everywhere(np.zeros(body.n_free), np.repeat(middle, 2, axis=1))[body.map.n_faces :]
+    moved = moved.reshape(-1, 3, 3)
+    assert moved == pytest.approx(np.repeat(middle[:, None], 3, axis=1))
+    assert np.any(moved[last])
 
 
 def test_reactions_inside_the_wall_count(rng) -> None:

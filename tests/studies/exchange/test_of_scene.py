@@ -16,6 +16,7 @@ REFUSED = {
     "heavy-strip": "given displacements",
     "manufactured": "cannot be exported",
     "manufactured-contact": "must be a plane",
+    "wrapped-cylinder": "a shell of two faces with the linear law",
 }
 EXPORTED = ("hemisphere", "semicylinder-0-90-0", "pagano", "free-hyperboloid", "shallow-cap")
 BEFORE_PLANES = ("strip-contact", "ring", "panel", "crushed-ring", "crushed-ring-solid", "tyre")

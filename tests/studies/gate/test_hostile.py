@@ -14,18 +14,20 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from contact.problem import ContactSolution
 from studies.cli import main
 from studies.gate.foreign import ClaimError
-from studies.gate.recompute import arrays_of
+from studies.gate.recompute import arrays_of, as_written, state_of
 from studies.output.atomic import PART
 from studies.output.vtu import packed_arrays, write_vtu
 from studies.run.archive import Archive
 from studies.run.plan import planned
-from studies.scenes.complete import Cell
+from studies.scenes.complete import Cell, complete
 from support.stores.elsewhere import Elsewhere, solved
 from support.stores.hostile import (
     ANSWERS,
@@ -296,6 +298,14 @@ def test_damaged_records_are_set_aside_and_solved_again(
         assert "set aside as" in line
     assert len(list((archive.root / "aside").iterdir())) == len(RECORDS)
     assert archive.record_path(ids[-1]).read_bytes() == kept
+
+
+def test_a_field_of_both_faces_is_no_state_of_a_wall_with_surfaces_between_them() -> None:
+    scene, request = complete("rubber-tube", {})
+    model: Any = scene.build(request)
+    written = as_written(model, ContactSolution.at_rest(model.n_unknowns, 0))[1]
+    with pytest.raises(ClaimError, match="is of both faces alone"):
+        state_of(model, written, 0)
 
 
 @pytest.mark.parametrize(
