@@ -3,7 +3,8 @@
 A metal liner from 23 to 25 mm, windings from 25 to 27 mm whose fibres run around; 200 MPa inside. Layers without stress
 along the axis, those of a slice, have 1564.5, 1429.0, 880.5 and 756.3 MPa of hoop stress from inside to outside; the
 benchmark prints 1565.3, 1429.7, 874.7 and 759.1. Between fixed ends a long cylinder has no strain along the axis
-instead. Nothing varies around or along: all that a shell can miss is the wall.
+instead. Both are of small displacements: at 200 MPa measures of large ones differ by up to 1.2 %. Nothing varies around
+or along: all that a shell can miss is the wall.
 """
 
 from __future__ import annotations
@@ -50,8 +51,8 @@ def lame(ends: str) -> dict[str, float]:
 
 
 def _references() -> tuple[Reference, ...]:
-    exact = [({"ends": ends}, lame(ends)) for ends in ENDS]
-    printed = [({"ends": "free"}, dict(zip(HOOP, PRINTED, strict=True)))]
+    exact = [({"ends": ends, "measure": "linear"}, lame(ends)) for ends in ENDS]
+    printed = [({"ends": "free", "measure": "linear"}, dict(zip(HOOP, PRINTED, strict=True)))]
     return references("exact", "Lamé's equations for orthotropic layers", 1e-6, exact) + references(
         "read", NAFEMS, 0.01, printed
     )
