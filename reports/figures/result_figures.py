@@ -5,6 +5,7 @@ Which pictures a scene has is decided here; how those of a tyre look, in figures
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from itertools import takewhile
 from pathlib import Path
@@ -100,7 +101,8 @@ def _words(quantity: str) -> str:
 def load_displacement(scene: str, curve: pd.DataFrame, names: Mapping[str, str], load: tuple[str, str]) -> Figure:
     """The load over displacements, one panel for each column of ``names`` (column -> axis label); load: such a pair."""
     loaded, load_words = load
-    figure, panels = canvas(len(names))
+    rows = math.ceil(len(names) / 3)
+    figure, panels = canvas(len(names), math.ceil(len(names) / rows), height=4.5 if rows == 1 else 3.2)
     for axes, (column, words) in zip(panels, names.items(), strict=True):
         points = [0, *curve[column]], [0, *curve[loaded]]
         line = "-" if "limit_point" in curve else "none"  # a curve that turns back needs its order

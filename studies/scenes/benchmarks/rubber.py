@@ -72,7 +72,7 @@ class Rubber:
     @property
     def quantities(self) -> Mapping[str, str]:
         """What the reactions add up to."""
-        return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "deformed over reference thickness"}
+        return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "share of the thickness lost"}
 
     def build(self, request: Request) -> SceneModel:
         """By displacements alone."""
@@ -92,7 +92,7 @@ class Rubber:
             v = shell.displacements(u)[:, 4:].mean(axis=0)
             grown = (1 + v[0] / inner) ** (2 if self.of_sphere else 1)
             force = shell.reactions(u)[:, 4].sum()
-            return {"pressure_MPa": float(force / (grown * area)), "thinning": float(1 + (v[1] - v[0]) / h)}
+            return {"pressure_MPa": float(force / (grown * area)), "thinning": float((v[0] - v[1]) / h)}
 
         def start(fraction: float) -> np.ndarray:
             """The unknowns of a wall that keeps its volume."""
