@@ -118,6 +118,9 @@ class ContactProblem:
     standing: the foundation and the candidates in a frame in which it stands still; None where no straight way of a
     candidate leads through it, as through a plane.
 
+    guide (n,): a state near the one of this problem, on a path that has them all along: a step is first what it moves,
+    and energies are balanced from it; None where that is rest.
+
     surface: what friction would act on, in a frame that is shifted with the foundation; None where nobody has said.
     coulomb: the law of friction, None for none.
     """
@@ -139,6 +142,7 @@ class ContactProblem:
     driven: int = 0
     travel: Callable[[], ContactProblem] | None = None
     standing: Standing | None = None
+    guide: np.ndarray | None = None
     surface: Surface | None = None
     coulomb: Coulomb | None = None
 

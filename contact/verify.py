@@ -167,8 +167,8 @@ def judge(
     friction (m, 2) [N]: of a problem that has some.
     epsilon [MPa/mm]: with a finite one the conditions are those of its law, that is of the gap g + p/epsilon; with
     friction of springs in both directions.
-    since (n,): state from which the energy is balanced, at the same loads; default the undeformed one. With friction,
-    the last accepted one.
+    since (n,): state from which the energy is balanced, at the same loads; default the guide of the problem, or rest.
+    With friction, the last accepted one.
     """
     if problem.coulomb is not None:
         return _with_friction(problem, u, pressure, friction, epsilon, since)
@@ -187,7 +187,9 @@ def judge(
     equilibrium = float(np.linalg.norm(imbalance)) / scale
     # excused or not by what it still asks for alone
     undecided = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
-    energy, energy_rounding = energy_balance(problem, np.zeros_like(u) if since is None else since, u, contact, lin)
+    if since is None:
+        since = np.zeros_like(u) if problem.guide is None else problem.guide
+    energy, energy_rounding = energy_balance(problem, since, u, contact, lin)
     force, force_rounding = force_balance(problem, lin, u, pressure)
     gaps = gap_residuals(problem, u, pressure, epsilon)
     return Verdict(

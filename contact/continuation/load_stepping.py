@@ -175,7 +175,9 @@ class Stepper:
         """The next step from the last converged state."""
         last = abs(self.target - self.reached) <= abs(self.step) * (1 + 1e-9)
         trial = self.target if last else self.reached + self.step
-        state, problem = self.states[-1][1], self.problem_at(trial)
+        (before, state), problem = self.states[-1], self.problem_at(trial)
+        if problem.guide is not None:
+            state = replace(state, u=state.u + problem.guide - self.problem_at(before).guide)
         most = min(BRIEF, getattr(self.algorithm, "max_iterations", BRIEF))
         brief = self.vain and self.bounded and problem.coulomb is None  # with friction no step is easy
         algorithm = hasty(self.algorithm, most) if brief else self.algorithm

@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, Self, runtime_checkable
+from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -130,10 +130,9 @@ def nodal_pressure(solution: ContactSolution, candidate: np.ndarray) -> np.ndarr
 
 
 class ShellSceneModel:
-    """What the models of all shell scenes share.  from_rest: whether the unknowns of its stages count from rest."""
+    """What the models of all shell scenes share."""
 
     shell: ShellModel
-    from_rest: ClassVar[bool] = True
 
     @property
     def n_unknowns(self) -> int:

@@ -232,10 +232,8 @@ class Carrier:
         """A state of a stage, where the path there has come to ``last`` as here to the state ``before``.
 
         What the path here has moved since is added to the last state there: what the grids differ by hardly changes
-        from load to load. None where the unknowns of the stage are not those of the shell from rest.
+        from load to load. None where the unknowns of the stage are not those of the shell.
         """
-        if not self.here.from_rest:
-            return None
         shell, other = self.here.moved(at[0]).shell, self.there.moved(at[0]).shell
         was, old = self.here.moved(before[0]).shell, self.there.moved(before[0]).shell
         if len(at[1].u) != shell.discretisation.n_free or len(last.u) != other.discretisation.n_free:
