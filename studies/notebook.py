@@ -248,7 +248,7 @@ def write_choice(found: Choice, out: Path) -> None:
     pictures = {}
     for axis, name in FIGURES.items():
         named = [row["name"] for row in found.variants if row["axis"] == axis]
-        if found.limit is None or not named:
+        if found.truth is None or not named:
             continue
         reference = (
             found.verdicts[0].grids
@@ -257,6 +257,6 @@ def write_choice(found: Choice, out: Path) -> None:
         )
         others = [row for verdict in found.verdicts[1:] for row in verdict.grids if row["axis"] == axis]
         rows = [*reference, *others]
-        pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.limit.uncertainty)()
+        pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.truth.uncertainty)()
     write_texts(out / "figures", pictures)
     found.write(out, [f"figures/{name}" for name in pictures])

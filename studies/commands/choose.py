@@ -60,9 +60,11 @@ def run_choose(options: argparse.Namespace) -> int:
 def lines(found: Choice) -> Iterator[str]:
     """The answer for a terminal."""
     percent = f"{100 * found.question.error:g} %"
-    if found.limit is not None:
-        known = f"{found.limit.limit:.6g} +- {_percent(found.limit.uncertainty)}"
-        yield f"{found.question.name}, {found.quantity} within {percent}; the exact measure in the limit: {known}"
+    truth = found.truth
+    if truth is not None:
+        known = f"{truth.limit:.6g} +- {_percent(truth.uncertainty)}"
+        wall = f" with surfaces={found.wall.name}" if found.wall.name else ""
+        yield f"{found.question.name}, {found.quantity} within {percent}; the exact measure{wall} in the limit: {known}"
         yield from _table(found.variants, _variant)
     if found.algorithms:
         yield "contact algorithms, each from rest and judged:"

@@ -69,8 +69,8 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
     for ask in shipped_asks() if asks is None else asks:
         for found in _found(ask, errors):
             limit = {"limit": np.nan, "uncertainty": np.nan}
-            if found.limit is not None:
-                limit = {"limit": found.limit.limit, "uncertainty": found.limit.uncertainty}
+            if found.truth is not None:
+                limit = {"limit": found.truth.limit, "uncertainty": found.truth.uncertainty}
             settings = " ".join(f"{key}={text_of(value)}" for key, value in ask.settings.items())
             head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": found.quantity, **limit}
             rows += [{**head, "asked": found.question.error, **row} for row in _rows(found)]

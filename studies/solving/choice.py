@@ -16,11 +16,12 @@ from studies.ask.request import Request
 from studies.ask.settings import rubbing
 from studies.output.atomic import Table, write_json
 from studies.output.provenance import provenance
+from studies.scenes.element import surfaces_of
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.nested import touches
 from studies.solving.trials import FROM_REST, NOT_TRIED, SLOWER, Clock, Question, Trial, beside, tried
 from studies.solving.variants import REFERENCE
-from studies.solving.verdict import NO_MESH, NOT_SETTLED, Verdict, errors
+from studies.solving.verdict import NO_MESH, NOT_SETTLED, Verdict, Wall, errors
 
 FASTER = 0.8  # of the seconds, what a change of what is asked for may take at the most
 LOADING = 1.0  # s that every solve takes before it begins: beside it small differences are none
@@ -139,10 +140,11 @@ def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Sequenc
 class Choice:
     """The answer.
 
-    stopped: why the reference has no more grids.  limit: of the reference, the exact measure.  verdicts: measures,
-    options of the element, models, the reference first.  algorithms: from rest, on a coarse mesh and on one that is
-    enough.  offers: what is recommended, the runner-up, further ones.  refused: offers that did not hold from rest.
-    reason: why nothing is recommended.  seconds: of wall time.
+    stopped: why the reference has no more grids.  limit: of the reference, the exact measure; wall: with more surfaces,
+    whose limit is the ``truth``.  verdicts: walls, measures, options of the element, models, the reference first.
+    algorithms: from rest, on a coarse mesh and on one that is enough.  offers: what is recommended, the runner-up,
+    further ones.  refused: offers that did not hold from rest.  reason: why nothing is recommended.  seconds: of wall
+    time.
     """
 
     question: Question
@@ -151,12 +153,18 @@ class Choice:
     quantity: str
     stopped: str = ""
     limit: Estimate | None = None
+    wall: Wall = field(default_factory=Wall)
     verdicts: list[Verdict] = field(default_factory=list)
     algorithms: list[Trial] = field(default_factory=list)
     offers: list[Offer] = field(default_factory=list)
     refused: list[Offer] = field(default_factory=list)
     reason: str = ""
     seconds: float = 0.0
+
+    @property
+    def truth(self) -> Estimate | None:
+        """What all errors count from."""
+        return None if self.limit is None else self.wall.truth(self.limit)
 
     @property
     def recommended(self) -> Offer | None:
@@ -170,7 +178,7 @@ class Choice:
 
     @property
     def variants(self) -> list[dict[str, Any]]:
-        """A row a measure, an option of the element, a model."""
+        """A row a measure, a wall, an option of the element, a model."""
         return [verdict.row for verdict in self.verdicts]
 
     @property
@@ -224,6 +232,9 @@ class Choice:
             steps = 100 * np.abs(np.diff(values[-3:])) / (abs(values[-1]) or 1.0)
             if len(steps):
                 yield f"the rim of contact jumps from node to node: the last grids differ by {steps.max():.2g} %"
+        if self.verdicts and "interpolation" in self.request.settings and not self.wall.name:
+            here = surfaces_of(self.request)
+            yield f"what more surfaces through the wall would change is not known: errors count from surfaces={here}"
         if self.stopped:
             yield f"measure {REFERENCE}: {self.stopped}"
         if rubbing(self.request.settings):
@@ -242,7 +253,7 @@ class Choice:
 
     def as_json(self) -> dict[str, Any]:
         """The content of choice.json."""
-        limit = self.limit
+        limit = self.truth
         return {
             "scene": self.question.name,
             "quantity": self.quantity,
@@ -256,6 +267,7 @@ class Choice:
             "reason": self.reason,
             "reference": {
                 "measure": self.request.measure,
+                "surfaces": self.wall.name or surfaces_of(self.request),
                 "limit": None if limit is None else limit.limit,
                 "uncertainty": None if limit is None else limit.uncertainty,
             },

@@ -1,8 +1,9 @@
 """Which measure, algorithm, element and mesh is enough on a scene, and what it costs, within a budget of wall time.
 
-The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then measures
-on the same grids, algorithms on a grid that is enough, options of the element, models, each with a share of what is
-left; last the cheapest of all that is enough, as its command line asks for it.
+The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then walls
+with more surfaces on the same grids, until more would change nothing: what those have is the truth. Then measures,
+algorithms on a grid that is enough, options of the element, models, each with a share of what is left; last the
+cheapest of all that is enough, as its command line asks for it.
 """
 
 from __future__ import annotations
@@ -27,13 +28,15 @@ from studies.solving.variants import (
     REFERENCE,
     Ladder,
     Variant,
+    richer_walls,
     variants,
 )
-from studies.solving.verdict import NONE, Difference, Verdict, errors, first_enough, judged
+from studies.solving.verdict import NONE, SETTLED, Difference, Verdict, Wall, errors, first_enough, judged
 
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
 OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
+OF_WALLS = 0.5  # without knowing what two faces miss nothing is known
 BUDGET = 60.0
 ERROR = "1%"
 CHOOSING = 0.92  # of the budget; the rest is for loading, drawing and writing
@@ -86,9 +89,10 @@ def loosened(found: Choice, error: float) -> Choice:
         least = min(error, found.question.error)
         raise ValueError(f"of {found.question.name} nothing is known to {100 * least:g} %")
     question, reference = replace(found.question, error=error), found.verdicts[0].ladder
-    verdicts = [judged(each.ladder, reference, found.limit, found.quantity, error) for each in found.verdicts]
+    known = reference, found.limit, found.quantity, error, found.wall
+    verdicts = [judged(each.ladder, *known) for each in found.verdicts]
     clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
-    held = recommended(offers, found.quantity, found.limit, clock, lambda text: None)
+    held = recommended(offers, found.quantity, found.wall.truth(found.limit), clock, lambda text: None)
     refused = [offer for offer in offers if not offer.holds and not offer.untried]
     reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {reference.paths[-1].mesh}"
     answer = replace(found, question=question, verdicts=verdicts, algorithms=[], reason=reason)
@@ -97,23 +101,31 @@ def loosened(found: Choice, error: float) -> Choice:
 
 
 def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, progress: Callable[[str], None]) -> None:
-    """Measures, algorithms, options of the element and models, what is recommended, and what there is time for then."""
+    """Walls, measures, algorithms, elements and models, what is recommended, and what there is time for then."""
     question, quantity = found.question, cascade.name
     reference = Ladder(Variant(MEASURE, REFERENCE, cascade.grids[0].request), cascade.grids)
     others = [Ladder(each) for each in variants(question.scene, reference.variant.request)]
+    walls: list[Ladder] = []
 
     def verdict(ladder: Ladder) -> Verdict:
-        return judged(ladder, reference, limit, quantity, question.error)
+        return judged(ladder, reference, limit, quantity, question.error, found.wall)
 
     def climb(own: Sequence[Ladder]) -> None:
         limits = lambda ladder: verdict(ladder).limit  # noqa: E731
         for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
             progress(text)
+        found.wall = Wall.of([judged(each, reference, limit, quantity, question.error) for each in walls])
 
     def offers() -> list[Offer]:
-        found.verdicts = [verdict(each) for each in (reference, *others)]
+        found.verdicts = [verdict(each) for each in (reference, *walls, *others)]
         return offers_of(question, found.verdicts, found.algorithms)
 
+    with clock.share(OF_WALLS):
+        for wall in richer_walls(question.scene, reference.variant.request):
+            walls.append(Ladder(wall))
+            climb(walls[-1:])
+            if found.wall.name != wall.name or found.wall.left <= SETTLED * question.error:
+                break
     path = verdict(reference).enough or cascade.last
     foreseen = FROM_REST * path.seconds
     for axis, part in SHARES.items():
@@ -124,9 +136,9 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
                 meshes = reference.paths[0].mesh, path.mesh
                 found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
     first = offers()
-    found.offers = recommended(first, quantity, limit, clock, progress)
+    found.offers = recommended(first, quantity, found.wall.truth(limit), clock, progress)
     found.refused = [offer for offer in first if not offer.holds and not offer.untried]
-    climb(others)
+    climb([*walls, *others])
     known = {offer.words for offer in first}
     found.offers += [offer for offer in offers() if offer.words not in known]
 

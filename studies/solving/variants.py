@@ -1,9 +1,9 @@
 """What may be varied on a scene, and a variant on the grids of the reference, coarse to fine.
 
-A variant is the request of the reference with one thing changed, on the same mesh: its strain measure, an option of the
-element as the scene declares them, its model. Each path starts from the one on the grid before. Contact algorithms are
-no variants: they give the same values, and are tried (:mod:`studies.solving.trials`). What is enough is not
-decided here (:mod:`studies.solving.verdict`).
+A variant is the request of the reference with one thing changed, on the same mesh: its strain measure, the surfaces
+through its wall, an option of the element as the scene declares them, its model. Each path starts from the one on the
+grid before. Contact algorithms are no variants: they give the same values, and are tried
+(:mod:`studies.solving.trials`). What is enough is not decided here (:mod:`studies.solving.verdict`).
 """
 
 from __future__ import annotations
@@ -12,14 +12,16 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from formulations.section.sampling import Sampling
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, Request, Settings, UsageError, Value
 from studies.ask.scene import Scene, SettlingScene
 from studies.scenes.element import ON_MESHES, OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
-MEASURE, ELEMENT, MODEL = "measure", "element", "model"
-AXES = (MEASURE, ELEMENT, MODEL)
+MEASURE, SURFACES, ELEMENT, MODEL = "measure", "surfaces", "element", "model"
+RICHER = {"wall": ("3", "5", "7"), "plies": ("2/ply", "3/ply", "4/ply")}  # three over several plies may show nothing
 REFERENCE = "exact"  # the measure that neglects nothing
 FEWEST = 4  # grids, each with twice the unknowns of the last, that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
@@ -48,6 +50,23 @@ def variants(scene: Scene, reference: Request) -> Iterator[Variant]:
     yield from (_checked(scene, each) for each in _elements(scene, reference))
     if isinstance(scene, SettlingScene):
         yield from _models(scene, reference)
+
+
+def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
+    """More and more surfaces than the reference has, where the scene knows them."""
+    offered = [choice for setting in scene.settings if setting.key == SURFACES for choice in setting.choices]
+    shell = getattr(scene.build(reference), "shell", None)
+    if not offered or not isinstance(shell, ShellModel):
+        return
+    body = shell.discretisation
+    several, here = len(body.laminate.plies) > 1, 2 + len(body.map.inside)
+    for name in RICHER["plies" if several else "wall"]:
+        if name not in offered:
+            continue
+        settings = Settings({**reference.settings, SURFACES: name})
+        wall = Variant(SURFACES, name, replace(reference, settings=settings), settings={SURFACES: name})
+        if len(Sampling.of(body.laminate, name).at) > here:
+            yield _checked(scene, wall)
 
 
 def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:

@@ -26,6 +26,7 @@ from contact.continuation.critical_points import State
 from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
 from formulations.geometry.transfer import Transfer
+from formulations.strains.quantities import N_V
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage
 from studies.ask.settings import configured
@@ -241,9 +242,10 @@ class Carrier:
         if shell.prescribed is not None and before[0] == 0.0 and np.any(last.u):
             return None  # a stage that begins with a guess, and not with a state
         moved = shell.nodal_displacements(at[1].u) - was.nodal_displacements(before[1].u)
-        u = last.u + other.discretisation.map.restrict_nodal(self.transfer.nodal(moved))
-        H = None
-        if shell.newton == "mixed":
+        there, H = other.discretisation.map, None
+        alike = there.inside == shell.discretisation.map.inside  # else what is between the faces moves as they do
+        u = last.u + there.restrict_nodal(self.transfer.nodal(moved if alike else moved[:, :N_V]))
+        if shell.newton == "mixed" and alike:
             change = shell.resultants(at[1].u) - was.resultants(before[1].u)
             H = old.resultants(last.u) + self.transfer.modes(change, shell.powers)
         start = Start(u, at[1].pressure, at[1].active, H)

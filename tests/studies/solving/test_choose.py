@@ -61,6 +61,26 @@ def test_a_classical_measure_is_off_in_the_limit_as_on_a_fine_grid(ring: Path) -
 
 
 @pytest.mark.slow
+def test_a_thick_laminate_needs_surfaces_inside_its_wall() -> None:
+    """Pagano's 2.82: a limit of two faces, a quarter less, is no truth however fine the mesh."""
+    found = choose("pagano", {"S": "4"}, 0.01, 60.0)
+    rows = {row["name"]: row for row in found.variants}
+    assert found.truth.limit == pytest.approx(2.82, rel=found.truth.uncertainty)
+    assert (found.wall.name, found.recommended.settings) == ("4/ply", {"surfaces": "4/ply"})
+    assert rows["exact"]["verdict"] == rows["2/ply"]["verdict"] == NOT_ENOUGH
+    assert rows["exact"]["formulation_error"] == pytest.approx(2.0547 / 2.82 - 1, abs=rows["exact"]["within"])
+    looser = loosened(found, 0.05)
+    assert looser.recommended.settings == {"surfaces": "2/ply"}
+
+
+@pytest.mark.slow
+def test_where_two_faces_are_enough_more_are_tried_once(ring: Path) -> None:
+    rows = [row for row in told(ring)["variants"] if row["axis"] == "surfaces"]
+    assert [(row["name"], row["verdict"]) for row in rows] == [("3", ENOUGH)]
+    assert "surfaces" not in told(ring)["recommended"]["command"]
+
+
+@pytest.mark.slow
 def test_the_files_of_an_answer(ring: Path) -> None:
     found = told(ring)
     assert found["outcome"] == ANSWERED
