@@ -301,7 +301,7 @@ def test_damaged_records_are_set_aside_and_solved_again(
 
 
 def test_a_field_of_both_faces_is_no_state_of_a_wall_with_surfaces_between_them() -> None:
-    scene, request = complete("rubber-tube", {})
+    scene, request = complete("wrapped-cylinder", {})
     model: Any = scene.build(request)
     written = as_written(model, ContactSolution.at_rest(model.n_unknowns, 0))[1]
     with pytest.raises(ClaimError, match="is of both faces alone"):
