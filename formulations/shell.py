@@ -22,9 +22,10 @@ from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.sampling_element import SamplingElement
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF, shape_functions
-from formulations.element.wall_law import LINEAR, WallLaw
+from formulations.element.wall_law import WallLaw
 from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import PLANE, SECTIONS, strain_rotation
+from formulations.section.laws import LINEAR
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
 

@@ -28,10 +28,9 @@ import numpy as np
 from formulations.element.modal import ALL, Stiffness
 from formulations.element.wall_modes import E33, FACTORS, N_OF_SURFACE, N_ROWS, ROWS
 from formulations.operations import product, spend
-from formulations.section.laws import LAWS, Law
+from formulations.section.laws import LAWS, LINEAR, Law
 from formulations.section.sampling import IN_VOIGT, Sampling
 
-LINEAR = "svk"  # in closed form: it is linear in the strain
 BY_THICKNESS = np.array([0, 0, 0, 1, 1, 2])  # a of strains that count by (1 + 2e)^(-a/2)
 
 

@@ -23,6 +23,7 @@ import numpy as np
 
 from formulations.section.laminate import Ply
 
+LINEAR = "svk"  # the one of LAWS that is linear in the strain
 VOIGT = ((0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2))  # order of Ply.stiffness
 _I, _J = np.array(VOIGT).T
 _ONCE = np.where(_I == _J, 1.0, 2.0)  # how often a component stands in a symmetric tensor

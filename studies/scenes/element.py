@@ -13,13 +13,12 @@ from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
 from formulations.element.quad_geometry import FoldedQuadError
 from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
-from formulations.element.wall_law import LINEAR
 from formulations.geometry.distortion import DISTORTIONS, LARGEST, distorted
 from formulations.geometry.grid import Grid, QuadGrid, TensorGrid
 from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import SECTIONS, Laminate, Ply
-from formulations.section.laws import LAWS
+from formulations.section.laws import LAWS, LINEAR
 from formulations.section.sampling import BETWEEN_FACES, SURFACES
 from formulations.strains.catalogue import EXACT, MEASURES
 from formulations.strains.quantities import FULL, N_E

@@ -6,6 +6,7 @@ import math
 from collections.abc import Container, Iterator, Mapping
 from typing import Any
 
+from formulations.section.laws import LINEAR
 from studies.ask.request import Value
 from studies.ask.scene import Reference
 from studies.scenes import SCENES
@@ -16,10 +17,13 @@ STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else t
 def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
     """The references of a scene that hold where these are the settings, the measure and the load.
 
-    None that is zero: errors are relative. A campaign may bring scenes of its own, which are not loaded here.
+    None that is zero: errors are relative. One that names no law is of the linear one. A campaign may bring scenes of
+    its own, which are not loaded here.
     """
+    where = {"law": LINEAR, **there}
     for reference in SCENES[scene].references if scene in SCENES else ():
-        if reference.value != 0.0 and all(_same(there.get(key), at) for key, at in reference.at.items()):
+        at = {"law": LINEAR, **reference.at}
+        if reference.value != 0.0 and all(_same(where.get(key), value) for key, value in at.items()):
             yield reference
 
 

@@ -48,11 +48,6 @@ def _settings() -> tuple[Setting, ...]:
     return (*(face.get(setting.key, setting) for setting in own), through, law)
 
 
-def _references() -> tuple[Reference, ...]:
-    computed = (reference for reference in Tyre.references if reference.kind == "computed")
-    return tuple(replace(reference, at={**reference.at, "law": "svk"}) for reference in computed)
-
-
 @dataclass(frozen=True)
 class SolidTyre:
     """Inflation, then contact with a plane, of a solid."""
@@ -62,7 +57,7 @@ class SolidTyre:
     default_mesh: tuple[int, int] = (28, 36)
     coarsest_mesh: tuple[int, int] = (14, 18)  # even numbers only
     settings: tuple[Setting, ...] = _settings()
-    references: tuple[Reference, ...] = _references()
+    references: tuple[Reference, ...] = tuple(each for each in Tyre.references if each.kind == "computed")
     quantities: ClassVar[Mapping[str, str]] = Tyre.quantities
     models: tuple[str, ...] = ("auto", "full", "quarter")
     sheet: ClassVar[Sheet] = Sheet("-x", -40.0, 14.0, mesh="14x18", settings={"delta_mm": "20"})

@@ -21,6 +21,7 @@ from studies.scenes.benchmarks.wrapped_cylinder import HOOP, PRINTED, lame
 from studies.scenes.closed_forms.membrane import InflatedMembrane
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
 from studies.scenes.complete import complete
+from studies.scenes.references import holding
 from support.problems.differences import fitted_order
 from support.problems.solved import ended, read, solved
 
@@ -220,3 +221,12 @@ def test_three_surfaces_have_the_answers_of_thin_shells_of_two() -> None:
     ):
         two, three = (ended(scene, mesh, surfaces=each).quantities[quantity] for each in ("2", "3"))
         assert three == pytest.approx(two, rel=2e-3), scene
+
+
+def test_a_reference_that_names_no_law_is_of_the_linear_one() -> None:
+    """The membrane of a pressurised cylinder is St. Venant and Kirchhoff's: a wall of Hencky's is stretched further."""
+    settings = {"surfaces": "3", "load_fraction": "0.25"}
+    for law, known in (("svk", True), ("hencky", False)):
+        scene, request = complete("pressurised-cylinder", {**settings, "law": law})
+        there = {**request.settings, "measure": request.measure, "load_fraction": 0.25}
+        assert bool(list(holding(scene.name, there))) is known
