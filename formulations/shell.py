@@ -15,6 +15,7 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
+from formulations.element.arc_element import ArcElement
 from formulations.element.mixed import MixedElement
 from formulations.element.modal import ModalElement, Stiffness
 from formulations.element.quad_element import QuadElement
@@ -30,6 +31,7 @@ from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
 
 NEWTONS = ("plain", "mixed")
+BENDINGS = ("chord", "arc")
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,9 @@ class ShellModel:
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
     geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
     thickness_strain: "projected" (the paper), "balanced" or "nodal"; membrane: "compatible" (the paper) or "relaxed",
-    see :class:`formulations.element.mixed.MixedElement`.  couples: follow the directors of their nodes.
+    see :class:`formulations.element.mixed.MixedElement`.  bending: of the "chord" of an element that folds (the paper),
+    or of the "arc", which needs "nodal", see :mod:`formulations.element.arc_element`.  couples: follow the directors of
+    their nodes.
     prescribed (N, 6): values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError
     when one is free. What is held midway between the faces has one value on both.
     A step of them starts wholly in the elements at the support: large ones may lead to another equilibrium, so --steps.
@@ -71,6 +75,7 @@ class ShellModel:
     initial: np.ndarray | None = None
     thickness_strain: str = "projected"
     membrane: str = "compatible"
+    bending: str = BENDINGS[0]
     couples: Couples | None = None
     prescribed: np.ndarray | None = None
     _element: ModalElement = field(init=False, repr=False)
@@ -79,6 +84,8 @@ class ShellModel:
     def __post_init__(self) -> None:
         if self.newton not in NEWTONS:
             raise ValueError(f"newton {self.newton!r} is not one of {', '.join(NEWTONS)}")
+        if self.bending not in BENDINGS:
+            raise ValueError(f"bending {self.bending!r} is not one of {', '.join(BENDINGS)}")
         if self.discretisation.geometry.kinematics != self.measure.kinematics:
             object.__setattr__(self, "discretisation", self.discretisation.leaving_out(self.measure.kinematics))
         shell = self.discretisation
@@ -93,7 +100,10 @@ class ShellModel:
         object.__setattr__(self, "_dead", self._dead_contributions())
 
     def _built(self, shell: Discretisation, initial: np.ndarray) -> ModalElement:
-        options = (self.thickness_strain, self.membrane)
+        options, arcs = (self.thickness_strain, self.membrane), self.bending == "arc"
+        on_quads = isinstance(shell.geometry, QuadGeometry)
+        if arcs and (self.thickness_strain != "nodal" or shell.wall is not None or on_quads):
+            raise ValueError("bending 'arc' needs thickness strain 'nodal' and two faces on lines of curvature")
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
                 raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
@@ -102,6 +112,10 @@ class ShellModel:
         if self.law != LINEAR:
             raise ValueError(f"law {self.law!r} needs surfaces inside the wall, where it is met at points")
         element = MixedElement.build(self.measure, shell.laminate.stiffness(self.section), initial, *options)
+        if arcs:
+            at = shell.surface.geometry(*shell.grid.centre.T)
+            sides, positions = 2 * shell.grid.half * at.A, shell.geometry.interpolation == "isoparametric"
+            return ArcElement.on(element, sides / shell.laminate.thickness, at.k * sides, positions=positions)
         if not isinstance(shell.geometry, QuadGeometry):
             return element
         own = shell.stiffness(self.section)
@@ -157,8 +171,8 @@ class ShellModel:
             return f"measure {self.measure.name} is not quadratic in the displacements"
         if self.discretisation.hangers is not None:
             return "hanging nodes turn with the edges that carry them"
-        if not isinstance(self._element, MixedElement) or isinstance(self._element, QuadElement):
-            return "quadrilaterals and surfaces inside the wall have no series yet"
+        if not isinstance(self._element, MixedElement) or isinstance(self._element, QuadElement | ArcElement):
+            return "quadrilaterals, arcs and surfaces inside the wall have no series yet"
         if self.couples is not None or (self.pressure is not None and self.pressure.follower):
             return "the load follows the shell"
         return None

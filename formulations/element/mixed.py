@@ -82,7 +82,8 @@ class MixedElement(ModalElement):
         isoparametric:  M l/D = (1 - s/3 phi0^2) phi + 3/8 (1 - 2 s) phi0 phi^2 + (1/6 - s/3) phi^3
 
     so s = 1/2 is what cancels phi^3 in flat and in curved elements. With less a fold is too stiff; with more it is too
-    soft, phi - phi^3/6, and has a limit point of its own at phi = sqrt(2).
+    soft, phi - phi^3/6, and has a limit point of its own at phi = sqrt(2). All this is of elements that fold alike.
+    Where they do not, one node cannot suit both, unless s = 1: see :mod:`formulations.element.arc_element`.
     membrane: "compatible" (the paper), or "relaxed": the linear modes of E11 and E22 keep only the share of their
     face-mean part that curvature and thickness justify, see :func:`_relaxation`; it removes what is left of membrane
     locking on coarse meshes of thin curved shells and changes nothing on flat ones.

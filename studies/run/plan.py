@@ -19,7 +19,7 @@ from studies.ask.scene import UsageError, has_contact
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaign import Campaign
-from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, OF_QUADS, sources_hash
+from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, OF_ARCS, OF_QUADS, sources_hash
 from studies.run.task import Task
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
@@ -60,12 +60,14 @@ def plan(campaign: Campaign) -> list[Row]:
 
 def _identity(request: Request) -> str:
     """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine."""
-    without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
-    interpolation = request.settings.get("interpolation")
-    if interpolation is not None and surfaces_of(request) == BETWEEN_FACES:  # a shell, and no solid
-        without = (*without, *INSIDE_A_WALL)
-    if interpolation in ON_LINES:
-        without = (*without, *OF_QUADS)
+    interpolation = request.settings.get("interpolation")  # of shells alone
+    unused = (
+        (not rubbing(request.settings), FRICTION),
+        (interpolation is not None and surfaces_of(request) == BETWEEN_FACES, INSIDE_A_WALL),
+        (interpolation in ON_LINES, OF_QUADS),
+        ("bending" not in request.settings, OF_ARCS),
+    )
+    without = (*BESIDE_A_CELL, *(name for never, names in unused if never for name in names))
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
     sources = sources_hash((*SOLVERS, *parts, *outside), without=without)

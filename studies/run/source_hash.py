@@ -3,7 +3,7 @@
 Every import of our own modules counts, wherever in a file it stands, and their names in quotes, and the packages that a
 module lies in; so does a file of data beside a module that it names as ``Path(__file__).with_name("...")``. What is
 imported for annotations alone is never executed, and a module without statements does nothing: neither counts. For a
-cell some modules are not followed: see BESIDE_A_CELL, FRICTION, INSIDE_A_WALL and OF_QUADS.
+cell some modules are not followed: see BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, OF_QUADS, OF_ARCS.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ INSIDE_A_WALL = (  # what only a shell with surfaces between its faces executes,
     *("formulations.section.laws", "formulations.section.sampling", "formulations.wall_stresses"),
 )
 OF_QUADS = ("formulations.element.quad_*",)  # what only quadrilaterals execute
+OF_ARCS = ("formulations.element.arc_element",)  # what only elements that bend along arcs do
 
 
 def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> str:

@@ -20,6 +20,7 @@ from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.section.laws import LAWS, LINEAR
 from formulations.section.sampling import BETWEEN_FACES, SURFACES
+from formulations.shell import BENDINGS
 from formulations.strains.catalogue import EXACT, MEASURES
 from formulations.strains.quantities import FULL, N_E
 from studies.ask.request import Request, text_of
@@ -29,9 +30,11 @@ PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
     "refined": {"interpolation": "curvilinear", "thickness_strain": "balanced", "membrane": "relaxed"},
 }
+# bends coarse elements far, for a tenth more seconds
+COARSE = {"arc": {**PRESETS["refined"], "thickness_strain": "nodal", "bending": "arc"}}
 # no choice on a grid, where it has the error of the others for more seconds
 ON_MESHES = {"quads": {**PRESETS["refined"], "interpolation": "quads"}}
-ELEMENTS = {**PRESETS, **ON_MESHES}
+ELEMENTS = {**PRESETS, **COARSE, **ON_MESHES}
 OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
     (
         "interpolation",
@@ -72,7 +75,10 @@ def of_wall(surfaces: str, law: str) -> tuple[Setting, ...]:
     )
 
 
-TWO_FACES = (*_of_element(ELEMENTS, INTERPOLATIONS), *MOVED_NODES)  # and no others
+BENDING = Setting.one_of(
+    "bending", BENDINGS, None, "of the chord of an element that folds, or of the arc; with nodal", otherwise=BENDINGS[0]
+)
+TWO_FACES = (*_of_element(ELEMENTS, INTERPOLATIONS), BENDING, *MOVED_NODES)  # and no others
 ELEMENT = (*TWO_FACES, *WALL)
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 GREEN = EXACT.name
@@ -205,6 +211,18 @@ def check_wall(request: Request, laminate: Laminate) -> str:
     except ValueError as error:
         raise UsageError(f"law = {law}: {error}") from None
     return surfaces
+
+
+def bending_of(request: Request) -> str:
+    """Of chords or of arcs; raises UsageError where other settings rule arcs out."""
+    bending = str(request.settings.get("bending", BENDINGS[0]))
+    if bending == "arc":
+        for key, needed in (("thickness_strain", ("nodal",)), ("interpolation", ON_LINES)):
+            if (value := request.choice(key)) not in needed:
+                raise UsageError(f"bending = arc needs {key} = {' or '.join(needed)}, got {value}")
+        if (surfaces := surfaces_of(request)) != BETWEEN_FACES:
+            raise UsageError(f"bending = arc is of two faces: it needs surfaces = {BETWEEN_FACES}, got {surfaces}")
+    return bending
 
 
 def surfaces_of(request: Request) -> str:

@@ -19,7 +19,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request
 from studies.ask.scene import SOLVER, Begun, Observation, Setting, ShellSceneModel, Stage
-from studies.scenes.element import ELEMENT, law_of
+from studies.scenes.element import ELEMENT, bending_of, law_of
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
@@ -112,6 +112,7 @@ def loaded_shell(
         law=law_of(request),
         thickness_strain=request.choice("thickness_strain"),
         membrane=request.choice("membrane"),
+        bending=bending_of(request),
     )
 
 

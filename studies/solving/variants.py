@@ -17,7 +17,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, Request, Settings, UsageError, Value
 from studies.ask.scene import Scene, SettlingScene
-from studies.scenes.element import ON_MESHES, OPTIONS, PRESETS
+from studies.scenes.element import BENDING, COARSE, ON_MESHES, OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
 MEASURE, SURFACES, ELEMENT, MODEL = "measure", "surfaces", "element", "model"
@@ -72,10 +72,13 @@ def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
 def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
     """Presets, and each option changed alone, no combination twice."""
     declared = {setting.key for setting in scene.settings}
-    own = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
+    options = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
+    others = {key: value for key, value in reference.settings.items() if key != BENDING.key}
+    own = options | {key: value for key, value in reference.settings.items() if key == BENDING.key}
     seen = [own]
+    known = PRESETS | (COARSE if BENDING.key in declared else {})
     presets: list[tuple[str, dict[str, Value], dict[str, str]]] = [
-        (name, {**own, **values}, {"element": name}) for name, values in PRESETS.items() if "element" in declared
+        (name, {**options, **values}, {"element": name}) for name, values in known.items() if "element" in declared
     ]
     alone: list[tuple[str, dict[str, Value], dict[str, str]]] = [
         (f"{key}={choice}", {**own, key: choice}, {key: choice})
@@ -87,7 +90,7 @@ def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
     for name, values, said in presets + alone:
         if values not in seen:
             seen.append(values)
-            settings = Settings({**reference.settings, **values})
+            settings = Settings({**others, **values})
             yield Variant(ELEMENT, name, replace(reference, settings=settings), settings=said)
 
 

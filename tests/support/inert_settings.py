@@ -189,6 +189,9 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
             corrected = rows["setting"].eq("shear_correction").any()  # which two faces alone have
             inside = effects(name, given={"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})})
             rows = pd.concat([rows, inside[inside["setting"] == "law"]])
+        if rows["setting"].eq("bending").any():  # with directors at the nodes
+            folding = effects(name, given={"thickness_strain": "nodal"})
+            rows = pd.concat([rows, folding[folding["setting"] == "bending"]])
         word = rows["value"].where(rows["value"].map(lambda value: isinstance(value, str)), "")
         for _, own in rows.groupby([rows["setting"], word], sort=False):
             broken = own[own["effect"].str.startswith(FAILS)]

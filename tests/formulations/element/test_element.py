@@ -10,7 +10,7 @@ from scipy.linalg import null_space, subspace_angles
 
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.modes import N_M
-from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS
@@ -26,6 +26,10 @@ ELEMENTS = {
     for t in THICKNESS_STRAINS
     for m in MEMBRANES
     for i in INTERPOLATIONS
+} | {
+    f"arc-{m}-{i}": {"thickness_strain": "nodal", "membrane": m, "interpolation": i, "bending": "arc"}
+    for m in MEMBRANES
+    for i in ON_LINES
 }
 
 each_section = pytest.mark.parametrize("section", SECTIONS)

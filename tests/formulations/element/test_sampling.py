@@ -21,7 +21,7 @@ from formulations.shell import ShellModel
 from formulations.short_waves import short_waves
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from support.problems.differences import fitted_order, rotation
+from support.problems.differences import difference_order, fitted_order, rotation
 from support.problems.shells import PATCHES, SKEW_LAMINATE
 
 INSIDE = [each for each in SURFACES if each != "2"]
@@ -126,13 +126,6 @@ def test_tangent_of_any_law_and_its_energy(rng, law) -> None:
     work = shell.residual(u) @ du
     errors = [abs((shell.energy(u + s * du) - shell.energy(u - s * du)) / (2 * s) - work) for s in steps]
     assert fitted_order(steps, errors) >= 1.9
-
-
-def difference_order(shell: ShellModel, u: np.ndarray, du: np.ndarray) -> float:
-    """Order of central differences of the residual against the tangent; 2 where they agree to rounding."""
-    exact, steps = shell.linearise(u).tangent @ du, 0.08 * 2.0 ** -np.arange(6)
-    errors = [np.abs((shell.residual(u + s * du) - shell.residual(u - s * du)) / (2 * s) - exact).max() for s in steps]
-    return 2.0 if errors[-1] <= 1e-9 * np.abs(exact).max() else fitted_order(steps, errors)
 
 
 def test_the_linear_law_in_closed_form_is_that_at_points(rng) -> None:
@@ -243,4 +236,4 @@ def test_what_has_no_surfaces_inside_refuses_them() -> None:
         ShellModel(body, MEASURES["exact"], law="hencky")
     with pytest.raises(ValueError, match="between two faces"):
         short_waves(shell_on(), np.zeros(shell_on().discretisation.n_free))
-    assert shell_on().quadratic == "quadrilaterals and surfaces inside the wall have no series yet"
+    assert shell_on().quadratic == "quadrilaterals, arcs and surfaces inside the wall have no series yet"

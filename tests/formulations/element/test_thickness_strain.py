@@ -11,6 +11,7 @@ moment is D/2l times the derivative of its square.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,14 +25,15 @@ from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from support.problems.shells import newton
+from support.problems.differences import difference_order, fitted_order
+from support.problems.shells import PATCHES, make_shell, newton
 
 E, H = 1e6, 1e-3  # MPa, mm; nu = 0, the element is 1 mm long
 MOMENTS = np.array([-0.3, -0.2, -0.1, 0.1, 0.2, 0.3])  # M l/D
 HIGHER = 1e-3  # of a coefficient: the next ones are of the order phi0^2
 
 
-def turned(moment: float, phi0: float, interpolation: str, thickness_strain: str) -> float:
+def turned(moment: float, phi0: float, interpolation: str, thickness_strain: str, bending: str = "chord") -> float:
     """The angle phi by which end couples bend one element further; phi0 = 0: a plate."""
     side = phi0 or 1.0
     grid = Grid.tensor(np.array([0.0, 1.0]), np.array([0.0, side]))
@@ -41,7 +43,13 @@ def turned(moment: float, phi0: float, interpolation: str, thickness_strain: str
     shell = Discretisation.build(surface, grid, strip, *supports.masks, interpolation=interpolation)
     couples = Couples(end, np.full(2, moment * E * H**3 / 24), np.tile([-1.0, 0.0, 0.0], (2, 1)), H)
     model = ShellModel(
-        shell, MEASURES["exact"], newton="mixed", couples=couples, thickness_strain=thickness_strain, membrane="relaxed"
+        shell,
+        MEASURES["exact"],
+        newton="mixed",
+        couples=couples,
+        thickness_strain=thickness_strain,
+        membrane="relaxed",
+        bending=bending,
     )
     u = np.zeros(shell.n_free)
     for part in (0.5, 1.0):
@@ -65,3 +73,36 @@ def test_moment_of_an_element_to_the_third_order(interpolation, phi0, thickness_
         expected = [1 - s / 3 * phi0**2, 3 / 8 * (1 - 2 * s) * phi0, 1 / 6 - s / 3]
     assert found == pytest.approx(expected, abs=HIGHER)
     assert abs(found[2]) <= HIGHER or thickness_strain != "balanced"
+
+
+@pytest.mark.parametrize("phi0", [0.0, 0.1])
+@pytest.mark.parametrize("interpolation", ["curvilinear", "isoparametric"])
+def test_the_moment_of_an_arc_is_linear_in_its_angle(interpolation, phi0) -> None:
+    """In a flat element up to 2 rad, but for (h/l)^2; to the third order in a curved one."""
+    moments = np.append(MOMENTS, [1.0, 2.0] if phi0 == 0 else [])
+    phi = np.array([turned(moment, phi0, interpolation, "nodal", "arc") for moment in moments])
+    assert np.abs(phi) == pytest.approx(np.abs(moments), rel=5e-3 if phi0 else 1e-5)
+
+
+@pytest.mark.parametrize("interpolation", ["curvilinear", "isoparametric"])
+def test_tangent_and_energy_of_arcs(rng, interpolation) -> None:
+    """Of elements that fold by up to one radian, and what is remembered of a step is what the law predicts."""
+    patch, options = PATCHES["wavy"], {"thickness_strain": "nodal", "membrane": "relaxed", "bending": "arc"}
+    shell = make_shell(patch.surface, patch.grid(3, 2), interpolation=interpolation, newton="plain", **options)
+    u, du = 0.02 * rng.normal(size=(2, shell.discretisation.n_free))
+    assert difference_order(shell, u, du) >= 1.9
+    slope = (shell.energy(u + 1e-4 * du) - shell.energy(u - 1e-4 * du)) / 2e-4
+    assert slope == pytest.approx(shell.residual(u) @ du, rel=1e-6)
+    mixed = replace(shell, newton="mixed")
+    steps = 0.3 * 2.0 ** -np.arange(5)
+    errors = [np.abs(mixed.linearise(u).remember(s * du) - mixed.resultants(u + s * du)).max() for s in steps]
+    assert fitted_order(steps, errors) >= 1.9
+
+
+def test_arcs_need_directors_at_the_nodes_two_faces_and_lines_of_curvature() -> None:
+    with pytest.raises(ValueError, match="needs thickness strain 'nodal'"):
+        turned(0.1, 0.0, "curvilinear", "balanced", "arc")
+    with pytest.raises(ValueError, match="on lines of curvature"):
+        turned(0.1, 0.0, "quads", "nodal", "arc")
+    with pytest.raises(ValueError, match="bending 'bow' is not one of chord, arc"):
+        turned(0.1, 0.0, "curvilinear", "nodal", "bow")

@@ -50,6 +50,7 @@ def test_settings_of_the_others_have_an_effect_or_belong_to_curved_ones() -> Non
     others = {name for kind, name in FIRST.items() if kind not in {type(SCENES[quick]) for quick in QUICK}}
     on_quads = {name: scene for name in others if isinstance(scene := SCENES[name], OnQuads)}
     refused = {(name, "interpolation") for name, scene in on_quads.items() if not scene.lines_of_curvature}
+    refused |= {(name, "bending") for name in on_quads}
     refused |= {(name, "law") for name in ORTHOTROPIC}
     refused |= {("inflated-membrane", "surfaces"), ("inflated-membrane", "law")}  # 3 and 3/ply are one; not svk
     assert found(*sorted(others)) == refused | {(name, "membrane") for name in FLAT if name in others}

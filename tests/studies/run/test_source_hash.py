@@ -19,6 +19,7 @@ from studies.run.source_hash import (
     BESIDE_A_CELL,
     FRICTION,
     INSIDE_A_WALL,
+    OF_ARCS,
     OF_QUADS,
     PACKAGES,
     ROOT,
@@ -89,7 +90,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "contact.newton.loop" in called
     assert not set(called) & rubs
-    assert not [name for name in called for each in (*INSIDE_A_WALL, *OF_QUADS) if fnmatchcase(name, each)]
+    assert not [name for name in called for each in (*INSIDE_A_WALL, *OF_QUADS, *OF_ARCS) if fnmatchcase(name, each)]
 
 
 @pytest.mark.parametrize(("scene", "files"), [("cantilever", 77), ("strip-contact", 80)])

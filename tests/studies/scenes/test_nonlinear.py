@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 from studies.scenes import SCENES
 from studies.solving.result import Result
 from support.problems.curves import distances
-from support.problems.solved import at, extrapolated, read, referenced, solved
+from support.problems.solved import at, ended, extrapolated, read, referenced, solved
 
 OLD = {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "compatible"}
 CLOSE = 5e-3  # of a published value, after refinement
@@ -177,3 +177,25 @@ def test_pinched_cylinder_goes_the_way_of_the_published_one() -> None:
     assert np.all(np.abs(at_displacement / table[inside, 0] - 1) <= list(INSIDE.values()))
     for quantity, most in (("w_A_mm", CURVE), ("u_B_mm", 3.5e-2)):
         assert np.max(from_curve("sze-pinched", result, quantity)) <= most
+
+
+def test_arcs_bend_coarse_elements_as_far_as_fine_ones() -> None:
+    """Beside the elastica, and the limit of the hemisphere, 8.144 of finer grids; chords are 16 and 2.8 % too stiff."""
+    tip = referenced("cantilever", "exact", "tip_deflection_mm", load_fraction=1.0)[0]
+    for element, mesh, least, most in (("refined", "4x1", -0.17, -0.15), ("arc", "4x1", -5e-3, 0.0)):
+        found = ended("cantilever", mesh, element=element).quantities["tip_deflection_mm"]
+        assert least <= found / tip - 1 <= most
+    for element, off in (("refined", -0.028), ("arc", -7.5e-3)):
+        found = ended("hemisphere", "16x16", element=element).quantities["inward_mm"]
+        assert found / 8.144 - 1 == pytest.approx(off, abs=1e-3)
+    ring = ended("sze-moment", "8x1", element="arc").quantities
+    assert ring["tip_shortening_mm"] == pytest.approx(12.0, rel=5e-3)  # bent into a circle
+    assert abs(ring["tip_deflection_mm"]) <= 1e-3
+
+
+@pytest.mark.slow
+def test_arcs_follow_folds_on_meshes_that_chords_follow() -> None:
+    """Sze 3.6 and 3.7, to the published loads and without limit points of their own; the same limit."""
+    for scene, mesh in (("sze-pinched", "40x40"), ("semicylinder", "20x20"), ("semicylinder", "24x24")):
+        arcs, chords = (solved(scene, mesh, element=element).quantities for element in ("arc", "refined"))
+        assert arcs["w_A_mm"] == pytest.approx(chords["w_A_mm"], rel=5e-3), (scene, mesh)

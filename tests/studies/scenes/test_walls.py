@@ -194,6 +194,8 @@ def test_order_of_a_law_at_points() -> None:
         ("tyre", {"surfaces": "3", "section": "full-3d"}, "section = full-3d is of two faces"),
         ("scordelis-lo", {"surfaces": "3", "shear_correction": "0.8"}, "shear_correction = 0.8 is of two faces"),
         ("hemisphere", {"surfaces": "3", "element": "quads"}, "interpolation = quads is of two faces"),
+        ("tyre", {"surfaces": "3", "element": "arc"}, "bending = arc is of two faces: it needs surfaces = 2, got 3"),
+        ("tyre", {"bending": "arc"}, "bending = arc needs thickness_strain = nodal, got balanced"),
         ("raasch-hook", {"surfaces": "3"}, "raasch-hook has no setting 'surfaces'"),
         ("manufactured", {"law": "ogden"}, "manufactured has no setting 'law'"),
     ],

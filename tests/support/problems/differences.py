@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pandas as pd
 
+from formulations.shell import ShellModel
+
 CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # weights of the 8th-order central difference
 
 
@@ -21,6 +23,13 @@ def fitted_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
     assert np.all(errors > 0)
     assert np.all(np.isfinite(errors))
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+def difference_order(shell: ShellModel, u: np.ndarray, du: np.ndarray) -> float:
+    """Order of central differences of the residual against the tangent; 2 where they agree to rounding."""
+    exact, steps = shell.linearise(u).tangent @ du, 0.08 * 2.0 ** -np.arange(6)
+    errors = [np.abs((shell.residual(u + s * du) - shell.residual(u - s * du)) / (2 * s) - exact).max() for s in steps]
+    return 2.0 if errors[-1] <= 1e-9 * np.abs(exact).max() else fitted_order(steps, errors)
 
 
 def orders(table: pd.DataFrame, by: Sequence[str], number: str, errors: Sequence[str]) -> pd.DataFrame:
