@@ -71,6 +71,7 @@ def _offer(row: dict) -> dict[str, Any]:
     if not row["mesh"]:
         return {"problem": problem(row), **NO_OFFER}
     measure, element = (row["name"], "default") if row["axis"] == "measure" else (EXACT, row["name"])
+    element = f"surfaces={element}" if row["axis"] == "surfaces" else element
     spent = digits(row["seconds"], 2) if str(row["tried"]) == "True" else f"about {digits(row['seconds'], 2)}"
     chosen = {"measure": code(measure), "element": element, "contact": code(row["contact"]), "spent": spent}
     return {"problem": problem(row), **chosen}

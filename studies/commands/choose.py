@@ -94,7 +94,7 @@ def _variant(row: Mapping[str, Any]) -> dict[str, str]:
     limit = "-" if apart is None else f"{100 * apart:+.3g} +- {_percent(row['within'])}"
     return {
         "axis": row["axis"],
-        "name": row["name"],
+        "name": row["name"] + (f", surfaces={row['surfaces']}" if row["surfaces"] else ""),
         "limit off by": limit,
         "settled": {None: "-", True: "yes", False: "no"}[row["settled"]],
         "verdict": row["verdict"],

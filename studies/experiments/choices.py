@@ -126,6 +126,6 @@ def _rows(found: Choice) -> Iterator[dict[str, Any]]:
 
 
 def _offer(offer: Offer) -> dict[str, Any]:
-    axis, name, contact, mesh = offer.words.split(" ")
+    axis, name, contact, mesh, *_ = offer.words.split(" ")  # its surfaces are in the command
     known = {"error_at_most": offer.error_at_most, "seconds": offer.seconds, "tried": offer.holds}
     return {"axis": axis, "name": name, "contact": contact, "mesh": mesh, **known, "command": offer.command}

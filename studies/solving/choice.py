@@ -123,16 +123,16 @@ def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Sequenc
         if path is None or verdict.first is None:
             continue
         for contact, ratio in ratios.items():
-            mesh = path.mesh
+            mesh, wall = path.mesh, f" surfaces={variant.wall}" if variant.wall else ""
             yield Offer(
                 question,
-                f"{variant.axis} {variant.name} {contact} {mesh}",
+                f"{variant.axis} {variant.name} {contact} {mesh}{wall}",
                 mesh,
                 {**variant.options, "contact": contact},
                 dict(variant.settings),
                 FROM_REST * ratio * path.seconds,
                 verdict.most[verdict.first],
-                (verdict is not verdicts[0]) + (contact != question.contact),
+                len(variant.options) + len(variant.settings) + (contact != question.contact),
             )
 
 

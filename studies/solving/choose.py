@@ -1,9 +1,9 @@
 """Which measure, algorithm, element and mesh is enough on a scene, and what it costs, within a budget of wall time.
 
 The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then walls
-with more surfaces on the same grids, until more would change nothing: what those have is the truth. Then measures,
-algorithms on a grid that is enough, options of the element, models, each with a share of what is left; last the
-cheapest of all that is enough, as its command line asks for it.
+with more surfaces on the same grids, until more would change nothing: what those have is the truth, and the fewest that
+are enough are the wall of all that follows: measures, algorithms on a grid that is enough, options of the element,
+models, each with a share of what is left; last the cheapest of all that is enough, as its command line asks for it.
 """
 
 from __future__ import annotations
@@ -28,10 +28,22 @@ from studies.solving.variants import (
     REFERENCE,
     Ladder,
     Variant,
+    beside_wall,
     richer_walls,
     variants,
 )
-from studies.solving.verdict import NONE, SETTLED, Difference, Verdict, Wall, errors, first_enough, judged
+from studies.solving.verdict import (
+    ENOUGH,
+    NO_MESH,
+    NONE,
+    SETTLED,
+    Difference,
+    Verdict,
+    Wall,
+    errors,
+    first_enough,
+    judged,
+)
 
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
@@ -104,8 +116,7 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     """Walls, measures, algorithms, elements and models, what is recommended, and what there is time for then."""
     question, quantity = found.question, cascade.name
     reference = Ladder(Variant(MEASURE, REFERENCE, cascade.grids[0].request), cascade.grids)
-    others = [Ladder(each) for each in variants(question.scene, reference.variant.request)]
-    walls: list[Ladder] = []
+    walls, others = list[Ladder](), list[Ladder]()
 
     def verdict(ladder: Ladder) -> Verdict:
         return judged(ladder, reference, limit, quantity, question.error, found.wall)
@@ -126,6 +137,8 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
             climb(walls[-1:])
             if found.wall.name != wall.name or found.wall.left <= SETTLED * question.error:
                 break
+    on = next((each for each in (reference, *walls) if verdict(each).word in (ENOUGH, NO_MESH)), reference)
+    others += (Ladder(beside_wall(each, on.variant)) for each in variants(question.scene, on.variant.request))
     path = verdict(reference).enough or cascade.last
     foreseen = FROM_REST * path.seconds
     for axis, part in SHARES.items():

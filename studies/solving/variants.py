@@ -31,7 +31,7 @@ FAILURES = 2  # grids in a row on which a path is not followed, after which no o
 class Variant:
     """One thing changed: its axis, its name, the request, and what a command line says for it.
 
-    refused: why it does not apply, if it does not.
+    refused: why it does not apply, if it does not.  wall: its surfaces, where they are not those of the reference.
     """
 
     axis: str
@@ -40,6 +40,7 @@ class Variant:
     options: dict[str, str] = field(default_factory=dict)
     settings: dict[str, str] = field(default_factory=dict)
     refused: str = ""
+    wall: str = ""
 
 
 def variants(scene: Scene, reference: Request) -> Iterator[Variant]:
@@ -67,6 +68,11 @@ def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
         wall = Variant(SURFACES, name, replace(reference, settings=settings), settings={SURFACES: name})
         if len(Sampling.of(body.laminate, name).at) > here:
             yield _checked(scene, wall)
+
+
+def beside_wall(variant: Variant, wall: Variant) -> Variant:
+    """A variant of the request of a wall with more surfaces, whose settings a command has to say, too."""
+    return replace(variant, settings={**wall.settings, **variant.settings}, wall=wall.settings.get(SURFACES, ""))
 
 
 def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:

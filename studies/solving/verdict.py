@@ -219,6 +219,7 @@ class Verdict:
         return {
             "axis": self.ladder.variant.axis,
             "name": self.ladder.variant.name,
+            "surfaces": self.ladder.variant.wall,
             "formulation_error": None if known is None else known.value,
             "within": None if known is None else known.within,
             "settled": None if known is None else known.settled,

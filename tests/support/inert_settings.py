@@ -90,7 +90,8 @@ def prints(scene: Scene, request: Request) -> Print:
         problem_at, start = stage.begin(previous)
         n, m = len(start.u), len(start.pressure)
         rng = np.random.default_rng(n)
-        u = start.u + NOISE * rng.standard_normal(n)
+        guide = problem_at(stage.targets[-1]).guide
+        u = start.u + NOISE * rng.standard_normal(n) + (0.0 if guide is None else guide)
         state = replace(start, u=u, pressure=rng.uniform(1.0, 2.0, m), active=np.ones(m, bool))
         targets = tuple(stage.targets)
         curve = stage.continuation if isinstance(stage, CurveStage) else None

@@ -69,6 +69,7 @@ def test_a_thick_laminate_needs_surfaces_inside_its_wall() -> None:
     assert (found.wall.name, found.recommended.settings) == ("4/ply", {"surfaces": "4/ply"})
     assert rows["exact"]["verdict"] == rows["2/ply"]["verdict"] == NOT_ENOUGH
     assert rows["exact"]["formulation_error"] == pytest.approx(2.0547 / 2.82 - 1, abs=rows["exact"]["within"])
+    assert (rows["donnell"]["verdict"], rows["donnell"]["surfaces"]) == (ENOUGH, "4/ply")  # rotations are small
     looser = loosened(found, 0.05)
     assert looser.recommended.settings == {"surfaces": "2/ply"}
 
