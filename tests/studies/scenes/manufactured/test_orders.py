@@ -29,7 +29,12 @@ from studies.solving.solve import solve
 
 WITHIN = {"order_displacement": 0.1, "order_resultants": 0.1, "order_mean_resultants": 0.2, "order_energy": 0.1}
 CONTACT_SAMPLE = ("exact", "linear", "elongation")
-SAMPLE = [("exact", "inner-torus", "refined"), ("donnell", "torus", "paper"), ("elongation", "cylinder", "paper")]
+SAMPLE = [
+    ("exact", "inner-torus", "refined"),
+    ("exact", "torus", "arc"),
+    ("donnell", "torus", "paper"),
+    ("elongation", "cylinder", "paper"),
+]
 
 
 def off(table: pd.DataFrame) -> dict[str, float]:
