@@ -104,6 +104,8 @@ class ShellModel:
         on_quads = isinstance(shell.geometry, QuadGeometry)
         if arcs and (self.thickness_strain != "nodal" or shell.wall is not None or on_quads):
             raise ValueError("bending 'arc' needs thickness strain 'nodal' and two faces on lines of curvature")
+        if arcs and not self.measure.rigid_body_law.turns:
+            raise ValueError(f"bending 'arc' is of rotations that measure {self.measure.name} does not know")
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
                 raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")

@@ -10,9 +10,11 @@ bending stiffness D falls behind, M l/D = sin(phi). On the uniform mode the diff
 so that M l/D = phi: exactly in flat elements, to the third order in curved ones (see the moments of
 :class:`formulations.element.mixed.MixedElement` with s = 1, which this inverts). E33 sampled elsewhere would not do: it
 is the same at a node of two elements, and not what each of them needs where the curvature varies along a thin shell. A
-cantilever of four elements of 25 times its thickness is 16 % too stiff with half of it at the Gauss points.
+cantilever of four elements, each 25 times as long as thick, is 16 % too stiff with half of it at the Gauss points.
 
-Twist is left as it is. Beyond EDGE, where chords turn by 144 degrees, the law goes on linearly.
+Measures that leave strains in a plate that turns have other curvatures, and no arcs. Twist is left as it is. Beyond
+EDGE, where chords turn by 144 degrees, the law goes on linearly.
+
 No displacement and no load may enter here.
 """
 

@@ -39,6 +39,11 @@ class RigidBodyLaw:
     drilling: Callable[[float, float], float] = _none
     axis: Callable[[float, float], float] = _none
 
+    @property
+    def turns(self) -> bool:
+        """Whether a plate may turn about a tangent without a strain."""
+        return self.out_of_plane(0.5, 1.0) == 0.0
+
 
 class StrainFunction(Protocol):
     """Strains E (..., n) of quantities q (..., m), and what their work needs of them."""

@@ -220,6 +220,9 @@ def bending_of(request: Request) -> str:
         for key, needed in (("thickness_strain", ("nodal",)), ("interpolation", ON_LINES)):
             if (value := request.choice(key)) not in needed:
                 raise UsageError(f"bending = arc needs {key} = {' or '.join(needed)}, got {value}")
+        turning = [name for name, measure in MEASURES.items() if measure.rigid_body_law.turns]
+        if request.measure not in turning:
+            raise UsageError(f"bending = arc is of large rotations: it needs one of {', '.join(turning)}")
         if (surfaces := surfaces_of(request)) != BETWEEN_FACES:
             raise UsageError(f"bending = arc is of two faces: it needs surfaces = {BETWEEN_FACES}, got {surfaces}")
     return bending

@@ -104,5 +104,8 @@ def test_arcs_need_directors_at_the_nodes_two_faces_and_lines_of_curvature() -> 
         turned(0.1, 0.0, "curvilinear", "balanced", "arc")
     with pytest.raises(ValueError, match="on lines of curvature"):
         turned(0.1, 0.0, "quads", "nodal", "arc")
+    plate = Plate(), Grid.tensor([0.0, 1.0], [0.0, 1.0])
+    with pytest.raises(ValueError, match="rotations that measure donnell does not know"):
+        make_shell(*plate, measure="donnell", thickness_strain="nodal", bending="arc")
     with pytest.raises(ValueError, match="bending 'bow' is not one of chord, arc"):
         turned(0.1, 0.0, "curvilinear", "nodal", "bow")

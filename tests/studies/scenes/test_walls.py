@@ -205,6 +205,11 @@ def test_what_does_not_go_with_surfaces_is_refused_in_one_line(scene, settings, 
         built(scene, settings)
 
 
+def test_arcs_refuse_measures_that_know_no_large_rotations() -> None:
+    with pytest.raises(UsageError, match="it needs one of exact, thin-green-lagrange, elongation"):
+        built("hemisphere", {"element": "arc"}, measure="linear")
+
+
 def test_laws_of_greens_strain_refuse_other_measures() -> None:
     with pytest.raises(UsageError, match="needs measure exact, got linear"):
         built("hemisphere", {"surfaces": "3", "law": "ogden"}, measure="linear")
