@@ -27,12 +27,13 @@ from studies.solving.refinement.cascade import parse_budget
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.refinement.mesh_error import NESTED, STARTS, solve_with_error
 from studies.solving.result import Result
+from studies.solving.variants import ELEMENT, MEASURE, REFERENCE, SURFACES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AS_ASKED = "as asked for"  # of the element of the reference
-FIGURES = {"measure": "measures.svg", "element": "elements.svg"}
+FIGURES = {MEASURE: "measures.svg", SURFACES: "surfaces.svg", ELEMENT: "elements.svg"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,16 +248,16 @@ def write_choice(found: Choice, out: Path) -> None:
 
     pictures = {}
     for axis, name in FIGURES.items():
-        named = [row["name"] for row in found.variants if row["axis"] == axis]
-        if found.truth is None or not named:
+        others = [verdict for verdict in found.verdicts[1:] if verdict.ladder.variant.axis == axis]
+        if found.truth is None or not others:
             continue
-        reference = (
-            found.verdicts[0].grids
-            if axis == "measure"
-            else [row | {"name": AS_ASKED} for row in found.verdicts[0].grids]
-        )
-        others = [row for verdict in found.verdicts[1:] for row in verdict.grids if row["axis"] == axis]
-        rows = [*reference, *others]
-        pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.truth.uncertainty)()
+        wall = others[0].ladder.variant.wall  # that all of them have
+        walls = {each.ladder.variant.name: each for each in found.verdicts if each.ladder.variant.axis == SURFACES}
+        beside = walls.get(wall, found.verdicts[0])
+        reference = [row | {"name": REFERENCE if axis == MEASURE else AS_ASKED} for row in beside.grids]
+        rows = [*reference, *(row for verdict in others for row in verdict.grids)]
+        on_wall = f", {SURFACES}={wall}" if wall else ""
+        named = [row | {"name": f"{row['name']}{on_wall}"} for row in rows]
+        pictures[name] = error_over_seconds(named, found.quantity, found.question.error, found.truth.uncertainty)()
     write_texts(out / "figures", pictures)
     found.write(out, [f"figures/{name}" for name in pictures])

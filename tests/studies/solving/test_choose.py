@@ -102,7 +102,7 @@ def test_the_files_of_an_answer(ring: Path) -> None:
     assert {*found["files"]} == {path.relative_to(ring).as_posix() for path in ring.rglob("*") if path.is_file()} - {
         "choice.json"
     }
-    for name in ("measures", "elements"):
+    for name in ("measures", "surfaces", "elements"):
         drawn = (ring / "figures" / f"{name}.svg").read_text()
         assert drawn.startswith("<?xml")
 
