@@ -118,8 +118,8 @@ class ContactProblem:
     standing: the foundation and the candidates in a frame in which it stands still; None where no straight way of a
     candidate leads through it, as through a plane.
 
-    guide (n,): a state near the one of this problem, on a path that has them all along: a step is first what it moves,
-    and energies are balanced from it; None where that is rest.
+    guide (n,): a known state close to the solution, given for every load of a path: a step starts from the last state
+    plus the change of the guide, and the balance of energy counts from it, without friction; None where that is rest.
 
     surface: what friction would act on, in a frame that is shifted with the foundation; None where nobody has said.
     coulomb: the law of friction, None for none.

@@ -15,7 +15,7 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
-from formulations.element.arc_element import ArcElement
+from formulations.element.arc_element import ArcElement, refusal
 from formulations.element.mixed import MixedElement
 from formulations.element.modal import ModalElement, Stiffness
 from formulations.element.quad_element import QuadElement
@@ -100,12 +100,11 @@ class ShellModel:
         object.__setattr__(self, "_dead", self._dead_contributions())
 
     def _built(self, shell: Discretisation, initial: np.ndarray) -> ModalElement:
-        options, arcs = (self.thickness_strain, self.membrane), self.bending == "arc"
-        on_quads = isinstance(shell.geometry, QuadGeometry)
-        if arcs and (self.thickness_strain != "nodal" or shell.wall is not None or on_quads):
-            raise ValueError("bending 'arc' needs thickness strain 'nodal' and two faces on lines of curvature")
-        if arcs and not self.measure.rigid_body_law.turns:
-            raise ValueError(f"bending 'arc' is of rotations that measure {self.measure.name} does not know")
+        options, interpolation = (self.thickness_strain, self.membrane), shell.geometry.interpolation
+        arcs = self.bending != BENDINGS[0]
+        why = refusal(self.thickness_strain, interpolation, self.measure, two_faces=shell.wall is None) if arcs else ""
+        if why:
+            raise ValueError(why)
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
                 raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
@@ -116,8 +115,8 @@ class ShellModel:
         element = MixedElement.build(self.measure, shell.laminate.stiffness(self.section), initial, *options)
         if arcs:
             at = shell.surface.geometry(*shell.grid.centre.T)
-            sides, positions = 2 * shell.grid.half * at.A, shell.geometry.interpolation == "isoparametric"
-            return ArcElement.on(element, sides / shell.laminate.thickness, at.k * sides, positions=positions)
+            sides, thickness = 2 * shell.grid.half * at.A, shell.laminate.thickness
+            return ArcElement.on(element, sides / thickness, at.k * sides, positions=interpolation == "isoparametric")
         if not isinstance(shell.geometry, QuadGeometry):
             return element
         own = shell.stiffness(self.section)

@@ -28,10 +28,23 @@ import numpy as np
 from formulations.element.mixed import MixedElement
 from formulations.element.modal import ALL, Stiffness
 from formulations.element.modes import MODE_WEIGHTS
-from formulations.element.strain_operator import ElementGeometry
+from formulations.element.strain_operator import ON_LINES, ElementGeometry
+from formulations.strains.measure import StrainMeasure
+from formulations.strains.quantities import N_E
 
 EDGE = 0.95  # of the largest beta/2
 BENT = (slice(0, 2), slice(2, 4))  # E11-+ and E22-+ on the uniform mode
+
+
+def refusal(thickness_strain: str, interpolation: str, measure: StrainMeasure, *, two_faces: bool) -> str:
+    """Why elements do not bend along arcs with these options; "" where they do."""
+    if thickness_strain != "nodal":
+        return f"arcs need thickness strain nodal, got {thickness_strain}"
+    if interpolation not in ON_LINES:
+        return f"arcs need lines of curvature: interpolation {' or '.join(ON_LINES)}, got {interpolation}"
+    if not two_faces:
+        return "arcs are of two faces, and the wall has surfaces between them"
+    return "" if measure.rigid_body_law.turns else f"arcs are of large rotations, which measure {measure.name} neglects"
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +71,18 @@ class ArcElement(MixedElement):
         bent = self._bent(strains, part)
         return bent.along(super().resultants(bent.strains, part))
 
+    def mean_resultants(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Means (E, 11) [N/mm] of D E', those of arcs: what does work with strains of chords is larger by db'/db."""
+        return super().resultants(self._bent(strains, ALL).strains)[:, :N_E]
+
+    def mean_strains(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Means (E, 11) of the strains of arcs."""
+        return super().mean_strains(geometry, self._bent(strains, ALL).strains)
+
+    def at_gauss(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
+        """Strains of arcs (E, 4, 11) at the Gauss points."""
+        return super().at_gauss(geometry, self._bent(strains, ALL).strains)
+
     def energy(self, geometry: ElementGeometry, v: np.ndarray) -> float:
         """Of the strains of arcs."""
         bent = self._bent(self.mode_strains(geometry, v), ALL).strains
@@ -74,10 +99,10 @@ class ArcElement(MixedElement):
         half = 0.5 * ratio * np.stack([strains[:, own][:, 1] - strains[:, own][:, 0] for own in BENT], axis=1)
         inside = np.clip(half, -EDGE, EDGE)
         rise = 1.0 / np.sqrt(1.0 - inside**2)
-        at_rest = angle**2 / 6 if self.positions else 0.0
-        turned = 2 * np.arcsin(inside) + 2 * rise * (half - inside) + 0.5 * angle * half**2 + 2 * at_rest * half
-        slope = rise + 0.5 * angle * half + at_rest
-        bend = ratio * np.where(half == inside, 0.5 * inside * rise**3, 0.0) + 0.25 * ratio * angle
+        slope = rise + 0.5 * angle * inside + (angle**2 / 6 if self.positions else 0.0)
+        turned = 2 * np.arcsin(inside) + 0.5 * angle * inside**2
+        turned += (angle**2 / 3 * inside if self.positions else 0.0) + 2 * slope * (half - inside)
+        bend = ratio * np.where(half == inside, 0.5 * inside * rise**3 + 0.25 * angle, 0.0)
         grown = strains.copy()
         for own, more in zip(BENT, (0.5 * (turned - 2 * half) / ratio).T, strict=True):
             grown[:, own] += more[:, None] * [-1.0, 1.0]

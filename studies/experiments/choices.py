@@ -30,9 +30,9 @@ COARSE = 0.5  # of the unknowns of the exact measure's finest grid, below which 
 KEYS = [*PROBLEM, "name"]
 OFFERS = 2  # the one recommended and the runner-up
 COLUMNS = (
-    *("regime", "scene", "settings", "quantity", "limit", "uncertainty", "asked", "row", "axis", "name", "contact"),
-    *("mesh", "unknowns", "formulation_error", "within", "settled", "verdict", "value", "error_at_most", "enough"),
-    *("seconds", "iterations", "tried", "agrees", "said", "command"),
+    *("regime", "scene", "settings", "quantity", "limit", "uncertainty", "asked", "row", "axis", "name", "surfaces"),
+    *("contact", "mesh", "unknowns", "formulation_error", "within", "settled", "verdict", "value", "error_at_most"),
+    *("enough", "seconds", "iterations", "tried", "agrees", "said", "command"),
 )
 
 
@@ -60,8 +60,9 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
 
     What the smallest error takes says what larger ones take, too; where it has no answer they are asked for themselves.
     offer: what is recommended, and the runner-up; ``tried``: solved from rest and certified.  variant: a measure, an
-    option of the element or a model, with its formulation_error in the limit of the grids, known to ``within``; the
-    exact measure has none, ``limit`` is its own, known to a part ``uncertainty`` of it.  grid: of the measures, the
+    option of the element, a wall with more surfaces or a model, with its formulation_error in the limit of the grids,
+    known to ``within``, from ``limit``: that of the exact measure on the wall with the most surfaces, known to a part
+    ``uncertainty`` of it.  surfaces: of its wall, where they are not those of the scene.  grid: of the measures, the
     value with the most that it may be off.  algorithm: from rest on a mesh; ``agrees``: with the default, to the judge.
     seconds: CPU time, of a path from the grid before in the rows of variants and grids.
     """
@@ -126,6 +127,6 @@ def _rows(found: Choice) -> Iterator[dict[str, Any]]:
 
 
 def _offer(offer: Offer) -> dict[str, Any]:
-    axis, name, contact, mesh, *_ = offer.words.split(" ")  # its surfaces are in the command
     known = {"error_at_most": offer.error_at_most, "seconds": offer.seconds, "tried": offer.holds}
-    return {"axis": axis, "name": name, "contact": contact, "mesh": mesh, **known, "command": offer.command}
+    what = {"axis": offer.variant.axis, "name": offer.variant.name, "surfaces": offer.variant.wall}
+    return {**what, "contact": offer.contact, "mesh": offer.mesh, **known, "command": offer.command}

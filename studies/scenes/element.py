@@ -10,6 +10,7 @@ import numpy as np
 from formulations.conditions.boundary import Supports
 from formulations.conditions.dof_map import Images
 from formulations.discretisation import Discretisation
+from formulations.element.arc_element import refusal
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
 from formulations.element.quad_geometry import FoldedQuadError
 from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
@@ -45,6 +46,7 @@ OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
     ("membrane", MEMBRANES, "linear modes of the membrane strain"),
 )
 BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
+SHEAR = "shear_correction"
 WALL = (
     Setting.one_of("surfaces", SURFACES, None, "with displacements through the wall: in all, or a ply", otherwise="2"),
     Setting.one_of("law", LAWS.keys(), None, "of the plies, with surfaces inside the wall", otherwise=LINEAR),
@@ -80,6 +82,13 @@ BENDING = Setting.one_of(
 )
 TWO_FACES = (*_of_element(ELEMENTS, INTERPOLATIONS), BENDING, *MOVED_NODES)  # and no others
 ELEMENT = (*TWO_FACES, *WALL)
+ON_QUADS = (
+    *(
+        replace(setting, default="quads") if setting.key == "element" else setting
+        for setting in _of_element({**PRESETS, **ON_MESHES}, INTERPOLATIONS)
+    ),
+    *MOVED_NODES,
+)
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 GREEN = EXACT.name
 Span = tuple[float, float]  # both ends of a coordinate
@@ -190,10 +199,12 @@ def check_wall(request: Request, laminate: Laminate) -> str:
         if law != LINEAR:
             raise UsageError(f"law = {law} is met at points through the wall: it needs surfaces = 3 or more")
         return surfaces
+    if isinstance(laminate, ShearCorrected) and laminate.shear_correction != request.settings.get(SHEAR, 1.0):
+        raise UsageError(f"surfaces = {surfaces}: the shear correction of this wall is of two faces")
     for key, value, needed in (
         ("interpolation", request.settings.get("interpolation"), ON_LINES),
         ("section", request.settings.get("section"), (None, SECTIONS[0])),
-        ("shear_correction", request.settings.get("shear_correction"), (None, 1.0)),
+        (SHEAR, request.settings.get(SHEAR), (None, 1.0)),
     ):
         if value not in needed:
             raise UsageError(f"surfaces = {surfaces}: {key} = {text_of(value)} is of two faces")
@@ -216,15 +227,10 @@ def check_wall(request: Request, laminate: Laminate) -> str:
 def bending_of(request: Request) -> str:
     """Of chords or of arcs; raises UsageError where other settings rule arcs out."""
     bending = str(request.settings.get("bending", BENDINGS[0]))
-    if bending == "arc":
-        for key, needed in (("thickness_strain", ("nodal",)), ("interpolation", ON_LINES)):
-            if (value := request.choice(key)) not in needed:
-                raise UsageError(f"bending = arc needs {key} = {' or '.join(needed)}, got {value}")
-        turning = [name for name, measure in MEASURES.items() if measure.rigid_body_law.turns]
-        if request.measure not in turning:
-            raise UsageError(f"bending = arc is of large rotations: it needs one of {', '.join(turning)}")
-        if (surfaces := surfaces_of(request)) != BETWEEN_FACES:
-            raise UsageError(f"bending = arc is of two faces: it needs surfaces = {BETWEEN_FACES}, got {surfaces}")
+    options = request.choice("thickness_strain"), request.choice("interpolation"), MEASURES[request.measure]
+    why = "" if bending == BENDINGS[0] else refusal(*options, two_faces=surfaces_of(request) == BETWEEN_FACES)
+    if why:
+        raise UsageError(f"bending = {bending}: {why}")
     return bending
 
 

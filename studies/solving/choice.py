@@ -20,7 +20,7 @@ from studies.scenes.element import surfaces_of
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.nested import touches
 from studies.solving.trials import FROM_REST, NOT_TRIED, SLOWER, Clock, Question, Trial, beside, tried
-from studies.solving.variants import REFERENCE
+from studies.solving.variants import REFERENCE, Variant
 from studies.solving.verdict import NO_MESH, NOT_SETTLED, Verdict, Wall, errors
 
 FASTER = 0.8  # of the seconds, what a change of what is asked for may take at the most
@@ -34,11 +34,13 @@ ANSWERED, NOT_ANSWERED = "answered", "not-converged"
 class Offer:
     """A configuration that is enough: what is changed of the question, and the seconds that it is foreseen to take.
 
-    error_at_most: of its value on its grid.  changes: how many there are.  trial: from rest, where there was time.
+    variant: its axis, name and wall.  error_at_most: of its value on its grid.  changes: how many there are.  trial:
+    from rest, where there was time.
     """
 
     question: Question
-    words: str
+    variant: Variant
+    contact: str
     mesh: str
     options: dict[str, str]
     settings: dict[str, str]
@@ -47,6 +49,12 @@ class Offer:
     changes: int
     trial: Trial | None = None
     holds: bool = field(default=False, init=False)
+
+    @property
+    def words(self) -> str:
+        """What it is, for people."""
+        variant, wall = self.variant, f" surfaces={self.variant.wall}" if self.variant.wall else ""
+        return f"{variant.axis} {variant.name} {self.contact} {self.mesh}{wall}"
 
     @property
     def untried(self) -> bool:
@@ -123,16 +131,16 @@ def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Sequenc
         if path is None or verdict.first is None:
             continue
         for contact, ratio in ratios.items():
-            mesh, wall = path.mesh, f" surfaces={variant.wall}" if variant.wall else ""
             yield Offer(
                 question,
-                f"{variant.axis} {variant.name} {contact} {mesh}{wall}",
-                mesh,
+                variant,
+                contact,
+                path.mesh,
                 {**variant.options, "contact": contact},
                 dict(variant.settings),
                 FROM_REST * ratio * path.seconds,
                 verdict.most[verdict.first],
-                len(variant.options) + len(variant.settings) + (contact != question.contact),
+                (verdict is not verdicts[0]) + (variant.wall != "") + (contact != question.contact),
             )
 
 

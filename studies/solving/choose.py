@@ -138,7 +138,13 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
             if found.wall.name != wall.name or found.wall.left <= SETTLED * question.error:
                 break
     on = next((each for each in (reference, *walls) if verdict(each).word in (ENOUGH, NO_MESH)), reference)
-    others += (Ladder(beside_wall(each, on.variant)) for each in variants(question.scene, on.variant.request))
+    beyond = verdict(on).limit
+    if isinstance(beyond, Difference) and verdict(on).word == NO_MESH:
+        with clock.share(OF_WALLS):
+            limit = found.limit = _finer(found, cascade, limit, beyond.most, clock, progress)
+            climb([each for each in walls if each is on])
+    every = variants(question.scene, on.variant.request, question.given)
+    others += (Ladder(beside_wall(each, on.variant)) for each in every)
     path = verdict(reference).enough or cascade.last
     foreseen = FROM_REST * path.seconds
     for axis, part in SHARES.items():
@@ -154,6 +160,17 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     climb([*walls, *others])
     known = {offer.words for offer in first}
     found.offers += [offer for offer in offers() if offer.words not in known]
+
+
+def _finer(
+    found: Choice, cascade: Cascade, limit: Estimate, beyond: float, clock: Clock, progress: Callable[[str], None]
+) -> Estimate:
+    """Grids for what is not known of the wall, and comes on top of what the reference was followed for; its limit."""
+    grid = near(cascade.scene, cascade.last.request, FINER)
+    if grid is not None:
+        found.stopped = follow(cascade, grid, clock, progress, beyond)
+    stated = limit_stated(cascade)
+    return stated if isinstance(stated, Estimate) else limit
 
 
 def climb_all(
@@ -193,10 +210,13 @@ def climb_all(
             ladder.climb(scene, path)
 
 
-def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> str:
+def follow(
+    cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None], beyond: float = 0.0
+) -> str:
     """Follow the path on finer and finer grids until one of them is enough; returns why there are no more of them.
 
-    request: on the coarsest grid.  Raises UsageError for a quantity that the scene does not have.
+    request: on the next grid.  beyond: what is off on no grid, and counts in the error, too.  Raises UsageError for a
+    quantity that the scene does not have.
     """
     grid: Request | None = request
     lost, said = 0, ""
@@ -216,7 +236,7 @@ def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[
             found = cascade.stated()
             if isinstance(found, Estimate):
                 progress(f"{cascade.name} {found}")
-                if first_enough(errors(cascade.values, found), NONE, cascade.error) is not None:
+                if first_enough(errors(cascade.values, found), NONE, cascade.error - beyond) is not None:
                     return ""
         grid = near(cascade.scene, grid, FINER)
     return said

@@ -9,14 +9,14 @@ grid before. Contact algorithms are no variants: they give the same values, and 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from formulations.section.sampling import Sampling
-from formulations.shell import ShellModel
+from formulations.shell import BENDINGS, ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, Request, Settings, UsageError, Value
-from studies.ask.scene import Scene, SettlingScene
+from studies.ask.scene import CompletingScene, Scene, SettlingScene
 from studies.scenes.element import BENDING, COARSE, ON_MESHES, OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
@@ -43,29 +43,30 @@ class Variant:
     wall: str = ""
 
 
-def variants(scene: Scene, reference: Request) -> Iterator[Variant]:
-    """All of them, axis by axis; reference: the request of the exact measure, on any mesh."""
+def variants(scene: Scene, reference: Request, given: Collection[str] = ()) -> Iterator[Variant]:
+    """All of them, axis by axis; reference: request of the exact measure, on any mesh.  given: settings asked for."""
     for name in MEASURES:
         if name != reference.measure:
             yield _checked(scene, Variant(MEASURE, name, replace(reference, measure=name), {"measure": name}))
-    yield from (_checked(scene, each) for each in _elements(scene, reference))
+    yield from (_checked(scene, each) for each in _elements(scene, reference, given))
     if isinstance(scene, SettlingScene):
         yield from _models(scene, reference)
 
 
 def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
-    """More and more surfaces than the reference has, where the scene knows them."""
+    """More and more surfaces than the reference has, where the scene knows them; of elements that bend along chords."""
     offered = [choice for setting in scene.settings if setting.key == SURFACES for choice in setting.choices]
     shell = getattr(scene.build(reference), "shell", None)
     if not offered or not isinstance(shell, ShellModel):
         return
     body = shell.discretisation
     several, here = len(body.laminate.plies) > 1, 2 + len(body.map.inside)
+    chords = {BENDING.key: BENDINGS[0]} if BENDING.key in reference.settings else {}
     for name in RICHER["plies" if several else "wall"]:
         if name not in offered:
             continue
-        settings = Settings({**reference.settings, SURFACES: name})
-        wall = Variant(SURFACES, name, replace(reference, settings=settings), settings={SURFACES: name})
+        said = {SURFACES: name, **chords}
+        wall = Variant(SURFACES, name, _with(reference, said), settings=said)
         if len(Sampling.of(body.laminate, name).at) > here:
             yield _checked(scene, wall)
 
@@ -75,29 +76,35 @@ def beside_wall(variant: Variant, wall: Variant) -> Variant:
     return replace(variant, settings={**wall.settings, **variant.settings}, wall=wall.settings.get(SURFACES, ""))
 
 
-def _elements(scene: Scene, reference: Request) -> Iterator[Variant]:
-    """Presets, and each option changed alone, no combination twice."""
+def _elements(scene: Scene, reference: Request, given: Collection[str]) -> Iterator[Variant]:
+    """Presets, and each option changed alone, no combination twice.
+
+    A command says a preset by its name, but for a preset in which one of its options was asked for: that comes first.
+    """
     declared = {setting.key for setting in scene.settings}
-    options = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
-    others = {key: value for key, value in reference.settings.items() if key != BENDING.key}
-    own = options | {key: value for key, value in reference.settings.items() if key == BENDING.key}
-    seen = [own]
-    known = PRESETS | (COARSE if BENDING.key in declared else {})
-    presets: list[tuple[str, dict[str, Value], dict[str, str]]] = [
-        (name, {**options, **values}, {"element": name}) for name, values in known.items() if "element" in declared
-    ]
-    alone: list[tuple[str, dict[str, Value], dict[str, str]]] = [
-        (f"{key}={choice}", {**own, key: choice}, {key: choice})
-        for key, choices, _ in OPTIONS
-        if key in own
-        for choice in choices
-        if choice not in ON_MESHES
-    ]
-    for name, values, said in presets + alone:
+    chord = {BENDING.key: BENDINGS[0]} if BENDING.key in declared else {}
+    own = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
+    own |= {key: reference.settings.get(key, value) for key, value in chord.items()}
+    seen, by_name = [own], "element" in declared and not {*own} & {*given}
+    known = PRESETS | (COARSE if chord else {}) if "element" in declared else {}
+    for name, preset in known.items():
+        values = {**own, **chord, **preset}
         if values not in seen:
             seen.append(values)
-            settings = Settings({**others, **values})
-            yield Variant(ELEMENT, name, replace(reference, settings=settings), settings=said)
+            said = {key: str(value) for key, value in values.items() if value != own[key]}
+            asked = _with(reference, preset, BENDING.key) if by_name else _with(reference, said)
+            yield Variant(ELEMENT, name, asked, settings={"element": name} if by_name else said)
+    for key, choices, _ in OPTIONS:
+        for choice in choices if key in own else ():
+            values = {**own, key: choice}
+            if choice not in ON_MESHES and values not in seen:
+                seen.append(values)
+                yield Variant(ELEMENT, f"{key}={choice}", _with(reference, {key: choice}), settings={key: choice})
+
+
+def _with(reference: Request, changed: Mapping[str, Value], without: str = "") -> Request:
+    settings = {key: value for key, value in reference.settings.items() if key != without}
+    return replace(reference, settings=Settings({**settings, **changed}))
 
 
 def _models(scene: SettlingScene, reference: Request) -> Iterator[Variant]:
@@ -116,6 +123,8 @@ def _models(scene: SettlingScene, reference: Request) -> Iterator[Variant]:
 def _checked(scene: Scene, variant: Variant) -> Variant:
     """The variant, refused where the scene is not built with it."""
     try:
+        if isinstance(scene, CompletingScene):
+            scene.complete(variant.request.settings)
         scene.build(variant.request)
     except UsageError as error:
         return replace(variant, refused=str(error))

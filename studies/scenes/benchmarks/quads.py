@@ -21,11 +21,10 @@ from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, Value
 from studies.ask.scene import SOLVER, Setting, UsageError
-from studies.scenes.element import LINES, TWO_FACES, even_grid
+from studies.scenes.element import LINES, ON_QUADS, even_grid
 from studies.scenes.statics import LOAD_FRACTION
 
 SHEAR = Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4)
-ON_QUADS = tuple(replace(setting, default="quads") if setting.key == "element" else setting for setting in TWO_FACES)
 SETTINGS = (LINES, LOAD_FRACTION, SHEAR, *ON_QUADS, SOLVER)
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (s, t) -> positions (..., 3)
 STEP = 1e-6  # of the central differences of the map; their error is of the order of 1e-11 of its size

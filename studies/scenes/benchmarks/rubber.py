@@ -11,11 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactProblem
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Surface, cylinder, sphere
@@ -130,10 +129,6 @@ class RubberModel(StaticModel):
     def moved(self, t: float) -> RubberModel:
         """With its inner face where it is at a load fraction."""
         return replace(self, shell=self.shell.scaled(t), fractions=(t,))
-
-    def write_fields(self, path: Path, state: ContactSolution) -> None:
-        """With the inner face where it is at the last fraction."""
-        super(RubberModel, self.moved(self.fractions[-1])).write_fields(path, state)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         return self.measure_at(self.shell.scaled(fraction), u)

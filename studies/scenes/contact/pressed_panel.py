@@ -18,9 +18,9 @@ from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.quads import ON_QUADS, OnQuads
+from studies.scenes.benchmarks.quads import OnQuads
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
-from studies.scenes.element import discretise, even_grid
+from studies.scenes.element import ON_QUADS, discretise, even_grid
 from studies.scenes.statics import loaded_shell
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 100.0, 50.0, 0.5  # mm, mm, rad

@@ -10,8 +10,9 @@ import pytest
 from studies.scenes.complete import complete
 from studies.solving.refinement.limits import GROWING, Estimate, Seen, estimate_of
 from studies.solving.solve import Interrupted, solve
-from studies.solving.trials import Clock, until
-from studies.solving.verdict import NONE, Difference, difference, errors, first_enough
+from studies.solving.trials import Clock, Question, until
+from studies.solving.variants import richer_walls, variants
+from studies.solving.verdict import NONE, Difference, Wall, difference, errors, first_enough
 
 SIZES = [2.0 ** (-k / 2) for k in range(7)]
 
@@ -194,3 +195,42 @@ def test_what_the_reference_misses_on_the_same_grids_counts_with_a_margin() -> N
     found = difference(own, beside, Estimate(90.0, 0.0, 0.0))
     assert isinstance(found, Difference)
     assert (found.value, found.within) == pytest.approx((110 / 90, 2 * 15 / 90))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_truth_is_the_limit_of_the_wall_with_the_most_surfaces(sign: float) -> None:
+    """Of limits 1, 1.3 and 1.37, the last one; half of the last change may be left, or 0.3 of the one before."""
+    reference = Estimate(sign, 0.01, 0.0)
+    walls = [
+        SimpleNamespace(limit=limit, ladder=SimpleNamespace(variant=SimpleNamespace(name=name)))
+        for name, limit in (
+            ("3", Difference(0.3, 0.02)),
+            ("5", Difference(0.37, 0.01)),
+            ("7", "fewer than three grids"),
+        )
+    ]
+    wall = Wall.of(walls)
+    assert (wall.name, wall.left) == ("5", pytest.approx(0.09))
+    assert Wall.of(walls[:1]).left == pytest.approx(1.2)  # one change says little of the next
+    truth = wall.truth(reference)
+    assert truth.limit == pytest.approx(1.37 * sign)
+    assert truth.uncertainty == pytest.approx((0.01 + 0.01 + 0.09) / 1.37)
+    apart = wall.seen_from(NONE)
+    assert (apart.value, apart.within) == (pytest.approx(1 / 1.37 - 1), pytest.approx(0.1 / 1.37))
+    assert wall.seen_from(walls[1].limit, "5") == Difference(0.0, wall.left / 1.37)
+    assert wall.seen_from(walls[0].limit, "3").within == pytest.approx((0.02 + 0.01 + 0.09) / 1.37)
+    assert Wall().truth(reference) == reference
+    assert Wall().seen_from(Difference(0.1, 0.02)) == Difference(0.1, 0.02)
+
+
+@pytest.mark.parametrize(
+    "given", [{}, {"element": "arc"}, {"thickness_strain": "nodal", "bending": "arc"}, {"surfaces": "3"}]
+)
+def test_the_command_of_a_variant_asks_for_what_was_judged(given: dict[str, str]) -> None:
+    scene, reference = complete("hemisphere", given, "4x4")
+    question = Question("hemisphere", scene, given, {}, 0.01)
+    every = [*richer_walls(scene, reference), *variants(scene, reference, given)]
+    assert {each.axis for each in every} == {"measure", "surfaces", "element"}
+    for each in every:
+        if not each.refused:
+            assert question.asked("4x4", each.options, each.settings)[1] == each.request, each.name
