@@ -19,6 +19,7 @@ from studies.output.provenance import provenance
 from studies.scenes.element import surfaces_of
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.nested import touches
+from studies.solving.result import UNSTABLE
 from studies.solving.trials import FROM_REST, NOT_TRIED, SLOWER, Clock, Question, Trial, beside, tried
 from studies.solving.variants import REFERENCE, Variant
 from studies.solving.verdict import NO_MESH, NOT_SETTLED, Verdict, Wall, errors
@@ -250,6 +251,8 @@ class Choice:
         if self.recommended is not None and not self.recommended.holds:
             yield "there was no time to solve what is recommended from rest"
         if self.recommended is not None and self.recommended.trial is not None:
+            if self.recommended.trial.ended == UNSTABLE:
+                yield f"what is recommended is no stable equilibrium: {self.recommended.trial.said}"
             yield from self.recommended.trial.notes
             faster = [offer for offer in self.offers if offer.untried and offer.price < self.recommended.price]
             yield from (

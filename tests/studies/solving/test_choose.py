@@ -75,6 +75,13 @@ def test_a_thick_laminate_needs_surfaces_inside_its_wall() -> None:
 
 
 @pytest.mark.slow
+def test_a_recommendation_says_that_nothing_can_stand_on_it() -> None:
+    """Three surfaces leave thick rubber unstable, although its pressure is nearly right at the last load."""
+    found = choose("rubber-tube", {"surfaces": "3"}, 0.05, 30.0)
+    assert any("no stable equilibrium" in each for each in found.uncertain)
+
+
+@pytest.mark.slow
 def test_where_two_faces_are_enough_more_are_tried_once(ring: Path) -> None:
     rows = [row for row in told(ring)["variants"] if row["axis"] == "surfaces"]
     assert [(row["name"], row["verdict"]) for row in rows] == [("3", ENOUGH)]
