@@ -72,6 +72,7 @@ def _offer(row: dict) -> dict[str, Any]:
         return {"problem": problem(row), **NO_OFFER}
     measure, element = (row["name"], "default") if row["axis"] == "measure" else (EXACT, row["name"])
     wall = row["name"] if row["axis"] == "surfaces" else row.get("surfaces", "")
+    wall = wall if isinstance(wall, str) else ""  # a table has gaps where there is none
     element = f"surfaces={wall}" if row["axis"] == "surfaces" else f"{element}, surfaces={wall}" if wall else element
     spent = digits(row["seconds"], 2) if str(row["tried"]) == "True" else f"about {digits(row['seconds'], 2)}"
     chosen = {"measure": code(measure), "element": element, "contact": code(row["contact"]), "spent": spent}

@@ -227,10 +227,11 @@ def check_wall(request: Request, laminate: Laminate) -> str:
 def bending_of(request: Request) -> str:
     """Of chords or of arcs; raises UsageError where other settings rule arcs out."""
     bending = str(request.settings.get("bending", BENDINGS[0]))
-    options = request.choice("thickness_strain"), request.choice("interpolation"), MEASURES[request.measure]
-    why = "" if bending == BENDINGS[0] else refusal(*options, two_faces=surfaces_of(request) == BETWEEN_FACES)
-    if why:
-        raise UsageError(f"bending = {bending}: {why}")
+    if bending != BENDINGS[0]:
+        options = request.choice("thickness_strain"), request.choice("interpolation"), MEASURES[request.measure]
+        why = refusal(*options, two_faces=surfaces_of(request) == BETWEEN_FACES)
+        if why:
+            raise UsageError(f"bending = {bending}: {why}")
     return bending
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -188,8 +189,9 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
             rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
         if rows["setting"].eq("surfaces").any():
             corrected = rows["setting"].eq("shear_correction").any()  # which two faces alone have
-            inside = effects(name, given={"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})})
-            rows = pd.concat([rows, inside[inside["setting"] == "law"]])
+            with suppress(UsageError):  # of a wall that has two faces alone
+                inside = effects(name, given={"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})})
+                rows = pd.concat([rows, inside[inside["setting"] == "law"]])
         if rows["setting"].eq("bending").any():  # with directors at the nodes
             folding = effects(name, given={"thickness_strain": "nodal"})
             rows = pd.concat([rows, folding[folding["setting"] == "bending"]])
