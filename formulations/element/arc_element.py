@@ -27,13 +27,14 @@ import numpy as np
 
 from formulations.element.mixed import MixedElement
 from formulations.element.modal import ALL, Stiffness
-from formulations.element.modes import MODE_WEIGHTS
+from formulations.element.modes import MODE_WEIGHTS, N_M
 from formulations.element.strain_operator import ON_LINES, ElementGeometry
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import N_E
 
 EDGE = 0.95  # of the largest beta/2
-BENT = (slice(0, 2), slice(2, 4))  # E11-+ and E22-+ on the uniform mode
+BENDING = np.zeros((2, N_M))  # b of mode strains: E11+ - E11- and E22+ - E22- on the uniform mode
+BENDING[[0, 0, 1, 1], range(4)] = -1.0, 1.0, -1.0, 1.0
 
 
 def refusal(thickness_strain: str, interpolation: str, measure: StrainMeasure, *, two_faces: bool) -> str:
@@ -91,22 +92,19 @@ class ArcElement(MixedElement):
     def _response(self, strains: np.ndarray, part: slice) -> tuple[np.ndarray, Stiffness]:
         bent = self._bent(strains, part)
         H = super().resultants(bent.strains, part)
-        moment = np.stack([0.5 * (H[:, own][:, 1] - H[:, own][:, 0]) for own in BENT], axis=1)
+        moment = 0.5 * H @ BENDING.T
         return bent.along(H), ArcStiffness((self._weighted_stiffness(part),), bent, bent.bend * moment)
 
     def _bent(self, strains: np.ndarray, part: slice) -> Bent:
         ratio, angle = self.slenderness[part], self.angle[part]
-        half = 0.5 * ratio * np.stack([strains[:, own][:, 1] - strains[:, own][:, 0] for own in BENT], axis=1)
+        half = 0.5 * ratio * (strains @ BENDING.T)
         inside = np.clip(half, -EDGE, EDGE)
         rise = 1.0 / np.sqrt(1.0 - inside**2)
         slope = rise + 0.5 * angle * inside + (angle**2 / 6 if self.positions else 0.0)
         turned = 2 * np.arcsin(inside) + 0.5 * angle * inside**2
         turned += (angle**2 / 3 * inside if self.positions else 0.0) + 2 * slope * (half - inside)
         bend = ratio * np.where(half == inside, 0.5 * inside * rise**3 + 0.25 * angle, 0.0)
-        grown = strains.copy()
-        for own, more in zip(BENT, (0.5 * (turned - 2 * half) / ratio).T, strict=True):
-            grown[:, own] += more[:, None] * [-1.0, 1.0]
-        return Bent(grown, slope, bend)
+        return Bent(strains + 0.5 * ((turned - 2 * half) / ratio) @ BENDING, slope, bend)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,13 +117,7 @@ class Bent:
 
     def along(self, rows: np.ndarray) -> np.ndarray:
         """What a change of strains (e, 22, ...) is on arcs, and resultants on chords of those on arcs: symmetric."""
-        found = rows.copy()
-        for own, slope in zip(BENT, self.slope.T, strict=True):
-            pair = found[:, own]
-            more = 0.5 * (slope - 1).reshape(-1, *[1] * (rows.ndim - 2)) * (pair[:, 1] - pair[:, 0])
-            pair[:, 1] += more
-            pair[:, 0] -= more
-        return found
+        return rows + _on_bending(0.5 * (self.slope - 1), rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +129,11 @@ class ArcStiffness(Stiffness):
 
     def times(self, strains: np.ndarray) -> np.ndarray:
         """(e, 22, j) of (e, 22, j)."""
-        found = self.bent.along(super().times(self.bent.along(strains)))
-        for own, turning in zip(BENT, self.turning.T, strict=True):
-            more = turning[:, None] * (strains[:, own][:, 1] - strains[:, own][:, 0])
-            found[:, own] += more[:, None] * np.array([-1.0, 1.0])[:, None]
-        return found
+        bent = self.bent.along(super().times(self.bent.along(strains)))
+        return bent + _on_bending(self.turning, strains)
+
+
+def _on_bending(factor: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """BENDING^T factor BENDING times the rows (e, 22, ...); factor (e, 2)."""
+    flat = rows.reshape(len(rows), N_M, -1)
+    return np.matmul(BENDING.T, factor[..., None] * np.matmul(BENDING, flat)).reshape(rows.shape)

@@ -165,7 +165,7 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
 def _finer(
     found: Choice, cascade: Cascade, limit: Estimate, beyond: float, clock: Clock, progress: Callable[[str], None]
 ) -> Estimate:
-    """Grids for what is not known of the wall, and comes on top of what the reference was followed for; its limit."""
+    """The limit of the reference on finer grids, as the uncertainty ``beyond`` of the wall leaves less for grids."""
     grid = near(cascade.scene, cascade.last.request, FINER)
     if grid is not None:
         found.stopped = follow(cascade, grid, clock, progress, beyond)
@@ -215,8 +215,8 @@ def follow(
 ) -> str:
     """Follow the path on finer and finer grids until one of them is enough; returns why there are no more of them.
 
-    request: on the next grid.  beyond: what is off on no grid, and counts in the error, too.  Raises UsageError for a
-    quantity that the scene does not have.
+    request: on the next grid.  beyond: the part of the error that no grid reduces.  Raises UsageError for a quantity
+    that the scene does not have.
     """
     grid: Request | None = request
     lost, said = 0, ""

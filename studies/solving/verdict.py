@@ -19,12 +19,11 @@ the reference shows: from the same grids its own limit is L', which corrects the
     SAFETY |L' - L|/|c'| |c|
 
 Where a wall with more surfaces has been followed the truth is not L but what that wall has, L (1 + w), and all
-errors count from there. More surfaces are taken to change that
-by no more than LEFT of the last change, and BEFORE of the one before it: of twelve cases of walls beside solids
-(``shell_limits.csv``) the last of three leaves 0.29 of its change, in one case 0.38. But one more power of the distance
-may change nothing, and the next one much: the force of a crushed ring by 1.2 % from two surfaces to three and by 3.9 %
-to five, an interlaminar stress of Pagano's plate by 12, 1.8 and 12 % from two to four a ply. So one change is not
-trusted to be the last, but four times as large.
+errors count from there. Still more surfaces are taken to change it by no more than LEFT of the last change and BEFORE
+of the one before: of twelve cases of walls beside solids (``shell_limits.csv``) the last of three walls leaves at most
+0.29 of its change, in one case 0.38. But one more power of the distance may change nothing and the next one much: the
+force of a crushed ring by 1.2 % from two surfaces to three and by 3.9 % to five, an interlaminar stress of Pagano's
+plate by 12, 1.8 and 12 % from two faces to four a ply. So a single change counts ALONE times.
 
 Of 98 intervals from 3 to 7 grids, of measures, elements and models on seven scenes that also have one to five finer
 grids, all contain the limit of the finer grids, 95 without this. Nothing is solved here.
@@ -78,8 +77,8 @@ NONE = Difference(0.0, 0.0)  # of the reference from itself
 class Wall:
     """The wall with the most surfaces whose limit is known.
 
-    name: its surfaces, "" those of the reference.  beyond: w, what its limit is off that of the reference.  left: what
-    more surfaces may still change, over the reference's limit.
+    name: its surfaces, "" those of the reference.  beyond: w, the relative difference of its limit from that of the
+    reference.  left: what more surfaces may still change, over the limit of the reference.
     """
 
     name: str = ""
@@ -257,7 +256,7 @@ class Verdict:
 def judged(
     ladder: Ladder, reference: Ladder, limit: Estimate, quantity: str, error: float, wall: Wall = Wall()
 ) -> Verdict:
-    """The verdict on a ladder; that of the reference is off by its grids, and its ``wall``."""
+    """The verdict on a ladder; the reference has the errors of its grids and of its ``wall``."""
     values, apart = ladder.values(quantity), NONE if ladder is reference else _apart(ladder, reference, limit, quantity)
     if isinstance(apart, Difference):
         apart = wall.seen_from(apart, ladder.variant.name if ladder.variant.axis == SURFACES else "")

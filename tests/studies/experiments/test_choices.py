@@ -29,7 +29,7 @@ def test_the_reference_is_the_limit_of_the_exact_measure_and_what_is_recommended
     roof = choices([Ask(SMALL, "scordelis-lo", {}, None, 120.0)], [0.1])
     assert tuple(roof.columns) == COLUMNS
     own, linear = (roof[(roof["row"] == VARIANT) & (roof["name"] == name)].iloc[0] for name in ("exact", "linear"))
-    assert abs(own["formulation_error"]) <= 1e-3  # what three surfaces change of so thin a wall
+    assert abs(own["formulation_error"]) <= own["within"]  # two faces are enough for so thin a wall
     assert own["limit"] * (1 + linear["formulation_error"]) == pytest.approx(0.3010, rel=0.01)
     assert (linear["verdict"], own["verdict"]) == ("not enough", "enough")
     offer = roof[roof["row"] == OFFER].iloc[0]
