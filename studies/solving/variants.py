@@ -21,7 +21,6 @@ from studies.scenes.element import BENDING, COARSE, ON_MESHES, OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
 MEASURE, SURFACES, ELEMENT, MODEL = "measure", "surfaces", "element", "model"
-RICHER = {"wall": ("3", "5", "7"), "plies": ("2/ply", "3/ply", "4/ply")}  # three over several plies may show nothing
 REFERENCE = "exact"  # the measure that neglects nothing
 FEWEST = 4  # grids, each with twice the unknowns of the last, that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
@@ -54,7 +53,10 @@ def variants(scene: Scene, reference: Request, given: Collection[str] = ()) -> I
 
 
 def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
-    """More and more surfaces than the reference has, where the scene knows them; of elements that bend along chords."""
+    """More and more surfaces than the reference has, where the scene knows them; of elements that bend along chords.
+
+    Of several plies in each: a polynomial over all of them may change nothing where the plies matter.
+    """
     offered = [choice for setting in scene.settings if setting.key == SURFACES for choice in setting.choices]
     shell = getattr(scene.build(reference), "shell", None)
     if not offered or not isinstance(shell, ShellModel):
@@ -62,13 +64,10 @@ def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
     body = shell.discretisation
     several, here = len(body.laminate.plies) > 1, 2 + len(body.map.inside)
     chords = {BENDING.key: BENDINGS[0]} if BENDING.key in reference.settings else {}
-    for name in RICHER["plies" if several else "wall"]:
-        if name not in offered:
-            continue
-        said = {SURFACES: name, **chords}
-        wall = Variant(SURFACES, name, _with(reference, said), settings=said)
-        if len(Sampling.of(body.laminate, name).at) > here:
-            yield _checked(scene, wall)
+    for name in offered:
+        if name.endswith("/ply") == several and len(Sampling.of(body.laminate, name).at) > here:
+            said = {SURFACES: name, **chords}
+            yield _checked(scene, Variant(SURFACES, name, _with(reference, said), settings=said))
 
 
 def beside_wall(variant: Variant, wall: Variant) -> Variant:

@@ -63,7 +63,7 @@ def test_a_classical_measure_is_off_in_the_limit_as_on_a_fine_grid(ring: Path) -
 @pytest.mark.slow
 def test_a_thick_laminate_needs_surfaces_inside_its_wall() -> None:
     """Pagano's 2.82: a limit of two faces, a quarter less, is no truth however fine the mesh."""
-    found = choose("pagano", {"S": "4"}, 0.01, 60.0)
+    found = choose("pagano", {"S": "4"}, 0.01, 600.0)  # more than it takes on a busy machine
     rows = {row["name"]: row for row in found.variants}
     assert found.truth.limit == pytest.approx(2.82, rel=found.truth.uncertainty)
     assert (found.wall.name, found.recommended.settings) == ("4/ply", {"surfaces": "4/ply"})
