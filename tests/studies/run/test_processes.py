@@ -443,7 +443,11 @@ LEFT_MB = {"lapack": (3, 8, 100), "superlu": (1, 3, 6, 100), "osqp": (1, 4, 100)
 @pytest.mark.slow
 @pytest.mark.parametrize("way", LEFT_MB)
 def test_memory_that_ends_in_the_middle_of_a_factorisation_is_an_outcome(way: str, tmp_path: Path) -> None:
-    """In LAPACK, in SuperLU, in solvers of C, and of Rust, which aborts; one cell in the end has enough."""
+    """In LAPACK, in SuperLU, in solvers of C, and of Rust, which aborts; one cell in the end has enough.
+
+    OSQP checks some of its allocations only: measured with 1 to 7 MB left, 4 of 11 cells follow a null pointer, which
+    nothing outside of it can know for lack of memory. That is a crash, which the campaign outlives as well.
+    """
     if way in ("osqp", "clarabel"):
         pytest.importorskip(way, reason="needs the extra qp")
     (tmp_path / "planted_cells.py").write_text(HUNGRY)
@@ -451,10 +455,11 @@ def test_memory_that_ends_in_the_middle_of_a_factorisation_is_an_outcome(way: st
     campaign, store = tmp_path / "hungry.toml", tmp_path / "store"
     campaign.write_text(text + f"vary.left_MB = {list(LEFT_MB[way])}\n")
     summary = run(find(str(campaign), trust=True), store, limits=Limits(60.0, 400.0))
-    assert summary.classes == {"memory": len(LEFT_MB[way]) - 1, "converged": 1}
     table = collect(store, "hungry")
-    lost = table[table["outcome"] == "memory"]
-    assert lost["reason"].str.startswith("more than 400 MB").all()
+    lost = table[table["outcome"] != "converged"]
+    memory = lost["reason"].str.startswith("more than 400 MB") & (lost["outcome"] == "memory")
+    assert (memory | (way == "osqp") & lost["reason"].str.startswith("killed by SIGSEGV")).all()
+    assert (summary.classes["converged"], len(lost)) == (1, len(LEFT_MB[way]) - 1)
     assert len(list((store / "cells").glob("*.json"))) == 1
     assert len(list((store / "failures").glob("*.json"))) == len(lost)
     assert list(store.rglob(f"{PART}*")) == []
