@@ -142,8 +142,7 @@ class SamplingElement(ModalElement):
 
         taken (plies, k, T): see :meth:`formulations.section.sampling.Sampling.taken`.
         """
-        mean = strains_at(strains, MIDDLE)[:, 0]
-        return self.law.uniform.stresses(np.einsum("pkt,etr->epkr", taken, mean))
+        return self.law.stresses(strains_at(strains, MIDDLE)[:, 0], taken)
 
     def energy(self, geometry: ElementGeometry, v: np.ndarray) -> float:
         """Strain energy of the whole grid [N mm], H0 excluded."""

@@ -9,18 +9,18 @@ The other modes (:mod:`formulations.element.wall_modes`) vanish with the square 
 the law at rest, as of stresses that have no other components on that mode: E33 does not vary against strains that
 cannot vary with it, and nearly incompressible walls do not lock. A law thus costs a quarter of its points.
 
-Where a law is not linear, such strains count by the thickness that is left: with e of E33 on 00 of the same surface,
-E33 / (1 + 2e) and 2E_a3 / sqrt(1 + 2e), in the energy. S33 of a wall that thins grows with 1 / (1 + 2e), and would let
-directors alternate from node to node: a rubber sphere at twice its radius, 2 x 2 elements, had eight negative
-eigenvalues, none of which is one of the wall.
+Where a law is not linear, such strains count by the lengths that are left, in the energy: with C = 1 + 2E of E11, E22
+and E33 on 00 of the same surface, E33 / C33 and 2E_a3 sqrt((C33 + 1/C33) / (2 C_aa)). The stiffness of a law against
+2E_a3 is (S_aa - S_33)/(C_aa - C_33), of a neo-Hookean wall mu/C_aa, and 1/C33 of the pressure on it more; with mu alone
+a ring crushed to a stretch of 0.79 had 28 negative eigenvalues, and a sphere blown up to twice its radius eight, none
+of which is one of the wall.
 
 No measure, no displacement and no load may enter here.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -28,10 +28,11 @@ import numpy as np
 from formulations.element.modal import ALL, Stiffness
 from formulations.element.wall_modes import E33, FACTORS, N_OF_SURFACE, N_ROWS, ROWS
 from formulations.operations import product, spend
-from formulations.section.laws import LAWS, LINEAR, Law
-from formulations.section.sampling import IN_VOIGT, Sampling
+from formulations.section.laws import LAWS, LINEAR, Divided, Law
+from formulations.section.sampling import IN_VOIGT, Points, Sampling, lagrange
 
-BY_THICKNESS = np.array([0, 0, 0, 1, 1, 2])  # a of strains that count by (1 + 2e)^(-a/2)
+DIRECT, SHEARS = np.array([0, 1, E33]), (3, 4)
+REST = [list(rows) for rows in ROWS[1:]]  # of the modes but 00
 
 
 class PointsThrough(Protocol):
@@ -50,14 +51,13 @@ class PointsThrough(Protocol):
     def energy(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """(e,) [N/mm]."""
 
-    def stresses(self, strains: np.ndarray) -> np.ndarray:
-        """S (e, plies, ..., 6) [MPa] of strains (e, plies, ..., 6), E11, E22, 2E12, 2E13, 2E23, E33, in the plies."""
-
 
 @dataclass(frozen=True, eq=False)
 class WallLaw:
     """uniform: the law on the mode 00; linear: stiffness (n, n) of each other mode."""
 
+    sampling: Sampling
+    laws: tuple[Law, ...]
     uniform: PointsThrough
     linear: tuple[np.ndarray, ...]
 
@@ -67,12 +67,28 @@ class WallLaw:
 
         Raises ValueError for another name, and where a ply has no such law.
         """
-        if name == LINEAR:
-            return cls(LinearLaw.of(sampling, growth), _linear_modes(sampling))
         if name not in LAWS:
             raise ValueError(f"law {name!r} is not one of {', '.join(LAWS)}")
-        laws = tuple(LAWS[name](ply) for ply in sampling.laminate.plies)
-        return ThinningLaw(PointLaw(sampling, laws, growth), _linear_modes(sampling))
+        laws, linear = tuple(LAWS[name](ply) for ply in sampling.laminate.plies), _linear_modes(sampling)
+        if name == LINEAR:
+            return cls(sampling, laws, LinearLaw.of(sampling, growth), linear)
+        return ThinningLaw(sampling, laws, PointLaw.of(sampling, laws, growth), linear)
+
+    def stresses(self, strains: np.ndarray, taken: np.ndarray) -> np.ndarray:
+        """S (e, plies, k, 6) [MPa] of strains (e, T, 6), E11, E22, 2E12, 2E13, 2E23, E33, of the surfaces.
+
+        taken (plies, k, T): the places, see :meth:`Sampling.taken`. What volume costs is a polynomial through its own
+        points: elsewhere its strain is not met.
+        """
+        found = np.empty((len(strains), *taken.shape[:2], N_ROWS))
+        for ply, (law, to_places) in enumerate(zip(self.laws, taken, strict=True)):
+            shape, *volume = _divided(law)
+            found[:, ply] = _stresses(shape, np.matmul(to_places, strains))
+            for part in volume:
+                points = self.sampling.of_volume.of_ply(ply)
+                onwards, _ = lagrange(points.d, to_places @ self.sampling.strained)
+                found[:, ply] += np.matmul(onwards, _stresses(part, np.matmul(points.value, strains)))
+        return found
 
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """H (e, 15 T) [N/mm] of E (e, 15 T)."""
@@ -97,7 +113,7 @@ class WallLaw:
 
 @dataclass(frozen=True, eq=False)
 class ThinningLaw(WallLaw):
-    """Strains of the modes but 00 count by the thickness that is left."""
+    """Strains of the modes but 00 count by the lengths that are left."""
 
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """H (e, 15 T) [N/mm] of E (e, 15 T)."""
@@ -117,53 +133,62 @@ class ThinningLaw(WallLaw):
 
 @dataclass(frozen=True, eq=False)
 class Counted:
-    """x = s E with s = (1 + 2e)^(-a/2) on the modes but 00; e is E33 on 00 of the same surface.
+    """x = s E on the modes but 00; c (3 T,) are E11, E22 and E33 on 00, of every surface.
 
-    strains (e, 15 T): E on 00, x on the rest.  scale (e, 9 T, 1): s.  slope, bend (e, 9 T, 1): -dx/de and d2x/de2.
-    turn (e, 9 T, 1): -ds/de.  onto (T, 9 T): 1 where a row is of a surface.
+    strains (e, 15 T): E on 00, x on the rest.  scale, rest (e, 9 T, 1): s and x.  slope, bend (e, 9 T, 3 T): the first
+    and second derivatives of ln s, which is a sum of functions of one c each.
     """
 
     strains: np.ndarray
     scale: np.ndarray
+    rest: np.ndarray
     slope: np.ndarray
-    turn: np.ndarray
     bend: np.ndarray
-    onto: np.ndarray
 
     @classmethod
     def of(cls, strains: np.ndarray) -> Counted:
-        """Of E (e, 15 T); NaN where nothing of the thickness is left."""
-        T = strains.shape[1] // N_OF_SURFACE
-        a = np.concatenate([np.tile(BY_THICKNESS[list(rows)], T) for rows in ROWS[1:]])
-        onto = np.hstack([np.repeat(np.eye(T), len(rows), axis=1) for rows in ROWS[1:]])
-        e = strains[:, E33 : N_ROWS * T : N_ROWS]
-        thin = (1.0 / (1.0 + 2.0 * np.where(e > -0.5, e, np.nan))) @ onto
-        counted, scale = strains.copy(), thin ** (a / 2)
-        counted[:, N_ROWS * T :] *= scale
-        slope, turn = a * thin * counted[:, N_ROWS * T :], a * thin * scale
-        bend = (a + 2) * thin * slope
-        return cls(counted, scale[..., None], slope[..., None], turn[..., None], bend[..., None], onto)
+        """Of E (e, 15 T); NaN where nothing is left of a length."""
+        n, T = len(strains), strains.shape[1] // N_OF_SURFACE
+        c = strains[:, : N_ROWS * T].reshape(n, T, N_ROWS)[..., DIRECT]
+        of_surfaces = _logarithm_of_shares(1.0 + 2.0 * np.where(c > -0.5, c, np.nan))
+        by_row = [
+            np.concatenate([each[:, :, rows].reshape(n, T * len(rows), -1) for rows in REST], axis=1)
+            for each in of_surfaces
+        ]
+        onto = np.vstack([np.repeat(np.eye(T), len(rows), axis=0) for rows in REST])[..., None]
+        slope, bend = ((onto * each[:, :, None]).reshape(n, len(onto), -1) for each in by_row[1:])
+        scale, counted = np.exp(by_row[0]), strains.copy()
+        counted[:, N_ROWS * T :] *= scale[..., 0]
+        return cls(counted, scale, counted[:, N_ROWS * T :, None], slope, bend)
 
-    def split(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Views of (e, 15 T, j): on 00, E33 among them, and on the rest."""
-        n = N_ROWS * len(self.onto)
-        return rows[:, :n], rows[:, E33:n:N_ROWS], rows[:, n:]
+    def split(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of (e, 15 T, j), a copy of c (e, 3 T, j) and a view of what is not on 00."""
+        n = rows.shape[1] // N_OF_SURFACE * N_ROWS
+        return rows[:, self._places(n)], rows[:, n:]
 
     def ahead(self, change: np.ndarray) -> np.ndarray:
         """Change of E on 00 and x (e, 15 T, j) with that of E."""
         found = change.copy()
-        _, e, rest = self.split(found)
+        c, rest = self.split(found)
         rest *= self.scale
-        rest -= self.slope * np.matmul(self.onto.T, e)
+        rest += self.rest * np.matmul(self.slope, c)
         return found
 
     def back(self, resultants: np.ndarray) -> np.ndarray:
         """dW/dE (e, 15 T, j) of those by E on 00 and x: the transpose."""
         found = resultants.copy()
-        _, e, rest = self.split(found)
-        e -= np.matmul(self.onto, self.slope * rest)
+        _, rest = self.split(found)
+        self.add(found, np.matmul(self.slope.swapaxes(1, 2), self.rest * rest))
         rest *= self.scale
         return found
+
+    def add(self, rows: np.ndarray, of_c: np.ndarray) -> None:
+        """Add what is of c (e, 3 T, j) to (e, 15 T, j)."""
+        rows[:, self._places(rows.shape[1] // N_OF_SURFACE * N_ROWS)] += of_c
+
+    @staticmethod
+    def _places(n: int) -> np.ndarray:
+        return (np.arange(0, n, N_ROWS)[:, None] + DIRECT).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,19 +201,48 @@ class CountedStiffness(Stiffness):
     def times(self, strains: np.ndarray) -> np.ndarray:
         """(e, 15 T, j) of (e, 15 T, j)."""
         counted = self.counted
-        found = counted.back(super().times(counted.ahead(strains)))
-        _, e, rest = counted.split(strains)
-        _, found_e, found_rest = counted.split(found)
-        _, _, G = counted.split(self.resultants)
-        by_surface, turned = np.matmul(counted.onto.T, e), G * counted.turn
-        found_rest -= turned * by_surface
-        found_e += np.matmul(counted.onto, G * counted.bend * by_surface - turned * rest)
+        ahead = counted.ahead(strains)
+        found = counted.back(super().times(ahead))
+        (c, _), (_, x), (_, rest), (_, G) = map(counted.split, (strains, ahead, found, self.resultants))
+        rest += G * counted.scale * np.matmul(counted.slope, c)
+        curved = np.matmul(counted.bend.swapaxes(1, 2), G * counted.rest)
+        counted.add(found, np.matmul(counted.slope.swapaxes(1, 2), G * x) + curved * c)
         return found
+
+
+def _logarithm_of_shares(C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """ln s (e, T, 6, 1) of the strains of a surface, and both its derivatives (e, T, 6, 3) by E11, E22, E33.
+
+    C (e, T, 3): 1 + 2E of these.
+    """
+    value, slope, bend = (np.zeros((*C.shape[:2], N_ROWS, k)) for k in (1, 3, 3))
+    of_normal = C[..., 2]
+    square = of_normal**2
+    value[..., E33, 0] = -np.log(of_normal)
+    slope[..., E33, 2], bend[..., E33, 2] = -2 / of_normal, 4 / square
+    for a, row in enumerate(SHEARS):
+        value[..., row, 0] = 0.5 * np.log(0.5 * (of_normal + 1 / of_normal) / C[..., a])
+        slope[..., row, a], bend[..., row, a] = -1 / C[..., a], 2 / C[..., a] ** 2
+        slope[..., row, 2] = (square - 1) / (of_normal * (square + 1))
+        bend[..., row, 2] = 2 * (1 + 4 * square - square**2) / (of_normal * (square + 1)) ** 2
+    return value, slope, bend
+
+
+def _divided(law: Law) -> tuple[Law, ...]:
+    """What shape costs and what volume does, or the law as it is."""
+    return law.divided() if isinstance(law, Divided) else (law,)
+
+
+def _stresses(law: Law, strains: np.ndarray) -> np.ndarray:
+    """S (..., 6) of E (..., 6), both in the order of the strains of a surface."""
+    E = np.empty_like(strains)
+    E[..., IN_VOIGT] = strains
+    return law.response(E)[0][..., IN_VOIGT]
 
 
 def _linear_modes(sampling: Sampling) -> tuple[np.ndarray, ...]:
     """D of the modes but 00, weighted: what is not of a mode is left free there, (C^-1 on its rows)^-1."""
-    T, moments, blocks = len(sampling.strained), sampling.moments[0], []
+    T, moments, blocks = len(sampling.strained), sampling.points.moments(sampling.stiffness)[0], []
     for rows, factor in zip(ROWS[1:], FACTORS[1:], strict=True):
         free = [row for row in range(N_ROWS) if row not in rows]
         pairs = ((rows, rows), (free, rows), (free, free))
@@ -201,7 +255,6 @@ def _linear_modes(sampling: Sampling) -> tuple[np.ndarray, ...]:
 class LinearLaw:
     """S = b E.  moments (3, 6 T, 6 T): by 1, d and d^2.  growth (1 or E, 3): of volumes by these."""
 
-    sampling: Sampling
     moments: np.ndarray
     growth: np.ndarray
     linear: ClassVar[bool] = True
@@ -211,7 +264,7 @@ class LinearLaw:
         """In every ply its own stiffness."""
         alike = np.allclose(growth, growth[0], rtol=1e-13, atol=0)
         n = N_ROWS * len(sampling.strained)
-        return cls(sampling, sampling.moments.reshape(3, n, n), growth[:1] if alike else growth)
+        return cls(sampling.moments.reshape(3, n, n), growth[:1] if alike else growth)
 
     def resultants(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """D E."""
@@ -226,19 +279,29 @@ class LinearLaw:
         """1/2 E.D E."""
         return np.asarray(0.5 * np.sum(strains * self.resultants(strains, part), axis=-1))
 
-    def stresses(self, strains: np.ndarray) -> np.ndarray:
-        """b E."""
-        return np.asarray(np.einsum("pij,ep...j->ep...i", self.sampling.stiffness, strains))
-
 
 @dataclass(frozen=True, eq=False)
 class PointLaw:
-    """Any law of each ply, at the points through the wall.  growth (E, 3): of volumes by 1, d and d^2."""
+    """Any law of each ply, at points through the wall; what volume costs has its own, where the law can be divided.
 
-    sampling: Sampling
-    laws: tuple[Law, ...]
+    parts: laws and the points at which they are met.  growth (E, 3): of volumes by 1, d and d^2.
+    """
+
+    parts: tuple[tuple[Law, slice], ...]
+    points: Points
     growth: np.ndarray
     linear: ClassVar[bool] = False
+
+    @classmethod
+    def of(cls, sampling: Sampling, laws: tuple[Law, ...], growth: np.ndarray) -> PointLaw:
+        """Point by point, ply by ply."""
+        places, parts, end = [], [], 0
+        for ply, law in enumerate(laws):
+            for part, points in zip(_divided(law), (sampling.points, sampling.of_volume), strict=False):
+                places.append(points.of_ply(ply))
+                parts.append((part, slice(end, end := end + len(places[-1].d))))
+        joined = (np.concatenate([getattr(each, f.name) for each in places]) for f in fields(Points))
+        return cls(tuple(parts), Points(*joined), growth)
 
     def resultants(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """Of the stresses."""
@@ -247,7 +310,7 @@ class PointLaw:
     def response(self, strains: np.ndarray, part: slice) -> tuple[np.ndarray, np.ndarray]:
         """Of the stresses and of dS/dE."""
         S, C = self._at_points(strains, part, tangent=True)
-        value, T = self.sampling.value, len(self.sampling.strained)
+        value, T = self.points.value, self.points.value.shape[1]
         pairs = np.einsum("kt,ks->tsk", value, value).reshape(T * T, -1)
         spend(len(S) * product(*pairs.shape, N_ROWS**2))
         sums = np.matmul(pairs, C.reshape(len(S), -1, N_ROWS**2)).reshape(len(S), T, T, N_ROWS, N_ROWS)
@@ -256,36 +319,23 @@ class PointLaw:
     def energy(self, strains: np.ndarray, part: slice) -> np.ndarray:
         """Sum of W."""
         E, weights = self._strains(strains), self._weights(part)
-        parts = (np.sum(law.energy(E[:, own]) * weights[:, own], axis=1) for law, own in self._plies)
-        return np.asarray(sum(parts))
-
-    def stresses(self, strains: np.ndarray) -> np.ndarray:
-        """Of the strains there."""
-        E = np.empty_like(strains)
-        E[..., IN_VOIGT] = strains
-        S = [law.response(E[:, ply])[0][..., IN_VOIGT] for ply, law in enumerate(self.laws)]
-        return np.stack(S, axis=1)
-
-    @cached_property
-    def _plies(self) -> list[tuple[Law, np.ndarray]]:
-        """The law of each ply and its points."""
-        return [(law, np.flatnonzero(self.sampling.ply == k)) for k, law in enumerate(self.laws)]
+        return np.asarray(sum(np.sum(law.energy(E[:, own]) * weights[:, own], axis=1) for law, own in self.parts))
 
     def _weights(self, part: slice) -> np.ndarray:
         """(e, K) [mm]."""
-        return np.asarray(self.growth[part] @ (self.sampling.weights * self.sampling.points ** np.arange(3)[:, None]))
+        return np.asarray(self.growth[part] @ (self.points.weights * self.points.d ** np.arange(3)[:, None]))
 
     def _strains(self, strains: np.ndarray) -> np.ndarray:
         """E (e, K, 6) in the order of a ply's stiffness."""
-        found = np.empty((len(strains), len(self.sampling.points), N_ROWS))
-        found[..., IN_VOIGT] = np.matmul(self.sampling.value, strains.reshape(len(strains), -1, N_ROWS))
+        found = np.empty((len(strains), len(self.points.d), N_ROWS))
+        found[..., IN_VOIGT] = np.matmul(self.points.value, strains.reshape(len(strains), -1, N_ROWS))
         return found
 
     def _at_points(self, strains: np.ndarray, part: slice, *, tangent: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """Weighted S (e, K, 6) and dS/dE (e, K, 6, 6), the latter empty unless wanted."""
         E, weights = self._strains(strains), self._weights(part)[..., None]
         S, C = np.empty_like(E), np.empty((*E.shape, N_ROWS) if tangent else 0)
-        for law, own in self._plies:
+        for law, own in self.parts:
             stress, slope = law.response(E[:, own])
             S[:, own] = weights[:, own] * stress[..., IN_VOIGT]
             if tangent:
@@ -294,4 +344,4 @@ class PointLaw:
 
     def _work(self, S: np.ndarray) -> np.ndarray:
         """H (e, 6 T) of weighted S (e, K, 6)."""
-        return np.matmul(self.sampling.value.T, S).reshape(len(S), -1)
+        return np.matmul(self.points.value.T, S).reshape(len(S), -1)

@@ -9,7 +9,8 @@ All have the same tangent at E = 0, so they differ by the order of the strain it
 S_11 = E_0 (E_11 - k E_11^2 + ...) with Young's modulus E_0 and k = 0 (St. Venant-Kirchhoff), 3 (Hencky) and
 2 + nu (1 + 2 nu^2)/(1 + nu) (neo-Hooke). Nothing is a difference of numbers far larger than itself: energy and stress
 keep their digits down to strains of 1e-12 and below. A law of one's own is a class with the three methods of
-:class:`Law` and a line in :data:`LAWS`, from a file given with ``--use`` as well.
+:class:`Law` and a line in :data:`LAWS`, from a file given with ``--use`` as well; with a fourth, of :class:`Divided`,
+a wall that hardly changes its volume does not lock.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, Self
+from typing import ClassVar, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -48,6 +49,14 @@ class Law(Protocol):
         """S (..., 6) = dW/dE [MPa] at E (..., 6), and dS/dE (6, 6) or (..., 6, 6), symmetric."""
 
 
+@runtime_checkable
+class Divided(Law, Protocol):
+    """A law that knows what volume costs apart from what shape does."""
+
+    def divided(self) -> tuple[Law, Law]:
+        """Two laws whose sum it is; the second has what grows without bound as nu goes to 1/2."""
+
+
 @dataclass(frozen=True, eq=False)
 class StVenantKirchhoff:
     """W = 1/2 E.B E, S = B E with any stiffness B (6, 6) [MPa]: linear, whatever the angle and the kind of the ply.
@@ -56,11 +65,17 @@ class StVenantKirchhoff:
     """
 
     B: np.ndarray
+    bulk: np.ndarray
 
     @classmethod
     def of(cls, ply: Ply) -> StVenantKirchhoff:
-        """The ply's own stiffness in the shell axes."""
-        return cls(ply.stiffness())
+        """The ply's own stiffness in the shell axes; of an isotropic one, lam of the normal strains apart."""
+        return cls(ply.stiffness(), bulk_stiffness(ply))
+
+    def divided(self) -> tuple[Law, Law]:
+        """B less the part of lam, and that."""
+        none = np.zeros_like(self.B)
+        return StVenantKirchhoff(self.B - self.bulk, none), StVenantKirchhoff(self.bulk, none)
 
     def energy(self, strain: np.ndarray) -> np.ndarray:
         """1/2 E.B E."""
@@ -125,6 +140,10 @@ class Hencky(Principal):
         """Of an isotropic ply."""
         return cls(*lame_constants(ply))
 
+    def divided(self) -> tuple[Law, Law]:
+        """The parts of mu and of lam."""
+        return Hencky(0.0, self.mu), Hencky(self.lam, 0.0)
+
     def stored(self, h: np.ndarray) -> np.ndarray:
         """Quadratic."""
         return np.asarray(0.5 * self.lam * h.sum(axis=-1) ** 2 + self.mu * np.sum(h * h, axis=-1))
@@ -168,6 +187,10 @@ class Ogden(Principal):
         """c_1 (I_1 - 3) + c_2 (I_2 - 3) of the invariants without the change of volume, c_2 = c_1/4."""
         return cls.scaled(ply, cls.MOONEY)
 
+    def divided(self) -> tuple[Law, Law]:
+        """The terms, and the part of K."""
+        return Ogden(self.terms, 0.0), Ogden((), self.bulk)
+
     def stored(self, h: np.ndarray) -> np.ndarray:
         """Sums of exp(x) - 1 - x, for the g_a add up to nothing."""
         volume = h.sum(axis=-1)
@@ -208,6 +231,10 @@ class NeoHooke:
     def of(cls, ply: Ply) -> NeoHooke:
         """Of an isotropic ply."""
         return cls(*lame_constants(ply))
+
+    def divided(self) -> tuple[Law, Law]:
+        """The parts of mu and of lam."""
+        return NeoHooke(0.0, self.mu), NeoHooke(self.lam, 0.0)
 
     def energy(self, strain: np.ndarray) -> np.ndarray:
         """By the principal stretches."""
@@ -255,6 +282,15 @@ def lame_constants(ply: Ply) -> tuple[float, float]:
     if np.max(np.abs(B - isotropic)) > _ALIKE * np.max(np.abs(B)):
         raise ValueError("this law is isotropic: the ply must be, too")
     return lam, mu
+
+
+def bulk_stiffness(ply: Ply) -> np.ndarray:
+    """lam of the normal strains (6, 6) [MPa] of an isotropic ply; 0 of any other, which no one constant makes stiff."""
+    try:
+        lam, _ = lame_constants(ply)
+    except ValueError:
+        lam = 0.0
+    return lam * np.outer(_I == _J, _I == _J)
 
 
 def _stretches(strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -3,7 +3,11 @@
 Displacements are polynomials L^I(d) through the wall, or through each ply, of those of the surfaces I; strains are
 polynomials of those taken on the same surfaces, on both sides of one that two plies share, where the slope of the
 displacements jumps. Both faces are among the surfaces; those inside lie at Chebyshev points, which keep polynomials
-of any order well conditioned. No surface geometry and no element may enter here.
+of any order well conditioned.
+
+What the change of volume costs an isotropic ply is met at one point fewer. E33 is the slope of a polynomial of degree
+n - 1, so that n surfaces have n - 1 ways to let a wall keep its volume, whatever its other strains are: asked for at n
+points it would lock, and no pressure balance it. No surface geometry and no element may enter here.
 Source: sampling surfaces, Kulikov, Plotnikova, ZAMM 92 (2012) 910-920 (recalled).
 """
 
@@ -16,6 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from formulations.section.laminate import Laminate
+from formulations.section.laws import bulk_stiffness
 
 BETWEEN_FACES = "2"
 SURFACES = (BETWEEN_FACES, "3", "5", "7", "2/ply", "3/ply", "4/ply")
@@ -23,12 +28,34 @@ IN_VOIGT = (0, 1, 2, 4, 5, 3)  # E11, E22, 2E12, 2E13, 2E23, E33 among 11, 22, 1
 
 
 @dataclass(frozen=True, eq=False)
+class Points:
+    """Of integrals through the wall: at distances d (K,) [mm], with weights (K,) [mm].
+
+    ply (K,): of each.  value (K, T): the strain there from those taken.
+    """
+
+    d: np.ndarray
+    weights: np.ndarray
+    ply: np.ndarray
+    value: np.ndarray
+
+    def moments(self, stiffness: np.ndarray) -> np.ndarray:
+        """(3, T, 6, T, 6): sums of w d^m L^t L^t' b, m = 0, 1, 2, b (plies, 6, 6) the stiffness of their ply [N/mm]."""
+        weights = self.weights * self.d ** np.arange(3)[:, None]
+        return np.einsum("mk,kt,ks,kij->mtisj", weights, self.value, self.value, stiffness[self.ply], optimize=True)
+
+    def of_ply(self, ply: int) -> Points:
+        """Those inside one ply."""
+        own = self.ply == ply
+        return Points(self.d[own], self.weights[own], self.ply[own], self.value[own])
+
+
+@dataclass(frozen=True, eq=False)
 class Sampling:
     """at (S,): distances of the surfaces with unknown displacements from the reference surface [mm], inner face first.
 
     strained (T,): where strains are taken; on (T,): the surface that lies there; slope (T, S): dL^I/dd there [1/mm].
-    points, weights (K,) [mm]: for integrals through the wall, as many points a ply as surfaces, exact for the square of
-    a strain; ply (K,): of each; value (K, T): the strain at a point from those taken.
+    points: as many a ply as surfaces, exact for the square of a strain.  of_volume: one fewer a ply.
     """
 
     laminate: Laminate
@@ -36,10 +63,8 @@ class Sampling:
     strained: np.ndarray
     on: np.ndarray
     slope: np.ndarray
-    points: np.ndarray
-    weights: np.ndarray
-    ply: np.ndarray
-    value: np.ndarray
+    points: Points
+    of_volume: Points
 
     @classmethod
     def of(cls, laminate: Laminate, surfaces: str) -> Sampling:
@@ -57,17 +82,10 @@ class Sampling:
         slope = np.zeros((T, S))
         for b, d in enumerate(own):
             slope[n * b : n * (b + 1), (n - 1) * b : (n - 1) * (b + 1) + 1] = lagrange(d, d)[1]
-        unit, share = np.polynomial.legendre.leggauss(n)
-        points = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * unit for a, b in pairwise(ends)])
-        ply = np.repeat(np.arange(len(laminate.plies)), n)
-        value = np.zeros((len(points), T))
-        for b, d in enumerate(own):
-            inside = ply == b if each else slice(None)
-            value[inside, n * b : n * (b + 1)] = lagrange(d, points[inside])[0]
         at = np.empty(S)
         at[on] = np.concatenate(own)
-        weights = np.repeat(0.5 * np.diff(ends), n) * np.tile(share, len(laminate.plies))
-        return cls(laminate, at, np.concatenate(own), on, slope, points, weights, ply, value)
+        points, of_volume = (_points(ends, own, k) for k in (n, n - 1))
+        return cls(laminate, at, np.concatenate(own), on, slope, points, of_volume)
 
     @property
     def inside(self) -> tuple[float, ...]:
@@ -105,7 +123,7 @@ class Sampling:
     @cached_property
     def means(self) -> np.ndarray:
         """(T,) weights of the mean through the wall of what is taken on the surfaces."""
-        return np.asarray(self.weights @ self.value / self.laminate.thickness)
+        return np.asarray(self.points.weights @ self.points.value / self.laminate.thickness)
 
     @cached_property
     def to_faces(self) -> np.ndarray:
@@ -116,15 +134,13 @@ class Sampling:
     @cached_property
     def stiffness(self) -> np.ndarray:
         """b (plies, 6, 6) [MPa] of the plies, in the order E11, E22, 2E12, 2E13, 2E23, E33."""
-        return np.array([each.stiffness() for each in self.laminate.plies])[:, IN_VOIGT][:, :, IN_VOIGT]
+        return _in_order([each.stiffness() for each in self.laminate.plies])
 
     @cached_property
     def moments(self) -> np.ndarray:
-        """(3, T, 6, T, 6): sums over points of w d^m L^t L^t' b, m = 0, 1, 2, b the stiffness of their ply [N/mm]."""
-        weights = self.weights * self.points ** np.arange(3)[:, None]
-        return np.einsum(
-            "mk,kt,ks,kij->mtisj", weights, self.value, self.value, self.stiffness[self.ply], optimize=True
-        )
+        """(3, T, 6, T, 6) of the plies, with what volume costs at its own points; see :meth:`Points.moments`."""
+        of_volume = _in_order([bulk_stiffness(each) for each in self.laminate.plies])
+        return self.points.moments(self.stiffness - of_volume) + self.of_volume.moments(of_volume)
 
     def linear_stress(self, resultants: np.ndarray) -> np.ndarray:
         """Work (T, 6) of a stress that is linear through the wall on the strains taken, of its resultants (11,).
@@ -133,10 +149,28 @@ class Sampling:
         """
         h = self.laminate.thickness
         at_faces = np.linalg.solve(h / 6 * np.array([[2.0, 1.0], [1.0, 2.0]]), resultants[:10].reshape(5, 2).T)
-        outer = (self.points - self.laminate.d_minus) / h
+        outer = (self.points.d - self.laminate.d_minus) / h
         stress = np.stack([1 - outer, outer], axis=-1) @ at_faces
         stress = np.hstack([stress, np.full((len(outer), 1), resultants[10] / h)])
-        return np.asarray(self.value.T @ (self.weights[:, None] * stress))
+        return np.asarray(self.points.value.T @ (self.points.weights[:, None] * stress))
+
+
+def _points(ends: np.ndarray, blocks: list[np.ndarray], n: int) -> Points:
+    """n Gauss points in each ply, of strains taken on the surfaces of the blocks, the plies or the whole wall."""
+    unit, share = np.polynomial.legendre.leggauss(n)
+    d = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * unit for a, b in pairwise(ends)])
+    plies, each = len(ends) - 1, len(blocks[0])
+    ply = np.repeat(np.arange(plies), n)
+    value = np.zeros((len(d), each * len(blocks)))
+    for b, at in enumerate(blocks):
+        inside = ply == b if len(blocks) == plies else slice(None)
+        value[inside, each * b : each * (b + 1)] = lagrange(at, d[inside])[0]
+    return Points(d, np.repeat(0.5 * np.diff(ends), n) * np.tile(share, plies), ply, value)
+
+
+def _in_order(stiffness: list[np.ndarray]) -> np.ndarray:
+    """(plies, 6, 6) in the order E11, E22, 2E12, 2E13, 2E23, E33, of plies in Voigt's."""
+    return np.array(stiffness)[:, IN_VOIGT][:, :, IN_VOIGT]
 
 
 def _ends(laminate: Laminate) -> np.ndarray:

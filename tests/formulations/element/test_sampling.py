@@ -71,7 +71,8 @@ def test_polynomials_through_the_wall_are_met(surfaces, plies) -> None:
     assert sampling.slope @ field == pytest.approx(polynomial.deriv()(d), rel=1e-11, abs=1e-11)
     square = (polynomial**2).integ()
     exact = square(laminate.d_plus) - square(laminate.d_minus)
-    assert sampling.weights @ (sampling.value @ polynomial(d)) ** 2 == pytest.approx(exact, rel=1e-12)
+    points = sampling.points
+    assert points.weights @ (points.value @ polynomial(d)) ** 2 == pytest.approx(exact, rel=1e-12)
     for at in (-0.17, -0.1, 0.05, laminate.d_plus):
         if at <= laminate.d_plus:
             assert sampling.displaced(at) @ field == pytest.approx(polynomial(at), rel=1e-12)
@@ -120,7 +121,7 @@ def test_tangent_is_the_derivative_of_the_residual(rng, measure, surfaces) -> No
 @pytest.mark.parametrize("law", LAWS)
 def test_tangent_of_any_law_and_its_energy(rng, law) -> None:
     shell = shell_on("wavy", "3", laminate=RUBBER, law=law, newton="plain")
-    u, du = 0.003 * rng.normal(size=(2, shell.discretisation.n_free))
+    u, du = 0.02 * rng.normal(size=(2, shell.discretisation.n_free))
     assert difference_order(shell, u, du) >= 1.9
     steps = 0.01 * 2.0 ** -np.arange(5)
     work = shell.residual(u) @ du
@@ -131,7 +132,7 @@ def test_tangent_of_any_law_and_its_energy(rng, law) -> None:
 def test_the_linear_law_in_closed_form_is_that_at_points(rng) -> None:
     closed, points = shell_on("wavy", "3/ply"), shell_on("wavy", "3/ply")
     wall, element = points.discretisation.wall, points._element
-    at_points = PointLaw(wall.sampling, tuple(map(LAWS["svk"], SKEW_LAMINATE.plies)), wall.growth)
+    at_points = PointLaw.of(wall.sampling, tuple(map(LAWS["svk"], SKEW_LAMINATE.plies)), wall.growth)
     object.__setattr__(points, "_element", replace(element, law=replace(element.law, uniform=at_points)))
     u, du = 0.004 * rng.normal(size=(2, closed.discretisation.n_free))
     one, other = closed.linearise(u), points.linearise(u)

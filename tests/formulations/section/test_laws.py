@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS, VOIGT, Law, StVenantKirchhoff, lame_constants, tensor
+from formulations.section.laws import LAWS, VOIGT, Divided, Law, StVenantKirchhoff, lame_constants, tensor
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
 from support.problems.differences import central_difference, fitted_order, rotation
@@ -123,6 +123,20 @@ def test_tangent_is_the_slope_of_the_stress(rng, name, equal) -> None:
     assert abs(tangent_order(law, strain, rng.normal(size=6)) - 2) <= 0.02
     tangent = law.response(strain)[1]
     assert pytest.approx(tangent, abs=1e-12 * np.max(np.abs(tangent))) == tangent.T
+
+
+@every_law
+def test_a_law_is_the_sum_of_what_shape_and_volume_cost(rng, name) -> None:
+    """At rest what volume costs has one and the same entry for all normal strains."""
+    law, strain = LAWS[name](PLY), green(deformed(rng))
+    assert isinstance(law, Divided)
+    shape, volume = law.divided()
+    assert shape.energy(strain) + volume.energy(strain) == pytest.approx(law.energy(strain), rel=1e-12)
+    for one, other, whole in zip(*(each.response(strain) for each in (shape, volume, law)), strict=True):
+        assert np.abs(one + other - whole).max() <= 1e-12 * np.abs(whole).max()
+    at_rest, normal = volume.response(np.zeros(6))[1], np.array([1, 1, 0, 1, 0, 0.0])
+    assert np.abs(at_rest - at_rest[0, 0] * np.outer(normal, normal)).max() <= 1e-12 * LAM
+    assert at_rest[0, 0] >= LAM * (1 - 1e-12)
 
 
 def test_any_ply_has_its_own_linear_law(rng) -> None:

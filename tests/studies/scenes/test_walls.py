@@ -72,9 +72,10 @@ def test_wrapped_cylinder_is_lames() -> None:
 
 
 @pytest.mark.parametrize(("scene", "law"), list(itertools.product(("rubber-tube", "rubber-sphere"), TERMS)))
-@pytest.mark.parametrize("mesh", ["2x2", "4x4"])
-def test_thick_rubber_is_blown_up_to_a_stretch_of_two(scene, law, mesh) -> None:
-    result = solved(scene, mesh, law=law)
+@pytest.mark.parametrize(("mesh", "surfaces"), [("2x2", "3"), ("2x2", "5"), ("4x4", "3")])
+def test_thick_rubber_is_blown_up_to_a_stretch_of_two(scene, law, mesh, surfaces) -> None:
+    """nu = 0.4999: what volume costs leaves as many ways to keep it as a wall of n surfaces has, n - 1."""
+    result = solved(scene, mesh, law=law, surfaces=surfaces)
     inner, outer = RADIUS * (1 - THICK / 2), RADIUS * (1 + THICK / 2)
     for stretch, pressure in zip((1.25, 1.5, 2.0), read(result, "pressure_MPa"), strict=True):
         exact = inflation_pressure(TERMS[law], stretch, inner, outer, sphere=scene == "rubber-sphere")
@@ -90,6 +91,36 @@ def test_thin_rubber_takes_few_iterations_more_than_thick() -> None:
         exact = inflation_pressure(TERMS["neo-hooke"], 2.0, inner, outer, sphere=scene == "rubber-sphere")
         assert read(thin, "pressure_MPa")[-1] == pytest.approx(exact, rel=1e-3)
         assert thin.counters["newton_iterations"] <= thick.counters["newton_iterations"] + 2
+
+
+def test_a_solid_cylinder_or_ball_but_for_a_hole_is_blown_up() -> None:
+    """h/R = 1: the outer radius is three times the inner one."""
+    for scene in ("rubber-tube", "rubber-sphere"):
+        result = solved(scene, h_over_R=1, surfaces="5")
+        exact = inflation_pressure(TERMS["neo-hooke"], 2.0, 0.5 * RADIUS, 1.5 * RADIUS, sphere=scene == "rubber-sphere")
+        assert read(result, "pressure_MPa")[-1] == pytest.approx(exact, rel=3e-3)
+        assert all(step["stability"]["negative"] == 0 for step in result.steps)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.4999])
+def test_stresses_of_a_wall_that_keeps_its_volume_are_lames(nu) -> None:
+    """Radial ones at both faces and in the middle, and hoop ones: the pressure is not met where the strain is."""
+    scene, request = complete("rubber-tube", {"law": "svk", "nu": str(nu), "load_fraction": "1e-6", "surfaces": "5"})
+    result, shell = solve(scene, request), scene.build(request).shell.scaled(1e-6)
+    sampling, inner, outer = shell.discretisation.wall.sampling, RADIUS * (1 - THICK / 2), RADIUS * (1 + THICK / 2)
+    d = np.array([inner, RADIUS, outer]) - RADIUS
+    S = shell.wall_stresses(result.end.point.solution.u, sampling.taken(0, d)[None])[:, 0]
+    p, r = result.quantities["pressure_MPa"], RADIUS + d
+    radial, hoop = (p / ((outer / inner) ** 2 - 1) * (1 + sign * (outer / r) ** 2) for sign in (-1, 1))
+    assert np.abs(S[:, :, 5] - radial).max() <= 2e-3 * p
+    assert np.abs(S[:, :, 1] / hoop - 1).max() <= 2e-3
+
+
+def test_the_linear_law_leaves_nothing_of_a_wall_blown_up_further() -> None:
+    for scene, last in (("rubber-tube", 0.41), ("rubber-sphere", 0.22)):
+        assert solved(scene, law="svk", load_fraction=last, nu=0.499, h_over_R=0.03).quantities["thinning"] < 1
+        with pytest.raises(UsageError, match=r"law = svk: at load_fraction = 0.42 .* thinner than nothing"):
+            solved(scene, law="svk", load_fraction=0.42, nu=0.499)
 
 
 def test_the_field_of_rubber_is_that_of_the_load_reached(tmp_path) -> None:
@@ -164,10 +195,11 @@ def test_the_largest_pressure_of_a_membrane() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["svk", "hencky", "neo-hooke"])
 def test_crushed_ring_of_any_law_is_that_of_the_solid(law) -> None:
-    """The thick ring at its largest approach; both meshes are within 0.4 % of their limits."""
-    shell = solved("crushed-ring", surfaces="5", law=law).quantities["force_N"]
-    solid = solved("crushed-ring-solid", law=law, newton="plain").quantities["force_N"]
-    assert shell == pytest.approx(solid, rel=3e-3)
+    """The thick ring at its largest approach. Eight bricks through its wall are 0.1 % too stiff, four 0.7 %."""
+    shell = solved("crushed-ring", surfaces="5", law=law)
+    solid = solved("crushed-ring-solid", "1x24", law=law, newton="plain", per_ply=8).quantities["force_N"]
+    assert shell.quantities["force_N"] == pytest.approx(solid, rel=2e-3)
+    assert all(step["stability"]["negative"] == 0 for step in shell.steps)
 
 
 @pytest.mark.parametrize("surfaces", ["3", "5"])
