@@ -353,6 +353,14 @@ class ShellModel:
             self.couples.follower_force(self.discretisation.grid, v, external, of_faces)
         return resultants, external
 
+    def work_of_pressure(self, u: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Work W [N mm] of a follower pressure from rest to u, its force and dW/du (n,): see :meth:`Pressure.work`."""
+        assert self.pressure is not None
+        v = self._element_vectors(u)[:, :N_DOF]
+        work, force, gradient = self.pressure.work(self.discretisation.geometry, v)
+        shell = self._at(u)
+        return work, shell.gather(force), shell.gather(gradient)
+
     def _loads(self, external: np.ndarray | None) -> np.ndarray:
         return self._dead if external is None else _less(self._dead, -external)
 

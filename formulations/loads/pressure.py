@@ -14,7 +14,9 @@ from formulations.geometry.grid import Grid
 from formulations.strains.quantities import N_Q, QUANTITIES, displacement_index
 
 PRESSURE_AREAS = ("mid", "face")
-_L1, _W1, _T1, _L2, _W2, _T2 = (QUANTITIES.index(name + "-") for name in ("l1", "w1", "t1", "l2", "w2", "t2"))
+_SLOPES = ("l1", "w1", "t1", "l2", "w2", "t2")
+_OF_FACES = np.array([[QUANTITIES.index(name + face) for face in "-+"] for name in _SLOPES])
+SIMPSON = ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6))  # places on a way of length 1, the end last, and weights
 _INNER = np.array([[6 * r + displacement_index(i, 0) for i in range(3)] for r in range(4)])  # (node, component)
 
 
@@ -25,17 +27,28 @@ class Pressure:
     follower=False: the force keeps its reference components (dead); True: p n dA of the deformed inner face.
     area "mid" weights it with mubar (the paper's), "face" with the true area of the inner face; by default "face" for a
     follower, which is no p n dA of the inner face on another area, and "mid" for a dead load.
+    middle: a follower is p n dA of the deformed middle surface, one half on either face, as that of a membrane. On the
+    inner face alone it presses on the wall. Where that is very thin against the elements, -p/2 across it is more than
+    bending has to hold directors that turn to and fro from node to node, which meet no shear.
     """
 
     value: float
     follower: bool = False
     area: str = ""
+    middle: bool = False
 
     def __post_init__(self) -> None:
+        if self.middle and not (self.follower and self.area in ("", "mid")):
+            raise ValueError("pressure on the middle surface is that of a follower, on its own area")
         if not self.area:
-            object.__setattr__(self, "area", "face" if self.follower else "mid")
+            object.__setattr__(self, "area", "face" if self.follower and not self.middle else "mid")
         if self.area not in PRESSURE_AREAS:
             raise ValueError(f"pressure area {self.area!r} is not one of {', '.join(PRESSURE_AREAS)}")
+
+    @property
+    def faces(self) -> tuple[int, ...]:
+        """Those that a follower acts on: the inner one, or both alike."""
+        return (0, 1) if self.middle else (0,)
 
     def scaled(self, factor: float) -> Pressure:
         """The same pressure times ``factor``."""
@@ -59,7 +72,7 @@ class Pressure:
     def follower_force(
         self, geometry: ElementGeometry, v: np.ndarray, force: np.ndarray, tangent: np.ndarray | None = None
     ) -> None:
-        """Add p n dA of the deformed inner face to ``force`` (E, 24), take its derivative off ``tangent`` (E, 24, 24).
+        """Add p n dA of the deformed surface to ``force`` (E, 24), take its derivative off ``tangent`` (E, 24, 24).
 
         With g1 = (1 + l1, w1, -t1), g2 = (w2, 1 + l2, -t2) the area vector is their component cross product times the
         reference area, whatever the handedness of (e1, e2, e3).
@@ -70,8 +83,8 @@ class Pressure:
             q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
             if geometry.offset is not None:
                 q += geometry.offset[part]
-            normal, slope = _area_vector(q)
-            spread = _inner_displacement(geometry.value if len(geometry.value) == 1 else geometry.value[part])
+            normal, slope = _area_vector(q, self.faces)
+            spread = _displacement(geometry.value if len(geometry.value) == 1 else geometry.value[part], self.faces)
             if weight.shape[1] > 1:  # else once, below
                 normal, slope, weight = normal * weight[..., None], slope * weight[..., None, None], np.ones((1, 1))
             force[part] += weight * np.matmul(normal.reshape(-1, 1, 3 * N_GAUSS), spread)[:, 0]
@@ -80,23 +93,39 @@ class Pressure:
             turning = np.matmul(slope, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, 3 * N_GAUSS, N_DOF)
             tangent[part] -= np.matmul(spread.swapaxes(1, 2), turning) * weight[..., None]
 
+    def work(self, geometry: ElementGeometry, v: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+        """Work W [N mm] of a follower on the straight way from rest to v (E, 24), its force F and dW/dv (E, 24) there.
 
-def _inner_displacement(value: np.ndarray) -> np.ndarray:
-    """Displacement of the inner face at the Gauss points from the element vector, (e, 12, 24)."""
+        W = int_0^1 F(s v).v ds is p times the volume that the face sweeps. F is quadratic in v, so Simpson's rule is
+        exact. Where the edges of the surface sweep nothing, the sums of dW/dv over the elements are those of F.
+        """
+        mean, slope = np.zeros_like(v), np.zeros((len(v), N_DOF, N_DOF))
+        for at, weight in SIMPSON:
+            force, turned = np.zeros_like(v), np.zeros_like(slope)
+            self.follower_force(geometry, at * v, force, turned)
+            mean += weight * force
+            slope -= weight * at * turned
+        return float(np.sum(mean * v)), force, mean + np.einsum("eij,ei->ej", slope, v)
+
+
+def _displacement(value: np.ndarray, faces: tuple[int, ...]) -> np.ndarray:
+    """Mean displacement of the faces at the Gauss points from the element vector, (e, 12, 24)."""
     spread = np.zeros((len(value), N_GAUSS, 3, N_DOF))
-    spread[..., _INNER] = value.swapaxes(2, 3)  # (e, g, i, node, component)
+    for face in faces:
+        spread[..., _INNER + face] = value.swapaxes(2, 3) / len(faces)  # (e, g, i, node, component)
     return spread.reshape(len(value), 3 * N_GAUSS, N_DOF)
 
 
-def _area_vector(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Area vector (..., 3) of the deformed inner face per reference area, and its derivative by q (..., 3, 15)."""
-    l1, w1, t1, l2, w2, t2 = (q[..., i] for i in (_L1, _W1, _T1, _L2, _W2, _T2))
+def _area_vector(q: np.ndarray, faces: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Area vector (..., 3) of the deformed mean of the faces per reference area, its derivative by q (..., 3, 15)."""
+    l1, w1, t1, l2, w2, t2 = (q[..., of].mean(axis=-1) for of in _OF_FACES[:, faces])
     normal = np.stack([t1 * (1 + l2) - w1 * t2, t2 * (1 + l1) - t1 * w2, (1 + l1) * (1 + l2) - w1 * w2], axis=-1)
     slope = np.zeros((*q.shape[:-1], 3, N_Q))
-    slope[..., 0, _T1], slope[..., 0, _L2], slope[..., 0, _W1], slope[..., 0, _T2] = 1 + l2, t1, -t2, -w1
-    slope[..., 1, _T2], slope[..., 1, _L1], slope[..., 1, _T1], slope[..., 1, _W2] = 1 + l1, t2, -w2, -t1
-    slope[..., 2, _L1], slope[..., 2, _L2], slope[..., 2, _W1], slope[..., 2, _W2] = 1 + l2, 1 + l1, -w2, -w1
-    return normal, slope
+    for L1, W1, T1, L2, W2, T2 in _OF_FACES[:, faces].T:
+        slope[..., 0, T1], slope[..., 0, L2], slope[..., 0, W1], slope[..., 0, T2] = 1 + l2, t1, -t2, -w1
+        slope[..., 1, T2], slope[..., 1, L1], slope[..., 1, T1], slope[..., 1, W2] = 1 + l1, t2, -w2, -t1
+        slope[..., 2, L1], slope[..., 2, L2], slope[..., 2, W1], slope[..., 2, W2] = 1 + l2, 1 + l1, -w2, -w1
+    return normal, slope / len(faces)
 
 
 @dataclass(frozen=True, eq=False)

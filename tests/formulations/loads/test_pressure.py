@@ -202,3 +202,68 @@ def test_thick_walls_against_lame(shape, offset, section, area, order) -> None:
         thinning = np.max(np.abs((w[:, 1] - w[:, 0]) / (exact[1] - exact[0]) - 1))
         errors.append(max(faces, thinning))
     assert order[0] <= fitted_order(ratios, errors) <= order[1]
+
+
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+def test_work_of_a_follower_has_its_gradient_where_edges_are_open(patch, interpolation, rng) -> None:
+    """Central differences at two steps: dW/du is what they say, and the force is not, for the edges sweep volume, too.
+
+    W is of the third degree, so the difference is off by the square of the step alone.
+    """
+    grid = patch.grid(2, 2)
+    shell = make_shell(patch.surface, grid, interpolation=interpolation, pressure=Pressure(0.7, follower=True))
+    u, along = (0.1 * rng.normal(size=shell.discretisation.n_free) for _ in range(2))
+    _, force, gradient = shell.work_of_pressure(u)
+    np.testing.assert_allclose(force, shell.scaled(0.0).residual(u) - shell.residual(u), rtol=0, atol=1e-9)
+
+    def slope(step: float) -> float:
+        ends = [shell.work_of_pressure(u + sign * step * along)[0] for sign in (1, -1)]
+        return (ends[0] - ends[1]) / (2 * step)
+
+    extrapolated = (4 * slope(0.5) - slope(1.0)) / 3
+    assert gradient @ along == pytest.approx(extrapolated, rel=1e-9)
+    assert abs(force @ along - extrapolated) > 1e-4 * abs(extrapolated)
+
+
+def test_work_of_a_follower_is_the_volume_that_a_sphere_gains() -> None:
+    """A piece of a sphere that grows from r to s: p (s^3 - r^3)/3 times its solid angle, to the second order."""
+    patch, p, grown, errors, counts = PATCHES["sphere"], 0.7, 0.8, [], np.array([4, 8, 16])
+    (a, c), (b, e) = patch.low, patch.high
+    inner = 1.5 + SKEW_LAMINATE.d_minus
+    exact = p * ((inner + grown) ** 3 - inner**3) / 3 * (e - c) * (math.sin(b) - math.sin(a))
+    for n in counts:
+        shell = make_shell(patch.surface, patch.grid(n, n), pressure=Pressure(p, follower=True))
+        v = np.zeros((shell.discretisation.grid.n_nodes, 6))
+        v[:, 4:] = grown
+        errors.append(abs(shell.work_of_pressure(v.ravel())[0] / exact - 1))
+    assert SECOND_ORDER[0] <= fitted_order(1 / counts, errors) <= SECOND_ORDER[1]
+
+
+def test_pressure_on_a_homogeneously_deformed_middle_surface(rng) -> None:
+    """Nanson: p N_r dA times F e1 x F e2 of the middle, one half on either face."""
+    grid, p = PATCHES["plate"].grid(3, 2), -0.7
+    F = np.eye(3) + 0.5 * rng.normal(size=(3, 3))
+    u = nodal_components(Plate(), grid, SKEW_LAMINATE, lambda x: x @ (F - np.eye(3)).T)
+    force = pressure_forces(Plate(), grid, u, value=p, follower=True, middle=True)
+    dead = pressure_forces(Plate(), grid, value=p)
+    expected = dead[:, [4]] * np.cross(F[:, 0], F[:, 1]) / 2
+    for face in (0, 1):
+        np.testing.assert_allclose(force[:, face::2], expected, rtol=0, atol=10 * ROUNDING)
+
+
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+def test_tangent_of_a_pressed_middle_surface(patch, interpolation, rng) -> None:
+    """The force is quadratic in the displacements, so that central differences have no error but rounding."""
+    pressure = Pressure(0.7, follower=True, middle=True)
+    shell = make_shell(patch.surface, patch.grid(2, 2), interpolation=interpolation, pressure=pressure)
+    without = shell.scaled(0.0)
+    u, along = (0.1 * rng.normal(size=shell.discretisation.n_free) for _ in range(2))
+    ends = [without.residual(v) - shell.residual(v) for v in (u + along, u - along)]
+    tangent = without.linearise(u).tangent - shell.linearise(u).tangent
+    np.testing.assert_allclose(tangent @ along, (ends[0] - ends[1]) / 2, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("other", [{"follower": False}, {"follower": True, "area": "face"}])
+def test_only_a_follower_on_its_own_area_presses_the_middle_surface(other) -> None:
+    with pytest.raises(ValueError, match="pressure on the middle surface is that of a follower, on its own area"):
+        Pressure(1.0, middle=True, **other)
