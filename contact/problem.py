@@ -115,6 +115,9 @@ class ContactProblem:
     travel: on a path on which only the foundation moves, the problem in (u, t) with its parameter t for such an
     unknown, whose row is empty; the parameter is counted as on the path.
 
+    multipliers: how many unknowns, the last ones, are multipliers of conditions on the others: as many eigenvalues of a
+    tangent are negative that belong to no motion, see :mod:`contact.control`.
+
     standing: the foundation and the candidates in a frame in which it stands still; None where no straight way of a
     candidate leads through it, as through a plane.
 
@@ -140,6 +143,7 @@ class ContactProblem:
     element_modes: Callable[[np.ndarray], Overlooked] | None = None
     ordered: bool = False
     driven: int = 0
+    multipliers: int = 0
     travel: Callable[[], ContactProblem] | None = None
     standing: Standing | None = None
     guide: np.ndarray | None = None

@@ -112,6 +112,7 @@ def _down(
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     D = np.abs(K.diagonal())
     D[D == 0] = np.max(D, initial=0.0) or 1.0
+    D[len(D) - problem.multipliers :] = 0.0
     mu = first = 2 * abs(float(push @ (K @ push))) / float(push @ (D * push))
     at, last = replace(state, u=state.u + PUSH * size * push), PUSH * size
     for _ in range(STEPS):

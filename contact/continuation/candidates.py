@@ -100,7 +100,8 @@ def solve_within_reach(
     chosen = reached | start.active
     before: ContactSolution | None = None
     while True:
-        near = replace(problem.only(chosen), gap_size=problem.gap_size, ordered=problem.ordered, driven=problem.driven)
+        kept = {name: getattr(problem, name) for name in ("gap_size", "ordered", "driven", "multipliers")}
+        near = replace(problem.only(chosen), **kept)
         at = start if before is None else before
         rubbed = None if start.friction is None else start.friction.only(chosen)
         begin = replace(at, pressure=at.pressure[chosen], active=at.active[chosen], friction=rubbed)

@@ -215,9 +215,11 @@ def spectrum(
         A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
     factor = factorise(A, ordered=problem.ordered)
 
+    moves = np.arange(K.shape[0]) < K.shape[0] - problem.multipliers
+
     def comply(b: np.ndarray) -> np.ndarray:
-        x = solution(factor, b)
-        return x if pivots is None else pivots.resolve(x)[0]
+        x = solution(factor, b * moves)
+        return (x if pivots is None else pivots.resolve(x)[0]) * moves
 
     compliances, modes = _largest(comply, K.shape[0], symmetric=energetic, negative=negative)
     return Spectrum(1.0 / compliances, modes, _negative(problem, state.u, K, nodes, epsilon) if energetic else None)
@@ -273,7 +275,8 @@ def _largest(
 
 def _negative(problem: ContactProblem, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, epsilon: float) -> int:
     """Negative eigenvalues of the symmetric tangent on what the set leaves free."""
-    return negative_pivots(Held.on(problem, u, nodes, K, epsilon).matrix, ordered=problem.ordered)
+    M = Held.on(problem, u, nodes, K, epsilon).matrix
+    return negative_pivots(M, ordered=problem.ordered) - problem.multipliers
 
 
 def _cosines(v: np.ndarray, modes: np.ndarray) -> np.ndarray:

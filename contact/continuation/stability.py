@@ -111,7 +111,7 @@ def _counted(problem: ContactProblem, state: ContactSolution, K: sparse.csc_matr
     M = Held.on(problem, state.u, np.flatnonzero(state.active), K, epsilon).matrix
     conservative = symmetric(K)
     part = M if conservative else sparse.csc_matrix((M + M.T) / 2)
-    negative, unsigned, spent = _signs(part, ordered=problem.ordered)
+    negative, unsigned, spent = _signs(part, problem.multipliers, ordered=problem.ordered)
     return Stability(negative, unsigned, conservative, factorisations=spent)
 
 
@@ -188,16 +188,17 @@ def _stiffened(problem: ContactProblem, overlooked: Overlooked | None) -> Contac
     return replace(problem, linearise=linearise)
 
 
-def _signs(M: sparse.csc_matrix, *, ordered: bool) -> tuple[int, int, int]:
+def _signs(M: sparse.csc_matrix, multipliers: int, *, ordered: bool) -> tuple[int, int, int]:
     """Eigenvalues of a symmetric matrix below zero, those that rounding leaves without a sign, and factorisations.
 
     A shift of the diagonal by ROUNDING takes the latter from the former; nothing is shifted where all are positive.
+    Those of multipliers do not count.
     """
-    found = negative_pivots(M, ordered=ordered)
-    if found == 0:
+    found = negative_pivots(M, ordered=ordered) - multipliers
+    if found <= 0:
         return 0, 0, 1
     diagonal = np.abs(M.diagonal())
     diagonal[diagonal == 0] = np.max(diagonal, initial=0.0) or 1.0
     shift = sparse.csc_matrix(sparse.diags_array(ROUNDING * diagonal))
-    sure = negative_pivots(added(M, shift), ordered=ordered)
+    sure = negative_pivots(added(M, shift), ordered=ordered) - multipliers
     return min(sure, found), max(found - sure, 0), 2

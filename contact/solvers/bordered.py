@@ -57,6 +57,11 @@ class Bordered:
             return bool(np.max(np.abs(b - A @ x)) <= ENOUGH * size < np.inf)
 
     @property
+    def negative(self) -> int:
+        """Negative eigenvalues of A where it is symmetric (Haynsworth)."""
+        return self.factor.negative + (self.pivot < 0)
+
+    @property
     def nnz(self) -> int:
         """Entries of the factors."""
         return self.factor.nnz + 3 * len(self.row)

@@ -192,19 +192,21 @@ def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None, *, order
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 
     A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding
-    may hide is close to singular.
+    may hide is close to singular. Where it exchanges rows, as on the zero of a multiplier, fronts are asked.
     """
     if factor is None and ordered:
         with suppress(SingularMatrixError):
             factor = _multifrontal(A, ordered)
-    if isinstance(factor, Multifrontal):
+    if isinstance(factor, Multifrontal | Bordered):
         return factor.negative
     try:
         factor = superlu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except SingularMatrixError:
         return 1
-    if not np.array_equal(factor.perm_r, factor.perm_c):
-        return 1  # a zero on the diagonal has forced an exchange: indefinite or singular
+    if not np.array_equal(factor.perm_r, factor.perm_c):  # a zero on the diagonal has forced an exchange
+        with suppress(PivotError):
+            return max(1, Multifrontal.of_matrix(*analysed(A)).negative)
+        return 1
     return int(np.sum(factor.U.diagonal() <= 0))
 
 

@@ -199,6 +199,20 @@ def test_a_border_is_eliminated_by_itself() -> None:
     assert factor_flops(factor) < 0.7 * Multifrontal.of_matrix(*analysed(A)).flops
 
 
+@pytest.mark.parametrize("last", [0.0, 1e9])
+def test_negative_eigenvalues_within_a_border(last) -> None:
+    """Of a condition on the unknowns of a definite matrix one, of a stiff unknown beside them none, in any order."""
+    K = tangent(8, 8)
+    row = float(np.max(np.abs(K.data))) * np.random.default_rng(0).normal(size=K.shape[0])
+    A = bordered(K, np.append(row, last * float(row @ row)), row)
+    assert negative_pivots(A, ordered=True) == negative_pivots(A) == (last == 0)
+
+
+def test_negative_eigenvalues_where_rows_have_to_be_exchanged() -> None:
+    A = sparse.csc_matrix([[-1.5, -0.5, 0.0], [-0.5, 0.5, -1.0], [0.0, -1.0, 0.0]])
+    assert negative_pivots(A) == np.sum(np.linalg.eigvalsh(A.toarray()) < 0) == 2
+
+
 def test_a_border_that_holds_a_singular_matrix_is_eliminated_with_it() -> None:
     """As at a limit point: K has a motion without stiffness that only the border resists."""
     rng, K = np.random.default_rng(0), tangent(8, 8)
