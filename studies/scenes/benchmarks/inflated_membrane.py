@@ -1,34 +1,43 @@
-"""A flat circular membrane of rubber with a fixed edge, blown up to its largest pressure (Code_Aster SSNS115).
+"""A flat circular membrane of rubber with a fixed edge, blown up by a pressure or a volume (Code_Aster SSNS115).
 
-The wall is a thousandth of the radius; the pressure follows the inner face and has a limit point at a deflection of 1.3
+The wall is a thousandth of the radius; the pressure follows its middle and has a limit point at a deflection of 1.3
 radii and stretches of 2.4. Between two faces a law linear in Green's strain would have to be thinner than nothing from
 a stretch of about 1.5 on, which plane stress alone does not notice. A small hole at the centre, whose edge slides along
 the axis, takes the place of the singular point of the coordinates.
+
+Beyond the limit point the pressure falls while the membrane takes in more. There the states are stable that a given
+volume, as of a liquid, fills: with control=volume the pressure is unknown, see :mod:`contact.control`. Up to a
+deflection of 2.5 radii the wall thins to a fortieth. From 1.5 radii on elements at the hole have motions of their own,
+and the word on stability is that it was not counted.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
-from contact.problem import ContactSolution, without_contact
+from contact.control import by_work
+from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import annulus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Begun, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import SOLVER, Begun, Reference, Scene, SceneModel, Setting, Stage, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
 
 RADIUS, THICKNESS, E, NU = 1000.0, 1.0, 2.0, 0.3  # mm, MPa
 UNIT = 1e-3  # MPa, at load fraction 1
+VOLUME = 2 / 3 * np.pi * RADIUS**3  # mm^3, half a sphere on the edge, the same for a volume
 HOLE, SECTOR = 1e-3, np.pi / 90  # of the radius
 DOME = 0.25  # of the radius: height of the dome from which the first state is looked for
+FIRST = 0.2  # load fraction of that state
 # pressure over UNIT: deflection [mm]; the equations of the membrane (closed_forms) have the same digits, but 0.09655
 # for the first entry of the table, 0.0975 at 250 mm, which is left out
 READ = {0.51748: 500.0, 1.00262: 750.0, 1.28642: 1000.0}
@@ -36,7 +45,8 @@ CODE_ASTER = "Code_Aster V6.05.115 (SSNS115), read as a table"
 
 
 def _references() -> tuple[Reference, ...]:
-    rows: list[Row] = [({"load_fraction": at, "law": "neo-hooke"}, {"w_centre_mm": w}) for at, w in READ.items()]
+    where = {"law": "neo-hooke", "control": "pressure"}
+    rows: list[Row] = [({**where, "load_fraction": at}, {"w_centre_mm": w}) for at, w in READ.items()]
     return references("read", CODE_ASTER, 2e-3, rows)
 
 
@@ -47,15 +57,16 @@ class Membrane:
     title: str = "Flat circular rubber membrane blown up"
     default_mesh: tuple[int, int] = (80, 1)
     settings: tuple[Setting, ...] = (
-        replace(LOAD_FRACTIONS, default=(0.1, *READ), help="pressures to report, over 0.001 MPa"),
+        replace(LOAD_FRACTIONS, default=(0.1, *READ), help="pressures over 0.001 MPa, or volumes over half a sphere's"),
+        Setting.one_of("control", ("pressure", "volume"), "pressure", "which of both is given"),
         *of_wall("3", "neo-hooke"),
         SOLVER,
     )
     references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {"w_centre_mm": "deflection at the centre"}
+    quantities: Mapping[str, str] = {"w_centre_mm": "deflection at the centre", "pressure_MPa": "pressure inside"}
 
     def build(self, request: Request) -> SceneModel:
-        """Pressure on the true inner face."""
+        """Pressure on the middle surface, as that of a membrane."""
         if request.settings["law"] == "svk":
             raise UsageError("law = svk: a wall stretched to twice its size would have to be thinner than nothing")
         wall = Laminate.single(Ply.isotropic(E, NU, THICKNESS))
@@ -66,24 +77,54 @@ class Membrane:
         def read(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
             return {"w_centre_mm": float(shell.displacements(u)[centre, 4:].mean())}
 
-        shell = loaded_shell(strip, request, pressure=Pressure(UNIT, follower=True))
-        return MembraneModel(shell, request.numbers("load_fraction"), read)
+        shell = loaded_shell(strip, request, pressure=Pressure(UNIT, follower=True, middle=True))
+        model = FilledMembrane if request.choice("control") == "volume" else MembraneModel
+        return model(shell, request.numbers("load_fraction"), read)
 
 
 @dataclass(frozen=True, eq=False)
 class MembraneModel(StaticModel):
     """At rest a membrane has no stiffness: the first state is looked for from a dome, by the linear law."""
 
+    multipliers: ClassVar[int] = 0
+
     def _begin(self, previous: ContactSolution | None) -> Begun:
-        problem_at, rest = super()._begin(previous)
-        shell = replace(self.shell.scaled(self.fractions[0]), law="svk", newton="mixed")
-        body = shell.discretisation
+        body = self.shell.discretisation
         r = body.grid.nodes[:, 0] / RADIUS
         dome = np.zeros((body.grid.n_nodes, 6))
         dome[:, 4:] = (DOME * RADIUS * (1 - r**2))[:, None]
-        linear = without_contact(shell.linearise, body.n_free, ordered=shell.ordered)
-        found = Semismooth().solve(linear, replace(rest, u=body.map.restrict(dome)))
-        return problem_at, replace(rest, u=found.u)
+        rest = ContactSolution.at_rest(body.n_free + self.multipliers, 0)
+        start = replace(rest, u=np.append(body.map.restrict(dome), np.zeros(self.multipliers)))
+        linear = replace(self, shell=replace(self.shell, law="svk", newton="mixed"))
+        found = Semismooth().solve(linear.problem_at(FIRST), start)
+        return self.problem_at, replace(rest, u=found.u)
+
+    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
+        return {**super()._displacements(u, fraction), "pressure_MPa": fraction * UNIT}
+
+
+class FilledMembrane(MembraneModel):
+    """With a given volume inside: the last unknown over RADIUS is the pressure over UNIT."""
+
+    multipliers: ClassVar[int] = 1
+
+    def stages(self) -> Iterator[Stage]:
+        """The path of the volume."""
+        return (replace(stage, whole=lambda x: x[:-1]) for stage in super().stages())
+
+    def problem_at(self, fraction: float) -> ContactProblem:
+        """The shell with a fraction of its volume inside."""
+        shell, given = self.shell, fraction * UNIT * VOLUME * SECTOR / (2 * np.pi)
+        linearise = by_work(lambda t: shell.scaled(t).linearise, shell.work_of_pressure, given, 1 / RADIUS)
+        problem = without_contact(linearise, shell.discretisation.n_free + 1, ordered=shell.ordered)
+
+        def others(x: np.ndarray) -> np.ndarray:
+            return shell.scaled(x[-1] / RADIUS).left_to_foundation(x[:-1])
+
+        return replace(problem, others=others, multipliers=self.multipliers)
+
+    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
+        return super()._displacements(u[:-1], float(u[-1]) / RADIUS)
 
 
 SCENES: tuple[Scene, ...] = (Membrane(),)

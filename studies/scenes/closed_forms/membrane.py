@@ -5,6 +5,7 @@ a, that around b = r/R, the slope phi and the nominal stresses P_a = dW/da, P_b 
 
     R h P_a sin phi = p r^2/2,    (R h P_a cos phi)' = h P_b - p r a sin phi,    r' = a cos phi,    z' = -a sin phi
 
+and the volume between the membrane and the plane of its edge grows by -pi r^2 z'.
 The stretch at the centre is the parameter along the path, on which the pressure has a maximum. No shell enters here.
 Source: Adkins, Rivlin, Phil. Trans. R. Soc. A 244 (1952) 505 (recalled).
 """
@@ -47,8 +48,11 @@ class InflatedMembrane:
         swelling = self.lam * (grown + y)
         return self.mu * (a - 1 / a) + swelling / a, self.mu * (b - 1 / b) + swelling / b
 
-    def shape(self, pressure: float, stretch: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """R, r and the height w above the edge [mm], for a stretch at the centre, which r at the edge may not fit."""
+    def shape(self, pressure: float, stretch: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """R, r, the height w above the edge [mm] and the volume V above w [mm^3], for a stretch at the centre.
+
+        r at the edge may not fit it.
+        """
         ratio = pressure / self.thickness
 
         def meridian(R: float, r: float, Q: float) -> tuple[float, float]:
@@ -59,15 +63,16 @@ class InflatedMembrane:
             return a, float(np.arctan2(across, Q))
 
         def slopes(R: float, y: np.ndarray) -> list[float]:
-            r, Q, _ = map(float, y)
+            r, Q, *_ = map(float, y)
             a, phi = meridian(R, r, Q)
-            return [a * np.cos(phi), self.stresses(a, r / R)[1] - ratio * r * a * np.sin(phi), -a * np.sin(phi)]
+            falls = a * np.sin(phi)
+            return [a * np.cos(phi), self.stresses(a, r / R)[1] - ratio * r * falls, -falls, np.pi * r * r * falls]
 
         start = CENTRE * self.radius
-        at = [stretch * start, start * self.stresses(stretch, stretch)[0], 0.0]
+        at = [stretch * start, start * self.stresses(stretch, stretch)[0], 0.0, 0.0]
         found = solve_ivp(slopes, (start, self.radius), at, method="LSODA", rtol=TIGHT, atol=TIGHT)
-        r, _, z = found.y
-        return found.t, r, z - z[-1]
+        r, _, z, volume = found.y
+        return found.t, r, z - z[-1], volume
 
     def pressure(self, stretch: float) -> float:
         """[MPa] at which the edge stays where it is."""
@@ -84,6 +89,10 @@ class InflatedMembrane:
     def deflection(self, stretch: float) -> float:
         """w [mm] at the centre."""
         return float(self.shape(self.pressure(stretch), stretch)[2][0])
+
+    def volume(self, stretch: float) -> float:
+        """V [mm^3] between the membrane and the plane of its edge."""
+        return float(self.shape(self.pressure(stretch), stretch)[3][-1])
 
     @cached_property
     def limit(self) -> tuple[float, float]:

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import itertools
-import re
 
 import meshio
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
-from scipy.optimize import brentq
 
 from formulations.section.laminate import Ply
-from formulations.section.laws import NeoHooke, lame_constants
+from formulations.section.laws import NeoHooke
 from studies.ask.request import UsageError
 from studies.ask.scene import SceneModel
-from studies.scenes.benchmarks import inflated_membrane
 from studies.scenes.benchmarks.pagano import COLUMNS, SQUARE
 from studies.scenes.benchmarks.rubber import MU, RADIUS, SOFT, TERMS, THICK
 from studies.scenes.benchmarks.wrapped_cylinder import HOOP, PRINTED, lame
-from studies.scenes.closed_forms.membrane import InflatedMembrane
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
 from studies.scenes.complete import complete
 from studies.scenes.references import holding
@@ -160,36 +156,6 @@ def test_closed_forms_of_rubber_are_those_of_a_compressible_wall_that_hardly_is(
     assert found.success
     exact = inflation_pressure(TERMS["neo-hooke"], stretch, inner, outer, sphere=False)
     assert -found.y[1, 0] / stretch == pytest.approx(exact, rel=5e-4)
-
-
-def membrane() -> InflatedMembrane:
-    ply = Ply.isotropic(inflated_membrane.E, inflated_membrane.NU, inflated_membrane.THICKNESS)
-    return InflatedMembrane(*lame_constants(ply), inflated_membrane.RADIUS, inflated_membrane.THICKNESS)
-
-
-def test_a_membrane_is_blown_up_as_its_equations_say() -> None:
-    equations = membrane()
-    for stretch in (1.2, 1.5):
-        fraction = equations.pressure(stretch) / inflated_membrane.UNIT
-        result = solved("inflated-membrane", "80x1", load_fraction=f"0.0975,{fraction!r}")
-        assert read(result, "w_centre_mm")[-1] == pytest.approx(equations.deflection(stretch), rel=1e-3)
-    for fraction, w in inflated_membrane.READ.items():  # another program's table
-        stretch = brentq(lambda x: equations.deflection(x) - w, 1.02, 2.2, xtol=1e-6)  # noqa: B023
-        assert equations.pressure(stretch) / inflated_membrane.UNIT == pytest.approx(fraction, rel=2e-5)
-
-
-@pytest.mark.slow
-def test_the_largest_pressure_of_a_membrane() -> None:
-    """The path ends at its limit point, which is that of the equations to 0.1 %, the deflection to 1 %."""
-    largest, stretch = membrane().limit
-    result = ended("inflated-membrane", "80x1", load_fraction="0.0975,0.51748,1.00262,1.28642,1.3712,1.38")
-    assert not result.outcome.converged
-    found = float(re.search(r"limit point of the path at about ([0-9.]+):", result.reason).group(1))
-    assert found * inflated_membrane.UNIT == pytest.approx(largest, rel=1e-3)
-    near = solved(
-        "inflated-membrane", "80x1", load_fraction=f"0.0975,0.51748,1.00262,1.28642,1.3712,{0.9999 * found!r}"
-    )
-    assert read(near, "w_centre_mm")[-1] == pytest.approx(membrane().deflection(stretch), rel=2e-2)
 
 
 @pytest.mark.slow
