@@ -15,6 +15,7 @@ from formulations.conditions.dof_map import DofMap, Images
 from formulations.conditions.hanging import Hangers
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.quad_sampling import NodalFaces
+from formulations.element.quad_wall import QuadWall
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry, shape_functions
 from formulations.element.wall_geometry import WallGeometry
@@ -89,7 +90,7 @@ class Discretisation:
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty(dofs.shape), np.empty((*dofs.shape, dofs.shape[1])))
         geometry = _geometry(surface, grid, laminate, kinematics, interpolation, walls)
-        wall = None if sampling is None else WallGeometry.of(surface, grid, sampling, geometry)
+        wall = None if sampling is None else _wall(surface, grid, laminate, sampling, geometry, walls)
         parts = (surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
         return cls(*parts, ordered, hangers, walls, wall)
 
@@ -97,7 +98,8 @@ class Discretisation:
         """The same grid with other gradients."""
         interpolation = self.geometry.interpolation
         geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, interpolation, self.walls)
-        wall = self.wall and WallGeometry.of(self.surface, self.grid, self.wall.sampling, geometry)
+        parts = (self.surface, self.grid, self.laminate)
+        wall = self.wall and _wall(*parts, self.wall.sampling, geometry, self.walls)
         return replace(self, geometry=geometry, wall=wall)
 
     def stiffness(self, section: str) -> np.ndarray:
@@ -279,6 +281,25 @@ def _geometry(
         return ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
     if grid.hanging is not None:
         raise ValueError("quadrilaterals have no hanging nodes: cut every one of them")
+    return QuadGeometry.of(_nodal_faces(surface, grid, laminate, walls), kinematics)
+
+
+def _wall(
+    surface: Surface,
+    grid: Grid,
+    laminate: Laminate,
+    sampling: Sampling,
+    geometry: ElementGeometry,
+    walls: Walls | None,
+) -> WallGeometry:
+    if not isinstance(geometry, QuadGeometry):
+        return WallGeometry.of(surface, grid, sampling, geometry)
+    if walls is not None:
+        raise ValueError("surfaces inside the wall need the same wall everywhere")
+    return QuadWall.of_faces(_nodal_faces(surface, grid, laminate, None), sampling, geometry.kinematics)
+
+
+def _nodal_faces(surface: Surface, grid: Grid, laminate: Laminate, walls: Walls | None) -> NodalFaces:
     at = np.moveaxis(grid.points(CORNERS), -1, 0)
     of_node = _at_faces(laminate, walls, grid)
     if walls is None:
@@ -287,4 +308,4 @@ def _geometry(
         of_node = of_node[grid.elements]
         d = np.array([laminate.d_minus, laminate.d_plus]) / laminate.thickness * walls.thickness[..., None]
     axes = surface.frame(*at), laminate_axes(surface, *at)
-    return QuadGeometry.of(NodalFaces(surface.position(*at), normal(surface, *at), *axes, d, of_node), kinematics)
+    return NodalFaces(surface.position(*at), normal(surface, *at), *axes, d, of_node)

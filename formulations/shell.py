@@ -108,7 +108,7 @@ class ShellModel:
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
                 raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
-            law = WallLaw.of(shell.wall.sampling, shell.wall.growth, self.law)
+            law = WallLaw.of(shell.wall.sampling, shell.wall.growth, self.law, shell.wall.angles)
             return SamplingElement.build(self.measure, shell.wall, law, initial, *options)
         if self.law != LINEAR:
             raise ValueError(f"law {self.law!r} needs surfaces inside the wall, where it is met at points")

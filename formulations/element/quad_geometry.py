@@ -97,7 +97,7 @@ class QuadGeometry(ElementGeometry):
             offset=offset,
             share=weight / area[:, None],
             face_share=face_area / face_area.sum(axis=1, keepdims=True),
-            turn=_modes_to_axes(jacobian, lengths, _carried(frame, centre / lengths[..., None])),
+            turn=_modes_to_axes(jacobian, lengths, carried(frame, centre / lengths[..., None])),
             frame=inner,
             left_handed=sides.turns * sides.hand < 0,
             side_Q=faces.from_nodes(side_Q.reshape(len(X), -1, 4, N_V)).reshape(len(X), N_SIDES * N_Q, N_DOF),
@@ -161,7 +161,7 @@ def _triple() -> np.ndarray:
 _TRIPLE = _triple()
 
 
-def _carried(frame: np.ndarray, centre: np.ndarray) -> np.ndarray:
+def carried(frame: np.ndarray, centre: np.ndarray) -> np.ndarray:
     """Base vectors of the centre (E, 2, 3) at the Gauss points, in the frames there: (E, 4, 2, 2), [component, b].
 
     They keep their components in a frame that lies evenly between them at the centre, however the corners are numbered,
@@ -177,7 +177,7 @@ def _carried(frame: np.ndarray, centre: np.ndarray) -> np.ndarray:
     return np.einsum("egix,egax,eab->egib", frame[:, :, :2], there, components)
 
 
-def _strains_along(base: np.ndarray) -> np.ndarray:
+def strains_along(base: np.ndarray) -> np.ndarray:
     """Strains (11, 22, 2 12), columns, of g_1 g_1, g_2 g_2 and the symmetric part of g_1 g_2; base (..., 2, 2)."""
     a, b, c, d = base[..., 0, 0], base[..., 1, 0], base[..., 0, 1], base[..., 1, 1]  # g_1 = (a, b), g_2 = (c, d)
     rows = [[a * a, c * c, a * c], [b * b, d * d, b * d], [2 * a * b, 2 * c * d, a * d + b * c]]
@@ -186,7 +186,7 @@ def _strains_along(base: np.ndarray) -> np.ndarray:
 
 def _modes_to_axes(jacobian: np.ndarray, lengths: np.ndarray, base: np.ndarray) -> np.ndarray:
     """A_g (E, 4, 11, 22): strains in the axes of the laminate at the Gauss points from the strains of the modes."""
-    in_plane = _strains_along(base)
+    in_plane = strains_along(base)
     shear = np.linalg.inv(jacobian).swapaxes(-1, -2) * lengths[:, None, None, :]  # covariant, per unit of the modes
     A = np.zeros((len(base), N_GAUSS, N_E, N_M))
     for m, ((r1, r2), row) in enumerate(MODE_ROWS):
@@ -208,10 +208,14 @@ def _convex(mid: np.ndarray) -> np.ndarray:
     return np.asarray(np.all(np.einsum("egx,ex->eg", normals, normals.sum(axis=1)) > 0, axis=1))
 
 
-def _directors(faces: NodalFaces) -> np.ndarray:
-    """beta (E, 4, 3, 6) of a node along two tangents and its normal, from its displacements."""
+def turn_of_nodes(faces: NodalFaces) -> np.ndarray:
+    """(E, 4, 3, 3): components along two tangents and the normal of a node from those of its displacement."""
     first = unit(faces.axes[:, :, 0])
     frame = np.stack([first, np.cross(faces.normal, first), faces.normal], axis=-2)
-    turned = np.einsum("erix,erjx->erij", frame, faces.frame)
+    return np.einsum("erix,erjx->erij", frame, faces.frame)
+
+
+def _directors(faces: NodalFaces) -> np.ndarray:
+    """beta (E, 4, 3, 6) of a node along two tangents and its normal, from its displacements."""
     height = faces.of_node[..., 1] - faces.of_node[..., 0]
-    return np.kron(turned, np.array([-1.0, 1.0])) / height[..., None, None]
+    return np.kron(turn_of_nodes(faces), np.array([-1.0, 1.0])) / height[..., None, None]

@@ -136,8 +136,8 @@ def at_gauss_points(
         area[..., face] = np.abs(np.linalg.det(jacobian_of(own, at)))
         if kinematics.thin:
             own, at = sides.frames(faces.middle, faces), faces.middle
-        _put_gradients(Q, face, own, at, faces, kinematics, GAUSS)
-    director, length, height = _directors(faces, GAUSS)
+        put_gradients(Q, face, own, at, faces, kinematics, GAUSS)
+    director, length, height = directors(faces, GAUSS)
     _put_beta(Q, sides.along_axes(director, faces), height, faces, GAUSS)
     offset[..., BETA.start + 2] = length - 1.0
     return Q, offset, area, frames[0]
@@ -154,21 +154,21 @@ def on_sides(
     """
     n, ends = len(X), X[:, SIDE_CORNERS]  # (E, side, end, face, 3)
     Q, offset = np.zeros((n, N_SIDES, N_Q, 4, N_V)), np.zeros((n, N_SIDES, N_Q))
-    director, length, height = _directors(faces, MIDDLES)
+    director, length, height = directors(faces, MIDDLES)
     own = sides.along_axes(director, faces, MIDDLES)
     half = 0.5 * (ends[:, :, 1] - ends[:, :, 0])
     if kinematics.thin:  # gradients along the reference surface, shears over the length midway between the faces
         half = np.broadcast_to(half.mean(axis=2, keepdims=True), half.shape)
     for face in (0, 1):
         at = faces.middle if kinematics.thin else X[:, :, face]
-        inverse = _put_gradients(Q, face, own, at, faces, kinematics, MIDDLES)
+        inverse = put_gradients(Q, face, own, at, faces, kinematics, MIDDLES)
         out_of_plane = np.matmul(tangents_of(at, MIDDLES), own[:, :, 2, :, None])[..., 0]
         offset[:, :, 4 + face : BETA.start : 6] = -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
     _put_beta(Q, own, height * length, faces, MIDDLES)
     return Q, offset, length[..., None, None] * np.matmul(half, own[:, :, :2].swapaxes(-1, -2))
 
 
-def _directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of the interpolated way between the faces at four points, the direction (E, 4, 3), the length (E, 4) over the
     interpolated height, and that height (E, 4).
     """
@@ -179,7 +179,7 @@ def _directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.nd
     return director / length[..., None], length, height
 
 
-def _put_gradients(
+def put_gradients(
     Q: np.ndarray,
     face: int,
     own: np.ndarray,

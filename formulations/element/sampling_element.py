@@ -20,16 +20,14 @@ import numpy as np
 from formulations.element.director import FaceDirector
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
-from formulations.element.strain_operator import N_GAUSS, ElementGeometry
+from formulations.element.strain_operator import ElementGeometry
 from formulations.element.wall_geometry import N_SURFACE, WallGeometry
 from formulations.element.wall_law import WallLaw
 from formulations.element.wall_modes import (
     E33,
-    FACTORS,
     N_OF_SURFACE,
     N_ROWS,
     OF_E33,
-    ON_GAUSS,
     POWERS,
     ROWS,
     by_mode,
@@ -55,16 +53,14 @@ MEMBRANE, SHEAR = ((1, 0), (2, 0)), ((2, 1), (1, 2))
 class SamplingElement(ModalElement):
     """own: the six strains of a surface by its nine quantities.
 
-    projection (15, 24): mode strains of a surface from those at its four Gauss points.  director: what its E33 at the
-    nodes adds, None where nothing is taken there.  initial (15 T,): resultants H0 of the reference state.  spread
-    (S^2, 4 T): blocks of the geometric stiffness, surface by surface, from those of strains.
+    director: what E33 at the nodes adds, None where nothing is taken there.  initial (15 T,): resultants H0 of the
+    reference state.  spread (S^2, 4 T): blocks of the geometric stiffness, surface by surface, from those of strains.
     """
 
     measure: StrainMeasure
     wall: WallGeometry
     law: WallLaw
     own: StrainFunction
-    projection: np.ndarray
     director: FaceDirector | None
     relaxed: bool
     initial: np.ndarray
@@ -86,12 +82,6 @@ class SamplingElement(ModalElement):
         if membrane not in MEMBRANES:
             raise ValueError(f"membrane {membrane!r} is not one of {', '.join(MEMBRANES)}")
         share, T = THICKNESS_STRAINS[thickness_strain], len(wall.sampling.strained)
-        projection = []
-        for rows, factor, at in zip(ROWS, FACTORS, ON_GAUSS, strict=True):
-            for row in rows:
-                unit = np.zeros((N_GAUSS, N_ROWS))
-                unit[:, row] = factor * at / N_GAUSS
-                projection.append(unit.ravel())
         at_rest = np.zeros(N_OF_SURFACE * T)
         at_rest[: N_ROWS * T] = wall.sampling.linear_stress(initial).ravel()
         through = restricted(measure, np.array(STRAINS_OF_SURFACE[E33:]), np.arange(N_Q)[BETA])
@@ -100,7 +90,6 @@ class SamplingElement(ModalElement):
             wall=wall,
             law=law,
             own=restricted(measure, np.array(STRAINS_OF_SURFACE), OF_ONE),
-            projection=np.array(projection),
             director=FaceDirector.of(wall, through, share) if share else None,
             relaxed=membrane == "relaxed",
             initial=at_rest,
@@ -135,7 +124,7 @@ class SamplingElement(ModalElement):
 
     def at_gauss(self, geometry: ElementGeometry, strains: np.ndarray) -> np.ndarray:
         """Strains (E, 4, 11) at the Gauss points, of both faces, and of E33 through the wall."""
-        return _as_of_faces(self.wall.sampling, strains_at(strains, ON_GAUSS))
+        return _as_of_faces(self.wall.sampling, self.wall.at_gauss(strains))
 
     def stresses(self, strains: np.ndarray, taken: np.ndarray) -> np.ndarray:
         """Mean S (E, plies, k, 6) [MPa] at places in each ply: 11, 22, 12, 13, 23, 33, along the coordinates.
@@ -156,13 +145,13 @@ class SamplingElement(ModalElement):
     @property
     def _operations(self) -> Operations:
         T, S, m, n = len(self.wall.sampling.strained), len(self.wall.sampling.at), self.n_modes, self.wall.n_dof
-        points = T * N_GAUSS
+        points = T * self.wall.n_points
         stiffened = sum(product(T * len(rows), T * len(rows), n) for rows in ROWS) + product(n, m, n)
         stiffened += 3 * points * product(N_SURFACE, N_ALL, N_SURFACE) + product(S * S, 4 * T, N_SURFACE**2)
         return Operations(
             sampled=points * product(N_ROWS, N_ALL),
             differentiated=points * product(N_ROWS, N_ALL, N_SURFACE)
-            + T * product(N_OF_SURFACE, N_GAUSS * N_ROWS, 2 * N_SURFACE),
+            + T * product(N_OF_SURFACE, self.wall.n_points * N_ROWS, 2 * N_SURFACE),
             balanced=product(m, n),
             stiffened=stiffened,
             of_measure=points * product(N_ROWS, N_ALL, N_ALL),
@@ -182,10 +171,12 @@ class SamplingElement(ModalElement):
         wall, sampling = self.wall, self.wall.sampling
         of_surfaces = wall.by_surface(v[part])
         n, T = len(of_surfaces), len(sampling.strained)
-        q = np.empty((n, T, N_GAUSS, N_ALL))
-        q[..., :N_OWN] = np.matmul(wall.own[part], of_surfaces[:, sampling.on, :, None]).reshape(n, T, N_GAUSS, N_OWN)
+        q = np.empty((n, T, self.wall.n_points, N_ALL))
+        q[..., :N_OWN] = np.matmul(wall.own[part], of_surfaces[:, sampling.on, :, None]).reshape(
+            n, T, self.wall.n_points, N_OWN
+        )
         along = np.matmul(sampling.slope, of_surfaces)
-        q[..., N_OWN:] = np.matmul(along, wall.value_of(part).swapaxes(1, 2)).reshape(n, T, N_GAUSS, N_BETA)
+        q[..., N_OWN:] = np.matmul(along, wall.value_of(part).swapaxes(1, 2)).reshape(n, T, self.wall.n_points, N_BETA)
         return q, np.empty(0) if self.director is None else self.director.beta(of_surfaces, part)
 
     def _strains(self, geometry: ElementGeometry, part: slice, samples: Samples) -> tuple[np.ndarray, Samples]:
@@ -193,7 +184,9 @@ class SamplingElement(ModalElement):
         q, beta = samples
         offset = None if self.wall.offset is None else self.wall.offset[part]
         strain, gradient = strain_and_gradient(self.own, q, offset)
-        of_surfaces = strain.reshape(*strain.shape[:2], -1) @ self.projection.T
+        taken, projection = strain.reshape(*strain.shape[:2], -1), self.wall.projection_of(part)
+        alike = projection.ndim == 2
+        of_surfaces = taken @ projection.T if alike else np.matmul(projection, taken[..., None])[..., 0]
         if self.director is not None:
             of_surfaces[..., OF_E33] += self.director.strains(beta, part)[:, None]
         strains = by_mode(of_surfaces)
@@ -204,13 +197,14 @@ class SamplingElement(ModalElement):
         self, geometry: ElementGeometry, part: slice, gradients: Samples, samples: Samples, out: np.ndarray
     ) -> None:
         sampling, (gradient,), (q, beta) = self.wall.sampling, gradients, samples
+        projection = self.wall.projection_of(part)
         n, T = q.shape[:2]
-        at_points = self.wall.own[part].reshape(n, T, N_GAUSS, N_OWN, N_SURFACE)
+        at_points = self.wall.own[part].reshape(n, T, self.wall.n_points, N_OWN, N_SURFACE)
         taken = np.matmul(gradient[..., :N_OWN], at_points).reshape(n, T, -1, N_SURFACE)
-        own = np.matmul(self.projection, taken)
-        value = self.wall.value_of(part).reshape(-1, 1, N_GAUSS, N_BETA, N_SURFACE)
+        own = np.matmul(projection, taken)
+        value = self.wall.value_of(part).reshape(-1, 1, self.wall.n_points, N_BETA, N_SURFACE)
         taken = np.matmul(gradient[..., N_OWN:], value).reshape(n, T, -1, N_SURFACE)
-        along = np.matmul(self.projection, taken)
+        along = np.matmul(projection, taken)
         for surface, columns in enumerate(self.wall.columns):
             by = sampling.slope[:, surface, None, None] * along
             here = sampling.on == surface
@@ -227,14 +221,17 @@ class SamplingElement(ModalElement):
         n, T = q.shape[:2]
         self._relax(work, geometry, part, transposed=True)
         of_surfaces = by_surface(work, T)
-        at_gauss = (of_surfaces @ self.projection).reshape(n, T, N_GAUSS, N_ROWS)
-        M = self.own.contract(q if self.wall.offset is None else self.wall.offset[part] + q, at_gauss)
-        at_points = self.wall.own[part].reshape(n, T, N_GAUSS, N_OWN, N_SURFACE)
+        projection = self.wall.projection_of(part)
+        alike = projection.ndim == 2
+        taken = of_surfaces @ projection if alike else np.matmul(of_surfaces[..., None, :], projection)
+        H = taken.reshape(n, T, self.wall.n_points, N_ROWS)
+        M = self.own.contract(q if self.wall.offset is None else self.wall.offset[part] + q, H)
+        at_points = self.wall.own[part].reshape(n, T, self.wall.n_points, N_OWN, N_SURFACE)
         value = self.wall.value_of(part)
         blocks = np.empty((n, 4, T, N_SURFACE, N_SURFACE))
         own = self.wall.own[part].swapaxes(2, 3)
         np.matmul(own, np.matmul(M[..., :N_OWN, :N_OWN], at_points).reshape(n, T, -1, N_SURFACE), out=blocks[:, 0])
-        along = np.matmul(M[..., N_OWN:], value.reshape(-1, 1, N_GAUSS, N_BETA, N_SURFACE))
+        along = np.matmul(M[..., N_OWN:], value.reshape(-1, 1, self.wall.n_points, N_BETA, N_SURFACE))
         np.matmul(own, along[..., :N_OWN, :].reshape(n, T, -1, N_SURFACE), out=blocks[:, 1])
         blocks[:, 2] = blocks[:, 1].swapaxes(-1, -2)
         of_beta = along[..., N_OWN:, :].reshape(n, T, -1, N_SURFACE)

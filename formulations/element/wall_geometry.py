@@ -6,7 +6,6 @@ No strain measure, no law and no load may enter here.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from formulations.element.strain_operator import (
     shape_functions,
     surface_operator,
 )
+from formulations.element.wall_modes import FACTORS, N_ROWS, ON_GAUSS, ROWS, strains_at
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Surface
 from formulations.section.sampling import Sampling
@@ -30,11 +30,12 @@ IDENTITY = (0, 3, 8)  # l1, l2 and beta3 of positions, less 1
 
 @dataclass(frozen=True, eq=False)
 class WallGeometry:
-    """own (E, T, 24, 12): l, w, t at the Gauss points on the surfaces where strains are taken, by their displacements.
+    """own (E, T, 24, 12): l, w, t at the points on the surfaces where strains are taken, by their displacements.
 
-    value (1 or E, 12, 12): components of a displacement at the Gauss points from those of the nodes.  offset
-    (E, T, 4, 9): quantities of the interpolated positions, see :class:`ElementGeometry`; None on components.  area (E,)
-    of the reference surface and curvature (E, 2), k1 and k2, are those of the centre; k is 0 where it is left out.
+    value (1 or E, 12, 12): components of a displacement at the points from those of the nodes.  offset (E, T, 4, 9):
+    quantities of the interpolated positions, see :class:`ElementGeometry`; None on components.  area (E,): of the
+    reference surface.  growth (E, 3): of areas through the wall, by 1, d and d^2.  stretch (E, 2, T): of lengths along
+    both coordinates on the surfaces where strains are taken. On lines of curvature the points are Gauss's.
     """
 
     sampling: Sampling
@@ -42,13 +43,12 @@ class WallGeometry:
     value: np.ndarray
     offset: np.ndarray | None
     area: np.ndarray
-    curvature: np.ndarray
+    growth: np.ndarray
+    stretch: np.ndarray
 
     @classmethod
     def of(cls, surface: Surface, grid: Grid, sampling: Sampling, geometry: ElementGeometry) -> WallGeometry:
-        """On lines of curvature; raises ValueError for quadrilaterals and hanging nodes."""
-        if geometry.interpolation == "quads":
-            raise ValueError("surfaces inside the wall need lines of curvature")
+        """On lines of curvature; raises ValueError for hanging nodes."""
         if grid.hanging is not None:
             raise ValueError("surfaces inside the wall know no hanging nodes")
         points = grid.points(GAUSS)
@@ -62,19 +62,33 @@ class WallGeometry:
         centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
         area = 4.0 * grid.half.prod(axis=-1) * area_factor(centre, 0.0)
         k = np.zeros_like(centre.k) if geometry.kinematics.thin else centre.k
+        growth = np.stack([np.ones(len(k)), k.sum(axis=1), k.prod(axis=1)], axis=1)  # zeta_1 zeta_2
+        stretch = 1.0 + k[:, :, None] * sampling.strained
         by_surface = own.reshape(*own.shape[:2], -1, N_SURFACE)
-        return cls(sampling, by_surface, _values(geometry.value), offset, area, k)
+        return cls(sampling, by_surface, _values(geometry.value), offset, area, growth, stretch)
+
+    def projection_of(self, part: slice) -> np.ndarray:
+        """(15, 24): the modes of a surface by the strains at its points; (e, T, 15, 6 points) where they differ."""
+        return ON_LINES
 
     @property
-    def growth(self) -> np.ndarray:
-        """(E, 3): 1, k1 + k2 and k1 k2; times 1, d and d^2 they are zeta_1 zeta_2, by which volumes grow."""
-        k = self.curvature
-        return np.stack([np.ones(len(k)), k.sum(axis=1), k.prod(axis=1)], axis=1)
+    def angles(self) -> np.ndarray | None:
+        """(2, E) [rad] from axis 1 of the laminate to axis 1 of the modes 01 and 10; None where it is the same."""
+        return None
 
-    @cached_property
-    def stretch(self) -> np.ndarray:
-        """zeta_a (E, 2, T) of the surfaces where strains are taken."""
-        return np.asarray(1.0 + self.curvature[:, :, None] * self.sampling.strained)
+    @property
+    def at_nodes(self) -> np.ndarray | None:
+        """(E, 4, 3, 3): along the normal of a node and across it from its components; None where they are that."""
+        return None
+
+    def at_gauss(self, strains: np.ndarray) -> np.ndarray:
+        """Strains (E, 4, T, 6) in the axes of the laminate, of mode strains (E, 15 T)."""
+        return strains_at(strains, ON_GAUSS)
+
+    @property
+    def n_points(self) -> int:
+        """How many points strains are taken at on a surface."""
+        return self.value.shape[1] // N_BETA
 
     @property
     def n_dof(self) -> int:
@@ -94,6 +108,20 @@ class WallGeometry:
     def by_surface(self, v: np.ndarray) -> np.ndarray:
         """(e, S, 12) of element vectors (e, 12 S)."""
         return np.stack([v[:, columns] for columns in self.columns], axis=1)
+
+
+def _on_lines() -> np.ndarray:
+    """(15, 24): means over the Gauss points."""
+    found = []
+    for rows, factor, at in zip(ROWS, FACTORS, ON_GAUSS, strict=True):
+        for row in rows:
+            unit = np.zeros((N_GAUSS, N_ROWS))
+            unit[:, row] = factor * at / N_GAUSS
+            found.append(unit.ravel())
+    return np.array(found)
+
+
+ON_LINES = _on_lines()
 
 
 def _values(value: np.ndarray) -> np.ndarray:

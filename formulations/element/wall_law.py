@@ -28,7 +28,8 @@ import numpy as np
 from formulations.element.modal import ALL, Stiffness
 from formulations.element.wall_modes import E33, FACTORS, N_OF_SURFACE, N_ROWS, ROWS
 from formulations.operations import product, spend
-from formulations.section.laws import LAWS, LINEAR, Divided, Law
+from formulations.section.laminate import strain_rotation
+from formulations.section.laws import LAWS, LINEAR, Divided, Law, isotropic
 from formulations.section.sampling import IN_VOIGT, Points, Sampling, lagrange
 
 DIRECT, SHEARS = np.array([0, 1, E33]), (3, 4)
@@ -54,7 +55,7 @@ class PointsThrough(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class WallLaw:
-    """uniform: the law on the mode 00; linear: stiffness (n, n) of each other mode."""
+    """uniform: the law on the mode 00; linear: stiffness (n, n) or (E, n, n) of each other mode."""
 
     sampling: Sampling
     laws: tuple[Law, ...]
@@ -62,17 +63,24 @@ class WallLaw:
     linear: tuple[np.ndarray, ...]
 
     @classmethod
-    def of(cls, sampling: Sampling, growth: np.ndarray, name: str = LINEAR) -> WallLaw:
+    def of(
+        cls, sampling: Sampling, growth: np.ndarray, name: str = LINEAR, angles: np.ndarray | None = None
+    ) -> WallLaw:
         """Of one of :data:`LAWS` for every ply; growth (E, 3): of volumes by 1, d and d^2.
 
-        Raises ValueError for another name, and where a ply has no such law.
+        angles (2, E) [rad]: from axis 1 of the plies to that of the modes 01 and 10, 0 unless given. Raises ValueError
+        for another name, and where a ply has no such law.
         """
         if name not in LAWS:
             raise ValueError(f"law {name!r} is not one of {', '.join(LAWS)}")
-        laws, linear = tuple(LAWS[name](ply) for ply in sampling.laminate.plies), _linear_modes(sampling)
+        laws, linear = tuple(LAWS[name](ply) for ply in sampling.laminate.plies), _linear_modes(sampling, angles)
         if name == LINEAR:
             return cls(sampling, laws, LinearLaw.of(sampling, growth), linear)
         return ThinningLaw(sampling, laws, PointLaw.of(sampling, laws, growth), linear)
+
+    def _linear(self, part: slice) -> tuple[np.ndarray, ...]:
+        """Of the elements of a part."""
+        return tuple(block if block.ndim == 2 else block[part] for block in self.linear)
 
     def stresses(self, strains: np.ndarray, taken: np.ndarray) -> np.ndarray:
         """S (e, plies, k, 6) [MPa] of strains (e, T, 6), E11, E22, 2E12, 2E13, 2E23, E33, of the surfaces.
@@ -93,21 +101,22 @@ class WallLaw:
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """H (e, 15 T) [N/mm] of E (e, 15 T)."""
         n = strains.shape[1] // N_OF_SURFACE * N_ROWS
-        rest = Stiffness(self.linear).times(strains[:, n:, None])[..., 0]
+        rest = Stiffness(self._linear(part)).times(strains[:, n:, None])[..., 0]
         return np.hstack([self.uniform.resultants(strains[:, :n], part), rest])
 
     def response(self, strains: np.ndarray, part: slice = ALL) -> tuple[np.ndarray, Stiffness]:
         """H and dH/dE."""
         n = strains.shape[1] // N_OF_SURFACE * N_ROWS
         H, slope = self.uniform.response(strains[:, :n], part)
-        rest = Stiffness(self.linear).times(strains[:, n:, None])[..., 0]
-        return np.hstack([H, rest]), Stiffness((slope, *self.linear))
+        linear = self._linear(part)
+        rest = Stiffness(linear).times(strains[:, n:, None])[..., 0]
+        return np.hstack([H, rest]), Stiffness((slope, *linear))
 
     def energy(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """(e,) an area [N/mm]."""
         n = strains.shape[1] // N_OF_SURFACE * N_ROWS
         rest = strains[:, n:]
-        work = np.sum(rest * Stiffness(self.linear).times(rest[..., None])[..., 0], axis=1)
+        work = np.sum(rest * Stiffness(self._linear(part)).times(rest[..., None])[..., 0], axis=1)
         return np.asarray(self.uniform.energy(strains[:, :n], part) + 0.5 * work)
 
 
@@ -240,15 +249,26 @@ def _stresses(law: Law, strains: np.ndarray) -> np.ndarray:
     return law.response(E)[0][..., IN_VOIGT]
 
 
-def _linear_modes(sampling: Sampling) -> tuple[np.ndarray, ...]:
+def _linear_modes(sampling: Sampling, angles: np.ndarray | None) -> tuple[np.ndarray, ...]:
     """D of the modes but 00, weighted: what is not of a mode is left free there, (C^-1 on its rows)^-1."""
     T, moments, blocks = len(sampling.strained), sampling.points.moments(sampling.stiffness)[0], []
-    for rows, factor in zip(ROWS[1:], FACTORS[1:], strict=True):
+    turns: list[np.ndarray | None] = [None, None, None]  # E33 alone does not turn
+    if angles is not None and not all(map(isotropic, sampling.laminate.plies)):
+        turns[:2] = (_turned(each) for each in angles)
+    for rows, factor, turn in zip(ROWS[1:], FACTORS[1:], turns, strict=True):
+        D = moments if turn is None else np.einsum("eik,tisj,ejl->etksl", turn, moments, turn, optimize=True)
         free = [row for row in range(N_ROWS) if row not in rows]
         pairs = ((rows, rows), (free, rows), (free, free))
-        own, coupled, other = (moments[:, list(i)][..., list(j)].reshape(T * len(i), -1) for i, j in pairs)
-        blocks.append((own - coupled.T @ np.linalg.solve(other, coupled)) / factor)
+        own, coupled, other = (
+            D[..., list(i), :, :][..., list(j)].reshape(*D.shape[:-4], T * len(i), -1) for i, j in pairs
+        )
+        blocks.append((own - np.matmul(coupled.swapaxes(-1, -2), np.linalg.solve(other, coupled))) / factor)
     return tuple(blocks)
+
+
+def _turned(angles: np.ndarray) -> np.ndarray:
+    """(E, 6, 6): strains along the axes of the plies from those along axes at an angle (E,) to them."""
+    return np.array([strain_rotation(-angle) for angle in angles])[:, IN_VOIGT][:, :, IN_VOIGT]
 
 
 @dataclass(frozen=True, eq=False)

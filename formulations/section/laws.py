@@ -284,12 +284,18 @@ def lame_constants(ply: Ply) -> tuple[float, float]:
     return lam, mu
 
 
+def isotropic(ply: Ply) -> bool:
+    """Whether it has Lamé's constants."""
+    try:
+        lame_constants(ply)
+    except ValueError:
+        return False
+    return True
+
+
 def bulk_stiffness(ply: Ply) -> np.ndarray:
     """lam of the normal strains (6, 6) [MPa] of an isotropic ply; 0 of any other, which no one constant makes stiff."""
-    try:
-        lam, _ = lame_constants(ply)
-    except ValueError:
-        lam = 0.0
+    lam = lame_constants(ply)[0] if isotropic(ply) else 0.0
     return lam * np.outer(_I == _J, _I == _J)
 
 

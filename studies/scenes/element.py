@@ -202,7 +202,6 @@ def check_wall(request: Request, laminate: Laminate) -> str:
     if isinstance(laminate, ShearCorrected) and laminate.shear_correction != request.settings.get(SHEAR, 1.0):
         raise UsageError(f"surfaces = {surfaces}: the shear correction of this wall is of two faces")
     for key, value, needed in (
-        ("interpolation", request.settings.get("interpolation"), ON_LINES),
         ("section", request.settings.get("section"), (None, SECTIONS[0])),
         (SHEAR, request.settings.get(SHEAR), (None, 1.0)),
     ):

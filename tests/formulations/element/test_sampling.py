@@ -230,8 +230,6 @@ def test_reactions_inside_the_wall_count(rng) -> None:
 def test_what_has_no_surfaces_inside_refuses_them() -> None:
     grid = Grid.tensor(np.linspace(0, 1.0, 3), np.linspace(0, 1.0, 3))
     free = np.zeros((grid.n_nodes, 6), bool)
-    with pytest.raises(ValueError, match="lines of curvature"):
-        Discretisation.build(Plate(), grid, SKEW_LAMINATE, free, interpolation="quads", surfaces="3")
     body = Discretisation.build(Plate(), grid, SKEW_LAMINATE, free)
     with pytest.raises(ValueError, match="needs surfaces inside the wall"):
         ShellModel(body, MEASURES["exact"], law="hencky")
