@@ -20,10 +20,11 @@ PLANE, NORMAL, SHEAR = slice(0, 3), 3, slice(4, 6)
 
 @dataclass(frozen=True)
 class Ply:
-    """Transversely isotropic layer; L along the fibre, T across it, the fibre at ``angle`` [rad] from a1 towards a2.
+    """Orthotropic layer; L along the fibre, T across it, N along the normal; ``angle`` [rad] of L from a1 towards a2.
 
-    Moduli in MPa, thickness in mm. nu_LT: contraction along T under tension along L; nu_TT: between the two transverse
-    directions. Raises ValueError naming the violated inequality when the stiffness is not positive definite.
+    Moduli in MPa, thickness in mm. nu_LT: contraction along T under tension along L; G_TT and nu_TT: between T and N.
+    E_N, G_LN and nu_LN are E_T, G_LT and nu_LT unless given: then N is one more direction across the fibre.
+    Raises ValueError naming the violated inequality when the stiffness is not positive definite.
     """
 
     E_L: float
@@ -34,16 +35,23 @@ class Ply:
     nu_TT: float
     angle: float
     thickness: float
+    E_N: float | None = None
+    G_LN: float | None = None
+    nu_LN: float | None = None
 
     def __post_init__(self) -> None:
+        given = {"E_N": self.E_N, "G_LN": self.G_LN}
         check_positive(thickness=self.thickness, E_L=self.E_L, E_T=self.E_T, G_LT=self.G_LT, G_TT=self.G_TT)
-        if not abs(self.nu_TT) < 1:
-            raise ValueError(f"ply nu_TT = {self.nu_TT:g} must lie in (-1, 1)")
-        determinant = 1 - self.nu_TT - 2 * self.nu_LT * self.nu_LT * self.E_T / self.E_L
+        check_positive(**{name: value for name, value in given.items() if value is not None})
+        (E_L, E_T, E_N), (LT, LN, TN) = self.moduli, self.poisson
+        limit = math.sqrt(E_T / E_N)
+        if not abs(TN) < limit:
+            raise ValueError(f"ply nu_TT = {TN:g} must lie in (-{limit:g}, {limit:g})")
+        determinant = 1 - (LT * LT * E_T + LN * LN * E_N + 2 * LT * LN * TN * E_N) / E_L - TN * TN * E_N / E_T
         if not determinant > 0:
             raise ValueError(
-                f"ply is not positive definite: 1 - nu_TT - 2 nu_LT^2 E_T/E_L = {determinant:.4g} must be > 0 "
-                f"(nu_TT = {self.nu_TT:g}, nu_LT = {self.nu_LT:g})"
+                "ply is not positive definite: 1 - (nu_LT^2 E_T + nu_LN^2 E_N + 2 nu_LT nu_LN nu_TT E_N)/E_L "
+                f"- nu_TT^2 E_N/E_T = {determinant:.4g} must be > 0 (nu_TT = {TN:g}, nu_LT = {LT:g}, nu_LN = {LN:g})"
             )
 
     @classmethod
@@ -54,11 +62,26 @@ class Ply:
         G = E / (2 * (1 + nu))
         return cls(E, E, G, G, nu, nu, 0.0, thickness)
 
+    @property
+    def moduli(self) -> tuple[float, float, float]:
+        """E along L, T and N [MPa]."""
+        return self.E_L, self.E_T, self.E_T if self.E_N is None else self.E_N
+
+    @property
+    def shears(self) -> tuple[float, float, float]:
+        """G of LT, LN and TN [MPa]."""
+        return self.G_LT, self.G_LT if self.G_LN is None else self.G_LN, self.G_TT
+
+    @property
+    def poisson(self) -> tuple[float, float, float]:
+        """nu of LT, LN and TN, the contraction along the second direction under tension along the first."""
+        return self.nu_LT, self.nu_LT if self.nu_LN is None else self.nu_LN, self.nu_TT
+
     def stiffness(self) -> np.ndarray:
         """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
-        compliance = np.diag([1 / self.E_L, 1 / self.E_T, 1 / self.G_LT, 1 / self.E_T, 1 / self.G_LT, 1 / self.G_TT])
-        in_plane, across = -self.nu_LT / self.E_L, -self.nu_TT / self.E_T
-        for i, j, coupling in ((0, 1, in_plane), (0, NORMAL, in_plane), (1, NORMAL, across)):
+        (E_L, E_T, E_N), (G_LT, G_LN, G_TN), (LT, LN, TN) = self.moduli, self.shears, self.poisson
+        compliance = np.diag([1 / E_L, 1 / E_T, 1 / G_LT, 1 / E_N, 1 / G_LN, 1 / G_TN])
+        for i, j, coupling in ((0, 1, -LT / E_L), (0, NORMAL, -LN / E_L), (1, NORMAL, -TN / E_T)):
             compliance[i, j] = compliance[j, i] = coupling
         turn = strain_rotation(self.angle)
         return turn.T @ np.linalg.inv(compliance) @ turn

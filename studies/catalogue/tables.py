@@ -30,7 +30,8 @@ from studies.scenes.element import ShearCorrected
 PARTS = ("kind", "part", "meaning", "about", "source", "module", "up", "azimuth_deg", "elevation_deg")
 SETTINGS = ("kind", "part", "key", "meaning", "unit", "range", "default")
 FACTS = ("scene", "section", "item", "said")
-PLIES = ("scene", "ply", "thickness_mm", "angle_deg", "E_L", "E_T", "G_LT", "G_TT", "nu_LT", "nu_TT")
+CONSTANTS = ("E_L", "E_T", "E_N", "G_LT", "G_LN", "G_TT", "nu_LT", "nu_LN", "nu_TT")
+PLIES = ("scene", "ply", "thickness_mm", "angle_deg", *CONSTANTS)
 TERMS = ("measure", "strain", "formula", "dropped")
 LAWS = ("measure", "motion", "law", "at_tenth")
 
@@ -207,7 +208,7 @@ def plies(built: Sequence[Built]) -> pd.DataFrame:
 
 
 def _ply(ply: Ply) -> tuple[float, ...]:
-    return (ply.thickness, math.degrees(ply.angle), ply.E_L, ply.E_T, ply.G_LT, ply.G_TT, ply.nu_LT, ply.nu_TT)
+    return (ply.thickness, math.degrees(ply.angle), *ply.moduli, *ply.shears, *ply.poisson)
 
 
 def catalogue_tables(

@@ -169,9 +169,9 @@ def materials(laminate: Laminate) -> tuple[Material, ...]:
             raise UsageError(
                 f"plies of kind {type(ply).__name__} cannot be exported, only those with moduli along axes"
             )
-        G = (ply.G_LT, correction * ply.G_LT, correction * ply.G_TT)
-        nu = (ply.nu_LT, ply.nu_LT, ply.nu_TT)
-        found.append(Material((ply.E_L, ply.E_T, ply.E_T), nu, G, ply.angle, ply.thickness))
+        G_LT, G_LN, G_TN = ply.shears
+        G = (G_LT, correction * G_LN, correction * G_TN)
+        found.append(Material(ply.moduli, ply.poisson, G, ply.angle, ply.thickness))
     return tuple(found)
 
 

@@ -15,7 +15,7 @@ from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section
 from studies.scenes.mesh_file.surface import Mesh
 
-SAME = 1e-9  # relative: constants that a transversely isotropic ply has alike
+SAME = 1e-9  # of 1: a length or a cosine that is none
 EVEN = 0.5  # of a unit tangent between nodes
 MOST_TOLD = 4  # sections
 UPRIGHT = 0.95  # cosine between axis and normal, above which the angle of a ply has no direction to count from
@@ -75,21 +75,12 @@ def _ply(deck: Deck, layer: Layer, angle: float) -> Ply:
 
 
 def _fibres(law: Elastic, angle: float, thickness: float) -> Ply:
-    """Transversely isotropic about the first axis; the plane of a ply cannot tell 2 from 3 of a LAMINA."""
+    """The plane of a ply cannot tell 2 from 3 of a LAMINA."""
     if law.kind == "LAMINA":
         e1, e2, nu12, g12, g13, g23 = law.values
-        _same(law, ("G12", g12), ("G13", g13))
-        return Ply(e1, e2, g12, g23, nu12, e2 / (2 * g23) - 1 if g23 > 0 else 0.0, angle, thickness)
+        return Ply(e1, e2, g12, g23, nu12, e2 / (2 * g23) - 1 if g23 > 0 else 0.0, angle, thickness, G_LN=g13)
     e1, e2, e3, nu12, nu13, nu23, g12, g13, g23 = law.values
-    for pair in ((("E2", e2), ("E3", e3)), (("nu12", nu12), ("nu13", nu13)), (("G12", g12), ("G13", g13))):
-        _same(law, *pair)
-    return Ply(e1, e2, g12, g23, nu12, nu23, angle, thickness)
-
-
-def _same(law: Elastic, one: tuple[str, float], other: tuple[str, float]) -> None:
-    if not math.isclose(one[1], other[1], rel_tol=SAME):
-        unlike = f"{one[0]} = {one[1]:g} and {other[0]} = {other[1]:g} differ"
-        law.card.refuse(f": {unlike}: plies are transversely isotropic about axis 1")
+    return Ply(e1, e2, g12, g23, nu12, nu23, angle, thickness, E_N=e3, G_LN=g13, nu_LN=nu13)
 
 
 def first_axes(deck: Deck, mesh: Mesh) -> np.ndarray:

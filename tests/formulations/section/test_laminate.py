@@ -26,10 +26,11 @@ def compliance_tensor(ply: Ply) -> np.ndarray:
     """S_ijkl in the fibre axes straight from the engineering constants."""
     S = np.zeros((3, 3, 3, 3))
     for i in range(3):
-        S[i, i, i, i] = 1 / (ply.E_L if i == 0 else ply.E_T)
-    for i, j, nu, modulus in ((0, 1, ply.nu_LT, ply.E_L), (0, 2, ply.nu_LT, ply.E_L), (1, 2, ply.nu_TT, ply.E_T)):
+        S[i, i, i, i] = 1 / ply.moduli[i]
+    nu_LT, nu_LN, nu_TN = ply.poisson
+    for i, j, nu, modulus in ((0, 1, nu_LT, ply.E_L), (0, 2, nu_LN, ply.E_L), (1, 2, nu_TN, ply.E_T)):
         S[i, i, j, j] = S[j, j, i, i] = -nu / modulus
-    for i, j, shear in ((0, 1, ply.G_LT), (0, 2, ply.G_LT), (1, 2, ply.G_TT)):
+    for (i, j), shear in zip(((0, 1), (0, 2), (1, 2)), ply.shears, strict=True):
         for a, b, c, d in ((i, j, i, j), (i, j, j, i), (j, i, i, j), (j, i, j, i)):
             S[a, b, c, d] = 1 / (4 * shear)
     return S
@@ -88,8 +89,9 @@ def assert_close(found: np.ndarray, expected: np.ndarray, tolerance: float = ROU
 
 @pytest.mark.parametrize("angle", [0.0, math.radians(52), -math.radians(52), 1.3, math.pi / 2])
 @pytest.mark.parametrize("constants", [PAPER, (40.0, 9.0, 4.0, 3.0, 0.3, 0.4), (5.0, 9.0, 2.0, 8.0, -0.2, 0.1)])
-def test_ply_stiffness_is_the_rotated_fourth_order_tensor(constants, angle) -> None:
-    ply = Ply(*constants, angle, 1.0)
+@pytest.mark.parametrize("across", [(), (14.0, 5.0, 0.15)])  # E_N, G_LN, nu_LN
+def test_ply_stiffness_is_the_rotated_fourth_order_tensor(constants, across, angle) -> None:
+    ply = Ply(*constants[:-1], 0.2 if across else constants[-1], angle, 1.0, *across)
     assert_close(ply.stiffness(), ply_stiffness(ply), 1e-10)  # the paper's ply has a condition number of about 1e3
 
 
@@ -206,7 +208,11 @@ def test_single_ply_lies_about_its_middle_surface() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"nu_TT": 0.995}, r"not positive definite: .* must be > 0 \(nu_TT = 0.995, nu_LT = 0.46\)"),
+        ({"nu_TT": 0.995}, r"not positive definite: .* must be > 0 \(nu_TT = 0.995, nu_LT = 0.46, nu_LN = 0.46\)"),
+        ({"nu_LN": 9.0}, r"not positive definite: .* nu_LN = 9\)"),
+        ({"E_N": 4 * 6.91}, r"nu_TT = 0.95 must lie in \(-0.5, 0.5\)"),
+        ({"E_N": 0.0}, "E_N = 0 must be a positive number"),
+        ({"G_LN": -2.0}, "G_LN = -2 must be a positive number"),
         ({"nu_LT": 2.0}, "not positive definite"),
         ({"nu_LT": math.nan}, "not positive definite"),
         ({"nu_TT": 1.0}, r"nu_TT = 1 must lie in \(-1, 1\)"),
@@ -231,13 +237,17 @@ def test_impossible_isotropic_plies_are_refused(nu) -> None:
         Ply.isotropic(E, nu, H)
 
 
-@given(E_L=st.floats(0.5, 50), E_T=st.floats(0.5, 50), nu_LT=st.floats(-1.5, 1.5), nu_TT=st.floats(-1.2, 1.2))
-def test_a_ply_is_accepted_exactly_when_its_compliance_is_definite(E_L, E_T, nu_LT, nu_TT) -> None:
-    normal = np.array([[1 / E_L, -nu_LT / E_L, -nu_LT / E_L], [0, 1 / E_T, -nu_TT / E_T], [0, 0, 1 / E_T]])
+MODULI, RATIOS = st.floats(0.5, 50), st.floats(-1.5, 1.5)
+
+
+@given(moduli=st.tuples(MODULI, MODULI, MODULI), ratios=st.tuples(RATIOS, RATIOS, RATIOS))
+def test_a_ply_is_accepted_exactly_when_its_compliance_is_definite(moduli, ratios) -> None:
+    (E_L, E_T, E_N), (nu_LT, nu_LN, nu_TN) = moduli, ratios
+    normal = np.array([[1 / E_L, -nu_LT / E_L, -nu_LN / E_L], [0, 1 / E_T, -nu_TN / E_T], [0, 0, 1 / E_N]])
     smallest = np.linalg.eigvalsh(np.triu(normal, 1).T + normal).min()
     assume(abs(smallest) >= 1e-9)  # on the border rounding decides
     try:
-        Ply(E_L, E_T, 1.0, 1.0, nu_LT, nu_TT, 0.0, 1.0)
+        Ply(E_L, E_T, 1.0, 1.0, nu_LT, nu_TN, 0.0, 1.0, E_N, 1.0, nu_LN)
     except ValueError:
         assert smallest < 0
     else:

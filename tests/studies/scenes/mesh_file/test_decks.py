@@ -175,6 +175,15 @@ def test_plies_and_pressure(tmp_path, capsys) -> None:
     assert half["quantities"]["reaction_3_N"] == pytest.approx(-1e-4 * 250.0, rel=1e-9)
 
 
+def test_nine_constants_of_a_deck_are_those_of_its_ply(tmp_path) -> None:
+    elastic = ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", "1000., 400., 100., 0.1, 0.2, 0.3, 50., 60.", "70."]
+    material = ["*MATERIAL, NAME=M", *elastic, "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.1"]
+    lines = [*mesh_lines(*plate(2, 1, 1.0, 1.0)), *material, "*BOUNDARY", "1, 1, 6", "2, 1, 6", *LOADED]
+    with entered(written(tmp_path, lines)) as scene:
+        ((ply,),) = scene.plies
+    assert (ply.moduli, ply.poisson, ply.shears) == ((1000, 400, 100), (0.1, 0.2, 0.3), (50, 60, 70))
+
+
 def test_pressure_follows_with_nlgeom(tmp_path) -> None:
     """A quarter of a ring under inner pressure, symmetric at both ends: it turns nowhere, R grows by p R^2/(E h)."""
     a = np.linspace(0, np.pi / 2, 17)
