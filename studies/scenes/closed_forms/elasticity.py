@@ -1,8 +1,8 @@
 """Walls of any thickness in three-dimensional linear elasticity: exact fields, which judge a solid as well as a shell.
 
 Isotropic tube, sphere, curved bar and ring by Lamé's, Golovin's and Michell's closed forms: radii a (inner) and b
-(outer), E and nu; tube, bar and ring in plane strain, per unit width. Pagano's simply supported plate of cross-plies by
-transfer matrices. No element enters here.
+(outer), E and nu; tube, bar and ring in plane strain, per unit width. Simply supported plates (Pagano) and cylinders
+(Varadan, Bhaskar) of cross-plies from ply to ply. No element enters here.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from scipy.linalg import expm
 from formulations.section.laminate import Ply
 
 FEW = 30  # terms of a series in s < 2
+STEEP, CURVED = 2.0, 8  # exponent of a part of a ply at most; parts of half a curved ply at least
 
 
 def lame_growth(r: float, a: float, b: float, E: float, nu: float, *, sphere: bool = False) -> float:
@@ -65,37 +66,85 @@ def ovalised(r: float, a: float, b: float, E: float, nu: float) -> float:
 def middle_deflection(plies: Sequence[Ply], a: float, b: float, q0: float) -> float:
     """w [mm] at the centre of the middle surface of a cross-ply plate under q0 sin(pi x/a) sin(pi y/b) [MPa] on top.
 
-    Any thickness, any odd number of plies (Pagano, J. Compos. Mater. 4 (1970) 20).
-    y = (u, v, w, sigma_z, tau_xz, tau_yz), the amplitudes of its sines and cosines, obeys y' = A y in each ply, with
-    A from Hooke's law and equilibrium; the bottom face is free. An odd number of plies, whose middle one holds the
-    middle surface. Raises ValueError for an even number.
+    Of any thickness; raises ValueError for an even number of plies. Source: see :func:`through_wall`.
     """
     if len(plies) % 2 == 0:
         raise ValueError(f"the middle surface must lie inside a ply, not between {len(plies)}")
-    p, q, middle = math.pi / a, math.pi / b, len(plies) // 2
-    unit = plies[middle].thickness  # in units of which nothing overflows or is lost
-    lower = np.eye(6)
-    for ply in plies[:middle]:
-        lower = expm(ply_equations(ply, p, q) * ply.thickness) @ lower
-    half = expm(ply_equations(plies[middle], p, q) * unit / 2)
-    at_middle = half @ lower
-    whole = half @ at_middle
-    for ply in plies[middle + 1 :]:
-        whole = expm(ply_equations(ply, p, q) * ply.thickness) @ whole
-    bottom = np.linalg.solve(whole[3:, :3], [q0, 0.0, 0.0])
-    return float(at_middle[2, :3] @ bottom)
+    return float(through_wall(plies, math.pi / a, math.pi / b, (0.0, q0))[len(plies) // 2, 1, 2])
 
 
-def ply_equations(ply: Ply, a: float, b: float) -> np.ndarray:
-    """A (6, 6) of a ply whose stiffness has no 12 coupling; a, b: wave numbers [1/mm]."""
+def through_wall(
+    plies: Sequence[Ply], a: float, b: float, normal: tuple[float, float], curvature: float = 0.0
+) -> np.ndarray:
+    """(plies, 3, 9): amplitudes on the inner side, in the middle and on the outer side of each ply of a cross-ply wall.
+
+    Of u, v, w [mm], s33, s13, s23, s11, s22, s12 [MPa] in a mode of the wave numbers a along x and b along y [1/mm] of
+    the middle surface, which may be curved along y [1/mm]: w, s33, s11, s22 ~ sin(a x) sin(b y), u, s13 ~ cos sin,
+    v, s23 ~ sin cos, s12 ~ cos cos. normal [MPa]: s33 on the inner and on the outer face; no shears act on them.
+    Sources: Pagano, J. Compos. Mater. 4 (1970) 20; Varadan, Bhaskar, Compos. Struct. 17 (1991) 141 (recalled).
+    """
+
+    def law(ply: Ply, d: float) -> tuple[np.ndarray, np.ndarray]:
+        return ply_equations(ply, a, b / (1 + curvature * d), curvature / (1 + curvature * d))
+
+    start = -0.5 * math.fsum(ply.thickness for ply in plies)
+    transfers: list[np.ndarray] = []
+    places, rows = [], []
+    for ply in plies:
+        h = ply.thickness
+        steepest = np.abs(np.linalg.eigvals(law(ply, start)[0])).max()
+        n = math.ceil(max(h * steepest / (2 * STEEP), CURVED if curvature else 1))
+        places.append([len(transfers) + part for part in (0, n, 2 * n)])
+        rows.append([law(ply, start + share * h)[1] for share in (0.0, 0.5, 1.0)])
+        step = h / (2 * n)
+        apart = step / math.sqrt(12)  # Magnus' exponent of the fourth order
+        for middle in start + step * (np.arange(2 * n) + 0.5):
+            lower, upper = (law(ply, middle + sign * apart)[0] for sign in (-1, 1))
+            transfers.append(expm(step / 2 * (lower + upper) + step * apart / 2 * (upper @ lower - lower @ upper)))
+        start += h
+    states = _states(transfers, normal)[places]
+    return np.concatenate([states, np.einsum("pkij,pkj->pki", rows, states)], axis=-1)
+
+
+def _states(transfers: Sequence[np.ndarray], normal: tuple[float, float]) -> np.ndarray:
+    """(parts + 1, 6): u, v, w, s33, s13, s23 between the parts of a wall with these transfer matrices.
+
+    The stiffness of all that lies below, (s33, s13, s23) = Z (u, v, w) + g, is carried outwards and the displacements
+    back: products of transfer matrices lose all digits in walls thicker than a wave.
+    """
+    Z, g, below = np.zeros((3, 3)), np.array([normal[0], 0.0, 0.0]), []
+    for T in transfers:
+        back, moved = np.linalg.inv(T[:3, :3] + T[:3, 3:] @ Z), T[:3, 3:] @ g
+        below.append((Z, g, back, moved))
+        Z = (T[3:, :3] + T[3:, 3:] @ Z) @ back
+        g = T[3:, 3:] @ g - Z @ moved
+    u = np.linalg.solve(Z, np.array([normal[1], 0.0, 0.0]) - g)
+    found = [np.append(u, Z @ u + g)]
+    for Z, g, back, moved in reversed(below):
+        u = back @ (u - moved)
+        found.append(np.append(u, Z @ u + g))
+    return np.array(found[::-1])
+
+
+def ply_equations(ply: Ply, a: float, b: float, k: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """A (6, 6) and S (3, 6) of a ply whose stiffness has no 12 coupling: y' = A y and (s11, s22, s12) = S y.
+
+    y = (u, v, w, s33, s13, s23); a, b: wave numbers, k: curvature along the second direction, at this place [1/mm].
+    From Hooke's law, E11 = -a u, E22 = -b v + k w, 2E12 = b u + a v, 2E13 = u' + a w, 2E23 = v' + b w - k v, and
+    equilibrium.
+    """
     C = ply.stiffness()
-    A = np.zeros((6, 6))
+    A, strains = np.zeros((6, 6)), np.zeros((3, 6))
+    strains[0, 0], strains[1, 1:3], strains[2, :2] = -a, (-b, k), (b, a)
     A[0, [2, 4]] = -a, 1 / C[4, 4]
-    A[1, [2, 5]] = -b, 1 / C[5, 5]
-    A[2, [0, 1, 3]] = np.array([C[0, 3] * a, C[1, 3] * b, 1.0]) / C[3, 3]
-    A[3, [4, 5]] = a, b
-    in_plane = np.array([[-C[0, 0] * a, -C[0, 1] * b, 0, 0, 0, 0], [-C[0, 1] * a, -C[1, 1] * b, 0, 0, 0, 0]])
-    sigma_x, sigma_y = in_plane + np.outer(C[:2, 3], A[2])
-    tau_xy = C[2, 2] * np.array([b, a, 0, 0, 0, 0])
-    A[4], A[5] = -a * sigma_x + b * tau_xy, -b * sigma_y + a * tau_xy
-    return A
+    A[1, [1, 2, 5]] = k, -b, 1 / C[5, 5]
+    A[2] = -C[3, :3] @ strains / C[3, 3]
+    A[2, 3] += 1 / C[3, 3]
+    S = C[:3, :3] @ strains + np.outer(C[:3, 3], A[2])
+    A[3] = k * S[1]
+    A[3, 3:] += -k, a, b
+    A[4] = -a * S[0] + b * S[2]
+    A[4, 4] -= k
+    A[5] = -b * S[1] + a * S[2]
+    A[5, 5] -= 2 * k
+    return A, S

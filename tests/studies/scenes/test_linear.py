@@ -50,13 +50,13 @@ def plate_limit(quantity: str, **settings: str) -> float:
 def elasticity(S: float) -> dict[str, float]:
     """The three-dimensional solution by transfer matrices, y = (u, v, w, sigma_z, tau_xz, tau_yz), h = q0 = 1."""
     a, b = math.pi / S, math.pi / (3 * S)
-    outer, middle = expm(ply_equations(PLIES[0], a, b) / 3), expm(ply_equations(PLIES[1], a, b) / 6)
+    outer, middle = (expm(ply_equations(ply, a, b)[0] / n) for ply, n in zip(PLIES[:2], (3, 6), strict=True))
     half = middle @ outer
     whole = outer @ middle @ half
     bottom = np.append(np.linalg.solve(whole[3:, :3], [1.0, 0, 0]), [0, 0, 0])
     at_middle, top = half @ bottom, whole @ bottom
     tau_xy = PLIES[-1].stiffness()[2, 2] * (b * top[0] + a * top[1])
-    sigma_x = (b * tau_xy - ply_equations(PLIES[-1], a, b)[4] @ top) / a  # tau_xz' = -a sigma_x + b tau_xy
+    sigma_x = (b * tau_xy - ply_equations(PLIES[-1], a, b)[0][4] @ top) / a  # tau_xz' = -a sigma_x + b tau_xy
     return {
         "w_bar": 100 * linear_pagano.E_T * at_middle[2] / S**4,
         "sigma_x_bar": sigma_x / S**2,
