@@ -3,10 +3,13 @@
 The law gives all six from the strains of an element. Those across the wall, S13, S23 and S33, are small sums of large
 parts there, and jump from ply to ply where the surfaces are few; equilibrium gives them from the stresses in the plane,
 
-    S_a3(d) = - int (S_a1,1 + S_a2,2) dd,    S33(d) = S33(d-) - int (S13,1 + S23,2) dd
+    g S13(d) = - int (g S11,1 + S12,2) dd,    g^2 S23(d) = - int (g^2 S12,1 + g S22,2) dd,
+    g S33(d) = - p g(d-) - int (g S13,1 + S23,2 - k S22) dd,    g = 1 + k d
 
-from the inner face on, where S_a3 = 0 and S33 = -p. Both are printed side by side; where they agree either is good. For
-small displacements of a plate on a tensor grid; derivatives are differences between elements. Nothing is solved here.
+from the inner face on, where S_a3 = 0 and S33 = -p, in a wall of the curvature k along a2; ,a are derivatives by
+lengths of the reference surface. Both are printed side by side; where they agree either is good. For small
+displacements of a plate or a circular cylinder on a tensor grid; derivatives are differences between elements. Nothing
+is solved here.
 """
 
 from __future__ import annotations
@@ -17,7 +20,6 @@ import numpy as np
 from scipy.integrate import cumulative_simpson
 
 from formulations.geometry.grid import TensorGrid
-from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
 
 POINTS = 9  # in a ply, both sides included
@@ -38,25 +40,30 @@ class WallStresses:
 
     @classmethod
     def of(cls, shell: ShellModel, u: np.ndarray, pressure: float = 0.0) -> WallStresses:
-        """At the displacements u; pressure [MPa]: on the inner face. Raises ValueError where the wall is not flat."""
+        """At the displacements u; pressure [MPa]: on the inner face. Raises ValueError for walls of another shape."""
         discretisation = shell.discretisation
         grid, wall = discretisation.grid, discretisation.wall
         if wall is None:
             raise ValueError("stresses through the wall need surfaces inside it")
-        if not isinstance(discretisation.surface, Plate) or not isinstance(grid, TensorGrid):
-            raise ValueError("equilibrium through the wall is that of a plate on a tensor grid")
+        shape = discretisation.surface.geometry(*grid.centre.T)
+        k = shape.k[0, 1]
+        if not isinstance(grid, TensorGrid) or np.any(shape.k != [0, k]) or np.any(shape.B):
+            raise ValueError("equilibrium through the wall is that of a plate or a cylinder on a tensor grid")
         sampling = wall.sampling
         plies = len(sampling.laminate.plies)
         inside = np.linspace(0.0, 1.0, POINTS)
         d = np.array([low + inside * (high - low) for low, high in sampling.ends])
-        taken = np.array([sampling.taken(k, d[k]) for k in range(plies)])
+        taken = np.array([sampling.taken(ply, d[ply]) for ply in range(plies)])
         law = shell.wall_stresses(u, taken).reshape(len(grid.elements), plies * POINTS, 6)
         field = law.reshape(*(len(line) - 1 for line in grid.lines), plies, POINTS, 6)
-        centres = [0.5 * (line[1:] + line[:-1]) for line in grid.lines]
+        centres = [0.5 * length * (line[1:] + line[:-1]) for line, length in zip(grid.lines, shape.A[0], strict=True)]
         found = np.zeros((*field.shape[:-1], 3))
+        g = 1 + k * d
         for a, row in ((0, (S11, S12)), (1, (S12, S22))):
-            found[..., a] = _through(_divergence(field[..., row[0]], field[..., row[1]], centres), d)
-        found[..., 2] = _through(_divergence(found[..., 0], found[..., 1], centres), d) - pressure
+            along = _divergence(g * field[..., row[0]], field[..., row[1]], centres)
+            found[..., a] = _through(g**a * along, d) / g ** (a + 1)
+        inwards = _divergence(g * found[..., 0], found[..., 1], centres) - k * field[..., S22]
+        found[..., 2] = (_through(inwards, d) - pressure * g[0, 0]) / g
         ply = np.repeat(np.arange(plies), POINTS)
         return cls(d.ravel(), ply, law, found.reshape(len(law), -1, 3))
 

@@ -67,12 +67,15 @@ def _of_element(presets: Mapping[str, Mapping[str, str]], interpolations: Iterab
     )
 
 
-def of_wall(surfaces: str, law: str) -> tuple[Setting, ...]:
-    """The settings of the element of a scene whose wall has surfaces inside it, and these defaults."""
+def of_wall(surfaces: str, law: str, among: Sequence[str] = SURFACES[1:]) -> tuple[Setting, ...]:
+    """The settings of the element of a scene whose wall has surfaces inside it, and these defaults.
+
+    among: how many surfaces may be asked for; those of two faces alone where it knows what these answer.
+    """
     inside, met = WALL
     return (
         *_of_element(PRESETS, ON_LINES),
-        replace(inside, choices=SURFACES[1:], default=surfaces, otherwise=""),
+        replace(inside, choices=tuple(among), default=surfaces, otherwise=""),
         replace(met, default=law, otherwise=""),
     )
 

@@ -23,6 +23,7 @@ from studies.scenes.element import ELEMENT, bending_of, law_of
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
+AT = 1e-9  # over half an element: rounding of a place on its edge
 LOAD_FRACTION = replace(LOAD_FRACTIONS, default=(1.0,))
 SHELL_SETTINGS = (
     Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4),
@@ -49,6 +50,11 @@ def normal_at(discretisation: Discretisation, places: Mapping[str, tuple[int | n
         return {name: float(sign * v[nodes, 4:].mean()) for name, (nodes, sign) in places.items()}
 
     return read
+
+
+def elements_at(grid: Grid, a1: float, a2: float) -> np.ndarray:
+    """The elements (k,) that hold a point, on their edges included."""
+    return np.flatnonzero(np.all(np.abs(grid.centre - [a1, a2]) <= (1 + AT) * grid.half, axis=1))
 
 
 def area_load(

@@ -22,7 +22,7 @@ from studies.ask.request import Request
 from studies.ask.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import centred_laminate, patch
-from studies.scenes.statics import SHELL_SETTINGS, StaticModel, area_load, loaded_shell
+from studies.scenes.statics import SHELL_SETTINGS, StaticModel, area_load, elements_at, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
 E_L, E_T, G_LT, G_TT, NU = 25.0, 1.0, 0.5, 0.2, 0.25
@@ -111,7 +111,7 @@ def _through_the_wall(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> 
     grid = shell.discretisation.grid
     (x0, y0), (x1, y1) = grid.nodes.min(axis=0), grid.nodes.max(axis=0)
     corners = [grid.node_at(*point) for point in ((x1, y1), (x0, y1), (x1, y0))]
-    at_centre, at_x0, at_y0 = (int(np.flatnonzero((grid.elements == each).any(axis=1))[0]) for each in corners)
+    at_centre, at_x0, at_y0 = (elements_at(grid, *grid.nodes[corner])[0] for corner in corners)
     stresses = WallStresses.of(shell, u)
     middle = len(stresses.d) // 2
     shears = {
@@ -137,7 +137,7 @@ def _normalised(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[s
     (x0, y0), (x1, y1) = grid.nodes.min(axis=0), grid.nodes.max(axis=0)
     corners = [grid.node_at(*point) for point in ((x1, y1), (x0, y1), (x1, y0))]
     w = shell.discretisation.expand(u)[corners[0], 4:].mean()
-    elements = [int(np.flatnonzero((grid.elements == corner).any(axis=1))[0]) for corner in corners]
+    elements = [elements_at(grid, *grid.nodes[corner])[0] for corner in corners]
     H_mean = shell.mean_resultants(u)[elements, :11]
     at_centre, at_x0, at_y0 = (_ply_stresses(laminate, shell.section, resultants) for resultants in H_mean)
     half_x0, half_y0 = grid.half[elements[1:]]
