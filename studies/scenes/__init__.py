@@ -33,6 +33,9 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "free-hyperboloid": "studies.scenes.benchmarks.hyperboloid",
     "pagano": "studies.scenes.benchmarks.pagano",
     "wrapped-cylinder": "studies.scenes.benchmarks.wrapped_cylinder",
+    "laminated-strip": "studies.scenes.benchmarks.laminated_strip",
+    "sandwich-plate": "studies.scenes.benchmarks.sandwich_plate",
+    "laminated-cylinder": "studies.scenes.benchmarks.laminated_cylinder",
     # on quadrilaterals that follow no lines of curvature
     "twisted-beam": "studies.scenes.benchmarks.twisted_beam",
     "raasch-hook": "studies.scenes.benchmarks.raasch_hook",

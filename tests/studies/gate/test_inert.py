@@ -26,9 +26,12 @@ FLAT = (
     "heavy-strip",
     "plate-contact",
     "inflated-membrane",
+    "laminated-strip",
+    "sandwich-plate",
     *PLANE,
 )
-ORTHOTROPIC = ("pagano", "wrapped-cylinder")  # other laws than the linear one are isotropic
+LAMINATES = ("laminated-strip", "sandwich-plate", "laminated-cylinder")
+ORTHOTROPIC = ("pagano", "wrapped-cylinder", *LAMINATES)  # other laws than the linear one are isotropic
 CORRECTED = {"strip-contact", "heavy-strip", "plate-contact"}  # for shear, which two faces alone are
 FIRST = {type(SCENES[name]): name for name in sorted(SCENES, reverse=True)}
 QUICK = ("cantilever", "free-hyperboloid", "ring", "roof-a", "pressurised-cylinder")
