@@ -3,9 +3,8 @@
 The printed values are those of a beam of layers: M E h/(2 D), T S/D and P L^3/(48 D) with the shear's part, of the
 moduli along the strip alone. They are met to their last digit with a span of 30 mm, plies of 0.1 mm and one of 0.4 mm
 in the middle, and 10 N/mm across the strip. In elasticity the line load on the upper face is felt below, too: there the
-stress is 2.4 % larger, and only a wall of two faces, whose fibres across it stay straight, is a beam. Between sides
-that do not move across the strip it is in plane strain, and a series gives all. The ends that hang over the supports
-carry nothing and are left out.
+stress is 2.4 % larger, in a wall of two faces 1 %. Between sides that do not move across the strip it is in plane
+strain, and a series gives all. The ends that hang over the supports carry nothing and are left out.
 """
 
 from __future__ import annotations
