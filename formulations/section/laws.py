@@ -8,17 +8,19 @@ rounding leaves an eigenvalue of C that is not positive, stress and tangent are 
 All have the same tangent at E = 0, so they differ by the order of the strain itself: under uniaxial stress
 S_11 = E_0 (E_11 - k E_11^2 + ...) with Young's modulus E_0 and k = 0 (St. Venant-Kirchhoff), 3 (Hencky) and
 2 + nu (1 + 2 nu^2)/(1 + nu) (neo-Hooke). Nothing is a difference of numbers far larger than itself: energy and stress
-keep their digits down to strains of 1e-12 and below. A law of one's own is a class with the three methods of
-:class:`Law` and a line in :data:`LAWS`, from a file given with ``--use`` as well; with a fourth, of :class:`Divided`,
-a wall that hardly changes its volume does not lock.
+keep their digits down to strains of 1e-12 and below. A law of one's own is a class with the methods of :class:`Law` and
+a line in :data:`LAWS`, from a file given with ``--use`` as well: what makes it of a ply, or raises ValueError where the
+ply has none. Its tangent at rest is the stiffness of the ply. With the method of :class:`Divided` besides, a wall that
+hardly changes its volume does not lock.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import ClassVar, Protocol, Self, runtime_checkable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -37,10 +39,6 @@ _SERIES = 18  # terms of exp(x) - 1 - x for |x| < 1
 
 class Law(Protocol):
     """A frozen record of the constants of one ply."""
-
-    @classmethod
-    def of(cls, ply: Ply) -> Self:
-        """The law whose tangent at rest is the stiffness of the ply; raises ValueError where it has none."""
 
     def energy(self, strain: np.ndarray) -> np.ndarray:
         """W (...) [MPa] at E (..., 6), per reference volume."""
@@ -258,12 +256,56 @@ class NeoHooke:
         return stress, tangent
 
 
+@dataclass(frozen=True, eq=False)
+class Corded:
+    """W = W_m(E) + 1/2 E.R E: cords in rubber, with the law W_m of the rubber and R (6, 6) [MPa] what is left of B.
+
+    The rubber has mu = min(G_LT, G_TT) and lam = min(B_1122, B_1133, B_2233), along the fibre: all that the ply shares
+    with an isotropic one. R = B - B_m, so that the tangent at rest is the stiffness B of the ply, with all its
+    constants. In general R is that of stiff cords, S = E_c E_LL a x a. The ply of the 2004 paper is of rubber with
+    mu = 1.77 and lam = 71.8 MPa (nu = 0.488), and of cords with E_c = 501.2 MPa; of R there is left 0.56 MPa against
+    shear along the cords, and 4.5 MPa against E_TT + E_33. Cords are linear, in compression as well.
+    """
+
+    rubber: Law
+    cords: StVenantKirchhoff
+
+    @classmethod
+    def of(cls, law: Callable[[Ply], Divided], ply: Ply) -> Law:
+        """That of an isotropic ply itself; raises ValueError where the rubber has no bulk modulus above zero."""
+        B = replace(ply, angle=0.0).stiffness()
+        mu, lam = B[_SHEAR, _SHEAR].min(), min(B[0, 1], B[0, 3], B[1, 3])
+        bulk = lam + 2 / 3 * mu
+        if not bulk > 0:
+            raise ValueError(f"the rubber between the cords has a bulk modulus of {bulk:.4g} MPa: it must be positive")
+        rubber = Ply.isotropic(3 * bulk * mu / (lam + mu), lam / (2 * (lam + mu)), ply.thickness)
+        rest = ply.stiffness() - rubber.stiffness()
+        if np.max(np.abs(rest)) <= _ALIKE * np.max(np.abs(B)):
+            return law(ply)
+        return cls(law(rubber), StVenantKirchhoff(rest, np.zeros_like(rest)))
+
+    def divided(self) -> tuple[Law, Law]:
+        """The rubber's volume apart."""
+        assert isinstance(self.rubber, Divided)
+        shape, volume = self.rubber.divided()
+        return Corded(shape, self.cords), volume
+
+    def energy(self, strain: np.ndarray) -> np.ndarray:
+        """Of both."""
+        return self.rubber.energy(strain) + self.cords.energy(strain)
+
+    def response(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Of both."""
+        (S, C), (S_c, C_c) = self.rubber.response(strain), self.cords.response(strain)
+        return S + S_c, C + C_c
+
+
 LAWS: dict[str, Callable[[Ply], Law]] = {
     "svk": StVenantKirchhoff.of,
-    "hencky": Hencky.of,
-    "neo-hooke": NeoHooke.of,
-    "mooney-rivlin": Ogden.mooney_rivlin,
-    "ogden": Ogden.of,
+    "hencky": partial(Corded.of, Hencky.of),
+    "neo-hooke": partial(Corded.of, NeoHooke.of),
+    "mooney-rivlin": partial(Corded.of, Ogden.mooney_rivlin),
+    "ogden": partial(Corded.of, Ogden.of),
 }
 
 

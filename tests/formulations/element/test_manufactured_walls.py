@@ -25,6 +25,7 @@ from support.problems.differences import fitted_order
 from support.problems.shells import PATCHES
 
 WALL = Laminate((Ply.isotropic(3.0, 0.3, 0.18), Ply.isotropic(1.0, 0.4, 0.12)), -0.12)
+CORDED = Laminate(tuple(Ply(20.0, 2.0, 0.8, 0.6, 0.35, 0.5, angle, 0.15) for angle in (0.9, -0.9)), -0.12)
 THROUGH = {  # by 1, d and d^2, Cartesian
     "3": np.array([[0.02, -0.03, 0.12], [0.03, 0.02, 0.012]]),
     "5": np.array([[0.02, -0.03, 0.12], [0.1, 0.06, 0.04], [0.2, -0.1, 0.3]]),
@@ -96,13 +97,13 @@ def forces(body: Discretisation, bubble: Bubble, law: str) -> np.ndarray:
     return body.map.gather(np.append(faces, found[:, 1:-1]))
 
 
-def error(patch: str, n: int, surfaces: str, law: str) -> float:
+def error(patch: str, n: int, surfaces: str, law: str, wall: Laminate = WALL) -> float:
     """Of the displacements of all surfaces in the middles of the elements, root mean square, over theirs."""
     piece = PATCHES[patch]
     grid, bubble = piece.grid(n, n), Bubble(piece, THROUGH[surfaces])
     held = Supports.of_edges(grid, *["clamped"] * 4).masks
     kinds = MEASURES["exact"].kinematics, "isoparametric"
-    body = Discretisation.build(piece.surface, grid, WALL, *held, *kinds, ordered=True, surfaces=surfaces)
+    body = Discretisation.build(piece.surface, grid, wall, *held, *kinds, ordered=True, surfaces=surfaces)
     options = {"thickness_strain": "balanced", "membrane": "relaxed", "law": law, "newton": "plain"}
     shell = ShellModel(body, MEASURES["exact"], forces=forces(body, bubble, law), **options)
     frame = piece.surface.frame(*grid.nodes.T)
@@ -134,5 +135,11 @@ CASES = [
 @pytest.mark.parametrize(("surfaces", "patch", "law"), CASES)
 def test_order_of_every_law(surfaces, patch, law) -> None:
     errors = [error(patch, n, surfaces, law) for n in MESHES]
+    assert fitted_order([1 / n for n in MESHES], errors) >= 1.9
+    assert errors[-1] <= 0.01
+
+
+def test_order_of_cords_in_rubber() -> None:
+    errors = [error("plate", n, "3", "neo-hooke", CORDED) for n in MESHES]
     assert fitted_order([1 / n for n in MESHES], errors) >= 1.9
     assert errors[-1] <= 0.01

@@ -118,9 +118,10 @@ def test_tangent_is_the_derivative_of_the_residual(rng, measure, surfaces) -> No
         assert difference_order(shell, u, du) >= 1.9
 
 
+@pytest.mark.parametrize("laminate", [RUBBER, SKEW_LAMINATE], ids=["rubber", "cords"])
 @pytest.mark.parametrize("law", LAWS)
-def test_tangent_of_any_law_and_its_energy(rng, law) -> None:
-    shell = shell_on("wavy", "3", laminate=RUBBER, law=law, newton="plain")
+def test_tangent_of_any_law_and_its_energy(rng, law, laminate) -> None:
+    shell = shell_on("wavy", "3", laminate=laminate, law=law, newton="plain")
     u, du = 0.02 * rng.normal(size=(2, shell.discretisation.n_free))
     assert difference_order(shell, u, du) >= 1.9
     steps = 0.01 * 2.0 ** -np.arange(5)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from support.problems.differences import central_difference, fitted_order, rotat
 E, NU = 4.07, 0.48
 PLY = Ply.isotropic(E, NU, 1.0)
 SKEW = Ply(30.0, 8.0, 4.0, 3.0, 0.3, 0.4, 0.6, 0.11)
+CORDS = Ply(510.45, 6.91, 2.33, 1.77, 0.46, 0.95, 0.9, 1.2)  # of the tyre
 LAM, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
 ONCE = np.array([1.0 if i == j else 2.0 for i, j in VOIGT])
 Energy = Callable[[np.ndarray], float]  # of C (3, 3)
@@ -64,6 +66,7 @@ ENERGIES: dict[str, Energy] = {
     "ogden": lambda C: _isochoric(C, ((6.3, 1.3), (0.012, 5.0), (-0.1, -2.0))),
 }
 every_law = pytest.mark.parametrize("name", LAWS)
+other_laws = pytest.mark.parametrize("name", [name for name in LAWS if name != "svk"])
 
 
 def green(F: np.ndarray) -> np.ndarray:
@@ -146,10 +149,40 @@ def test_any_ply_has_its_own_linear_law(rng) -> None:
     assert stress == pytest.approx(np.einsum("pq,abq->abp", SKEW.stiffness(), strain))
 
 
-@pytest.mark.parametrize("name", [name for name in LAWS if name != "svk"])
-def test_isotropic_laws_refuse_other_plies(name) -> None:
-    with pytest.raises(ValueError, match="isotropic"):
-        LAWS[name](SKEW)
+@other_laws
+@pytest.mark.parametrize("ply", [CORDS, SKEW], ids=["cords", "skew"])
+def test_a_ply_with_cords_has_its_own_stiffness_and_the_law_of_its_rubber(rng, name, ply) -> None:
+    """W less that of St. Venant and Kirchhoff's law is what it is of the rubber alone; S and dS/dE by differences."""
+    law, own, strain = LAWS[name](ply), StVenantKirchhoff.of(ply), green(deformed(rng))
+    _, at_rest = law.response(np.zeros(6))
+    assert at_rest == pytest.approx(own.B, abs=1e-12 * np.abs(own.B).max())
+    lam = ply.nu_LT * ply.E_T / (1 - ply.nu_TT - 2 * ply.nu_LT**2 * ply.E_T / ply.E_L)  # contraction along the cords
+    across = ply.E_T * (ply.nu_TT + ply.nu_LT**2 * ply.E_T / ply.E_L) / (1 + ply.nu_TT)
+    lam, mu = min(lam, lam / ply.nu_LT / ply.E_T * across), min(ply.G_LT, ply.G_TT)
+    rubber = Ply.isotropic(mu * (3 * lam + 2 * mu) / (lam + mu), lam / (2 * (lam + mu)), 1.0)
+    more = [LAWS[name](rubber).energy(strain), -StVenantKirchhoff.of(rubber).energy(strain), own.energy(strain)]
+    assert law.energy(strain) == pytest.approx(sum(more), rel=1e-12)
+    energy = lambda C: float(law.energy(ONCE * np.array([0.5 * (C - np.eye(3))[at] for at in VOIGT])))  # noqa: E731
+    F = deformed(rng)
+    assert energy_errors(law, energy, F) == pytest.approx(np.zeros(6), abs=1e-7)
+    assert abs(tangent_order(law, strain, rng.normal(size=6)) - 2) <= 0.02
+
+
+def test_cords_of_the_tyre_are_stiff_along_themselves_alone() -> None:
+    """The constants of the docstring: E_c along the cords, and next to nothing else."""
+    law = LAWS["neo-hooke"](replace(CORDS, angle=0.0))
+    assert (law.rubber.mu, law.rubber.lam) == pytest.approx((1.77, 71.80), rel=1e-4)
+    left = law.cords.B
+    assert left[0, 0] == pytest.approx(501.17, rel=1e-4)
+    assert np.abs(left[0, 1:]).max() <= 1e-9
+    assert left[1, 1] == pytest.approx(4.475, rel=1e-3)
+    assert left[2, 2] == left[4, 4] == pytest.approx(0.56)
+    assert np.linalg.eigvalsh(left).min() >= -1e-9
+
+
+def test_rubber_that_would_swell_by_itself_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"bulk modulus of -31.* MPa: it must be positive"):
+        LAWS["hencky"](replace(CORDS, nu_TT=-0.9))
 
 
 def test_constants_are_lames() -> None:
@@ -185,7 +218,7 @@ def test_stretches_of_a_body_are_those_of_its_deformation(rng) -> None:
         assert body.stretches(u) == pytest.approx(np.broadcast_to(factors, (2, 27, 3)), rel=1e-9)
 
 
-@pytest.mark.parametrize("name", [name for name in LAWS if name != "svk"])
+@other_laws
 def test_no_volume_has_no_stress(name) -> None:
     """A strain that no deformation has gives NaN, without a warning; the rest of the batch is not touched."""
     law, sound = LAWS[name](PLY), green(np.diag([1.1, 0.9, 1.0]))

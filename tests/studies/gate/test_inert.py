@@ -30,8 +30,6 @@ FLAT = (
     "sandwich-plate",
     *PLANE,
 )
-LAMINATES = ("laminated-strip", "sandwich-plate", "laminated-cylinder")
-ORTHOTROPIC = ("pagano", "wrapped-cylinder", *LAMINATES)  # other laws than the linear one are isotropic
 CORRECTED = {"strip-contact", "heavy-strip", "plate-contact"}  # for shear, which two faces alone are
 FIRST = {type(SCENES[name]): name for name in sorted(SCENES, reverse=True)}
 QUICK = ("cantilever", "free-hyperboloid", "ring", "roof-a", "pressurised-cylinder")
@@ -55,7 +53,6 @@ def test_settings_of_the_others_have_an_effect_or_belong_to_curved_ones() -> Non
     on_quads = {name: scene for name in others if isinstance(scene := SCENES[name], OnQuads)}
     refused = {(name, "interpolation") for name, scene in on_quads.items() if not scene.lines_of_curvature}
     refused |= {(name, key) for name in CORRECTED & others for key in ("surfaces", "law")}
-    refused |= {(name, "law") for name in ORTHOTROPIC}
     refused |= {("inflated-membrane", "surfaces"), ("inflated-membrane", "law")}  # 3 and 3/ply are one; not svk
     assert found(*sorted(others)) == refused | {(name, "membrane") for name in FLAT if name in others}
 

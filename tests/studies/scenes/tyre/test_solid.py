@@ -72,12 +72,6 @@ def test_what_does_not_apply_to_a_solid_is_refused(
     assert "\n" not in str(caught.value)
 
 
-def test_a_law_that_is_isotropic_refuses_cords() -> None:
-    scene, request = resolve("tyre-solid", {"E_L_MPa": "510.45", "law": "hencky"}, "8x10")
-    with pytest.raises(UsageError, match=r"law 'hencky'.*isotropic"):
-        scene.build(request)
-
-
 @pytest.mark.parametrize(
     ("settings", "model"),
     [
