@@ -27,6 +27,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "inflated-membrane": "studies.scenes.benchmarks.inflated_membrane",
     "rubber-tube": "studies.scenes.benchmarks.rubber",
     "rubber-sphere": "studies.scenes.benchmarks.rubber",
+    "pinched-rubber": "studies.scenes.benchmarks.pinched_rubber",
     # linear
     "scordelis-lo": "studies.scenes.benchmarks.scordelis_lo",
     "pinched-cylinder": "studies.scenes.benchmarks.pinched_cylinder",
