@@ -91,6 +91,7 @@ ON_QUADS = (
         for setting in _of_element({**PRESETS, **ON_MESHES}, INTERPOLATIONS)
     ),
     *MOVED_NODES,
+    *WALL,
 )
 LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 GREEN = EXACT.name

@@ -21,7 +21,7 @@ from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, Value
 from studies.ask.scene import SOLVER, Setting, UsageError
-from studies.scenes.element import LINES, ON_QUADS, even_grid
+from studies.scenes.element import LINES, ON_QUADS, check_wall, even_grid
 from studies.scenes.statics import LOAD_FRACTION
 
 SHEAR = Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4)
@@ -89,6 +89,7 @@ class MappedShell:
             MEASURES[request.measure].kinematics,
             "quads",
             ordered=True,
+            surfaces=check_wall(request, laminate),
         )
         return cls(body, square, middle)
 

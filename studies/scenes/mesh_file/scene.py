@@ -23,7 +23,7 @@ from studies.ask.scene import SOLVER, SceneModel, Setting
 from studies.scenes import SCENES, foundations
 from studies.scenes.complete import LARGEST_MESH
 from studies.scenes.contact.base import OUTER
-from studies.scenes.element import centred_laminate
+from studies.scenes.element import WALL, centred_laminate, check_wall
 from studies.scenes.mesh_file import pressed
 from studies.scenes.mesh_file.cuts import cut_in
 from studies.scenes.mesh_file.loads import forces_of, loads_of, moments_of
@@ -65,6 +65,7 @@ class DeckScene:
             Setting.one_of("pressure", (DEAD, FOLLOWER), follows, "whether pressure keeps its direction"),
             Setting.positive("fold_deg", 20.0, "largest angle between neighbours, of normals and along the rim", 60.0),
             BESIDE,
+            *WALL,
             SOLVER,
         )
         self.quantities: Mapping[str, str] = {
@@ -108,8 +109,11 @@ class DeckScene:
         walls = walls_of(deck, mesh, laminates) if len(laminates) > 1 or deck.thickness else None
         kinematics = MEASURES[request.measure].kinematics
         supported = (*supports.masks, kinematics, "quads")
+        surfaces = check_wall(request, laminates[0])
         try:
-            shell = Discretisation.build(surface, grid, laminates[0], *supported, ordered=True, walls=walls)
+            shell = Discretisation.build(
+                surface, grid, laminates[0], *supported, ordered=True, walls=walls, surfaces=surfaces
+            )
         except ValueError as error:
             raise UsageError(f"{mesh.file}: {error}") from None
         height = np.full(len(mesh.numbers), laminates[0].thickness)

@@ -175,6 +175,13 @@ def test_plies_and_pressure(tmp_path, capsys) -> None:
     assert half["quantities"]["reaction_3_N"] == pytest.approx(-1e-4 * 250.0, rel=1e-9)
 
 
+def test_a_deck_has_surfaces_inside_its_wall(tmp_path) -> None:
+    """As thin as that they change nothing; a law at points is asked for like anywhere."""
+    two = answered(tmp_path, STRIP, "--no-error")["quantities"]["u3_TIP_mm"]
+    asked = ("--no-error", "--set", "surfaces=3", "--set", "law=neo-hooke")
+    assert answered(tmp_path, STRIP, *asked)["quantities"]["u3_TIP_mm"] == pytest.approx(two, rel=2e-3)
+
+
 def test_nine_constants_of_a_deck_are_those_of_its_ply(tmp_path) -> None:
     elastic = ["*ELASTIC, TYPE=ENGINEERING CONSTANTS", "1000., 400., 100., 0.1, 0.2, 0.3, 50., 60.", "70."]
     material = ["*MATERIAL, NAME=M", *elastic, "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.1"]

@@ -69,6 +69,10 @@ def test_sections_that_say_too_much_or_too_little(tmp_path, capsys, old, new, wo
     assert words in refused(tmp_path, capsys, lines)
 
 
+def test_walls_that_differ_have_no_surfaces_inside(tmp_path, capsys) -> None:
+    assert "need the same wall everywhere" in refused(tmp_path, capsys, STEPPED, "--set", "surfaces=3")
+
+
 def test_plies_that_count_from_two_axes(tmp_path, capsys) -> None:
     fibres = ["*MATERIAL, NAME=F", "*ELASTIC, TYPE=LAMINA", "100000., 4000., 0., 2000., 2000., 2000."]
     axes = ["*ORIENTATION, NAME=O", "0., 1., 0., -1., 0., 0.", "3, 0."]
