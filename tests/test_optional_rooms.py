@@ -22,7 +22,7 @@ WITHOUT = (
         "reports",
     ),
 )
-MOST = 150  # modules of ours
+MOST = 151  # modules of ours
 SOLVED = """
 import sys
 from studies.cli import main

@@ -10,10 +10,10 @@ the law at rest, as of stresses that have no other components on that mode: E33 
 cannot vary with it, and nearly incompressible walls do not lock. A law thus costs a quarter of its points.
 
 Where a law is not linear, such strains count by the lengths that are left, in the energy: with C = 1 + 2E of E11, E22
-and E33 on 00 of the same surface, E33 / C33 and 2E_a3 sqrt((C33 + 1/C33) / (2 C_aa)). The stiffness of a law against
-2E_a3 is (S_aa - S_33)/(C_aa - C_33), of a neo-Hookean wall mu/C_aa, and 1/C33 of the pressure on it more; with mu alone
-a ring crushed to a stretch of 0.79 had 28 negative eigenvalues, and a sphere blown up to twice its radius eight, none
-of which is one of the wall.
+and E33 on 00 of the same surface, E33 / C33 and 2E_a3 sqrt((C33 + C33^-2) / (2 C_aa)). The stiffness of a law against
+2E_a3 is (S_aa - S_33)/(C_aa - C_33), of neo-Hooke's mu/C_aa and, under a pressure p on a wall, p/(C_aa C33) more, which
+the powers of C33 keep below. With mu alone a ring crushed to a stretch of 0.79 had 28 negative eigenvalues, and a
+sphere blown up to twice its radius eight, none of which is one of the wall.
 
 No measure, no displacement and no load may enter here.
 """
@@ -229,11 +229,12 @@ def _logarithm_of_shares(C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndar
     square = of_normal**2
     value[..., E33, 0] = -np.log(of_normal)
     slope[..., E33, 2], bend[..., E33, 2] = -2 / of_normal, 4 / square
+    grown = 0.5 * (of_normal + 1 / square)
+    first, second = 0.5 * (1 - 2 / of_normal**3) / grown, 3 / square**2 / grown
     for a, row in enumerate(SHEARS):
-        value[..., row, 0] = 0.5 * np.log(0.5 * (of_normal + 1 / of_normal) / C[..., a])
+        value[..., row, 0] = 0.5 * np.log(grown / C[..., a])
         slope[..., row, a], bend[..., row, a] = -1 / C[..., a], 2 / C[..., a] ** 2
-        slope[..., row, 2] = (square - 1) / (of_normal * (square + 1))
-        bend[..., row, 2] = 2 * (1 + 4 * square - square**2) / (of_normal * (square + 1)) ** 2
+        slope[..., row, 2], bend[..., row, 2] = first, 2 * (second - first**2)
     return value, slope, bend
 
 

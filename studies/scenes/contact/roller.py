@@ -3,11 +3,12 @@
 Outer radius 35, bore 17.5, width 28 mm, nu = 0.475, 380 N: the roller of a public thread (felupe#870), where a contact
 30 mm wide under 0.62 MPa is expected. Its modulus, 0.275 MPa, cannot give that: ten times as much is taken here, with
 which Hertz's line contact is 26 mm wide under 0.66 MPa. His body is a linear half space. Of this one the bore leaves no
-more than 17.5 mm, and rubber stiffens where it is pressed: 22 mm under 0.83 MPa, at a travel of 2.565 mm. With a linear
+more than 17.5 mm, and rubber stiffens where it is pressed: 22 mm under 0.83 MPa, at a travel of 2.568 mm. With a linear
 law, which softens, it is 28 mm under 0.59.
 
-Three surfaces are 13 % too stiff, five 0.2 %. A slice in plane strain, as wide as its elements are long: in wider ones
-what is compressed has modes that alternate between the sides of the slice.
+The force of three surfaces is within 1.1 % of the solid's up to a travel of 3 mm, that of five within 0.1 %. A slice in
+plane strain, as wide as its elements are long: in wider ones what is compressed has modes that alternate between the
+sides of the slice.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ OUTER, BORE, WIDTH, SLICE, E, NU = 35.0, 17.5, 28.0, 0.5, 2.75, 0.475  # mm, mm,
 AWAY = np.array([1.0, 0.0, 0.0])
 PATCH = 0.6  # rad: half of the lines lie up to here
 TRAVELS = Setting.positive(
-    "delta_mm", (1.0, 2.0, 2.565, 3.0), "travel of the plane from first touch", 6.0, kind="floats"
+    "delta_mm", (1.0, 2.0, 2.568, 3.0), "travel of the plane from first touch", 6.0, kind="floats"
 )
 SOLID = {1.0: (94.84, 0.3524), 2.0: (258.97, 0.6434), 3.0: (485.02, 0.9899)}  # mm: N, MPa
 OF_SOLID = "plane solid of 9-node quadrilaterals with the same law, 64x8"

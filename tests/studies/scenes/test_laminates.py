@@ -200,7 +200,7 @@ def test_a_strip_of_one_element_is_refused() -> None:
 
 
 def test_equilibrium_through_the_wall_is_refused_where_the_wall_is_no_plate_and_no_cylinder() -> None:
-    scene, request = complete("rubber-sphere", {"law": "svk"}, "2x2")
+    scene, request = complete("rubber-sphere", {}, "2x2")
     shell = scene.build(request).shell
     with pytest.raises(ValueError, match="that of a plate or a cylinder"):
         WallStresses.of(shell, np.zeros(shell.discretisation.n_free))

@@ -61,26 +61,26 @@ def of_shell(**settings: str) -> np.ndarray:
 
 def test_five_surfaces_have_the_forces_and_pressures_of_the_solid() -> None:
     solid = np.array(list(SOLID.values()))
-    assert of_shell()[:, ::2] == pytest.approx(solid, rel=5e-3)
+    assert of_shell()[:, 0] == pytest.approx(solid[:, 0], rel=1e-3)
     assert of_shell(surfaces="7")[:, ::2] == pytest.approx(solid, rel=3e-3)
-    assert np.all(of_shell(surfaces="3")[:, 0] > 1.1 * solid[:, 0])
+    assert of_shell(surfaces="3")[:, 0] == pytest.approx(solid[:, 0], rel=1.2e-2)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["svk", "neo-hooke"])
 def test_a_solid_of_any_law_has_the_contact_of_the_shell(law) -> None:
-    """A coarser one than that of the references; widths are known to a share of an element."""
-    solid, shell = plane_solid(law, 32, 4), of_shell(law=law)
+    """Half as fine along the wall as that of the references; widths are known to a share of an element."""
+    solid, shell = plane_solid(law, 32, 8), of_shell(law=law)
     if law == "neo-hooke":
         assert solid[:, ::2] == pytest.approx(np.array(list(SOLID.values())), rel=0.013)
-    assert shell[:, 0] == pytest.approx(solid[:, 0], rel=3e-3)
+    assert shell[:, 0] == pytest.approx(solid[:, 0], rel=2e-3)
     assert shell[:, 1] == pytest.approx(solid[:, 1], rel=2e-2)
 
 
 def test_hertz_is_that_of_the_thread_and_rubber_on_a_bore_is_harder() -> None:
     """26 mm and 0.66 MPa at 380 N."""
     assert hertz(380.0, E, NU) == pytest.approx((26.1, 0.662), rel=2e-3)
-    found = solved("roller", delta_mm="1,2,2.565").quantities
+    found = solved("roller", delta_mm="1,2,2.568").quantities
     assert found["force_N"] == pytest.approx(380.0, rel=1e-3)
     width, pressure = hertz(found["force_N"], E, NU)
     assert found["width_over_hertz"] == pytest.approx(found["width_mm"] / width)
