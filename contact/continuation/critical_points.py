@@ -276,7 +276,7 @@ def _largest(
 def _negative(problem: ContactProblem, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, epsilon: float) -> int:
     """Negative eigenvalues of the symmetric tangent on what the set leaves free."""
     M = Held.on(problem, u, nodes, K, epsilon).matrix
-    return negative_pivots(M, ordered=problem.ordered) - problem.multipliers
+    return negative_pivots(M, ordered=problem.ordered, multipliers=problem.multipliers)
 
 
 def _cosines(v: np.ndarray, modes: np.ndarray) -> np.ndarray:

@@ -194,11 +194,11 @@ def _signs(M: sparse.csc_matrix, multipliers: int, *, ordered: bool) -> tuple[in
     A shift of the diagonal by ROUNDING takes the latter from the former; nothing is shifted where all are positive.
     Those of multipliers do not count.
     """
-    found = negative_pivots(M, ordered=ordered) - multipliers
-    if found <= 0:
+    found = negative_pivots(M, ordered=ordered, multipliers=multipliers)
+    if found == 0:
         return 0, 0, 1
     diagonal = np.abs(M.diagonal())
     diagonal[diagonal == 0] = np.max(diagonal, initial=0.0) or 1.0
     shift = sparse.csc_matrix(sparse.diags_array(ROUNDING * diagonal))
-    sure = negative_pivots(added(M, shift), ordered=ordered) - multipliers
+    sure = negative_pivots(added(M, shift), ordered=ordered, multipliers=multipliers)
     return min(sure, found), max(found - sure, 0), 2

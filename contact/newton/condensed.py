@@ -101,7 +101,7 @@ class Condensed(Exchange):
 
     def negative_pivots(self) -> int:
         """Negative eigenvalues of a symmetric tangent on the motions that obey the base set."""
-        return negative_pivots(self._matrix, self._factor) - self._run.problem.multipliers
+        return negative_pivots(self._matrix, self._factor, multipliers=self._run.problem.multipliers)
 
     def _exchanged(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Candidates (c,) whose state is not that of the base set, and the z (m,) that makes their w zero."""

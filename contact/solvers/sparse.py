@@ -188,9 +188,12 @@ def symmetric(K: sparse.csc_matrix) -> bool:
     return asymmetry(K) <= SYMMETRIC
 
 
-def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None, *, ordered: bool = False) -> int:
+def negative_pivots(
+    A: sparse.csc_matrix, factor: Factor | None = None, *, ordered: bool = False, multipliers: int = 0
+) -> int:
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 
+    Less those of ``multipliers``, of which each has one; 1 where it is singular, or has fewer, which is no tangent's.
     A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding
     may hide is close to singular. Where it exchanges rows, as on the zero of a multiplier, fronts are asked.
     """
@@ -198,16 +201,20 @@ def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None, *, order
         with suppress(SingularMatrixError):
             factor = _multifrontal(A, ordered)
     if isinstance(factor, Multifrontal | Bordered):
-        return factor.negative
+        return _beyond(factor.negative, multipliers)
     try:
         factor = superlu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except SingularMatrixError:
         return 1
     if not np.array_equal(factor.perm_r, factor.perm_c):  # a zero on the diagonal has forced an exchange
         with suppress(PivotError):
-            return max(1, Multifrontal.of_matrix(*analysed(A)).negative)
+            return _beyond(max(1, Multifrontal.of_matrix(*analysed(A)).negative), multipliers)
         return 1
-    return int(np.sum(factor.U.diagonal() <= 0))
+    return _beyond(int(np.sum(factor.U.diagonal() <= 0)), multipliers)
+
+
+def _beyond(negative: int, multipliers: int) -> int:
+    return negative - multipliers if negative >= multipliers else 1
 
 
 def backward_error(A: sparse.csc_matrix, x: np.ndarray, b: np.ndarray) -> float:

@@ -78,6 +78,13 @@ class Supports:
         """
         return self.hold(nodes, (1 - axis,)).hinged(nodes, (2,))
 
+    def end_of_solid(self, nodes: np.ndarray, axis: int) -> Supports:
+        """An end a_{axis+1} = constant of a solid on which nothing moves along the edge or across the surface.
+
+        For small rotations, as :meth:`diaphragm` says. Through a thick wall the deflection differs from its middle's.
+        """
+        return self.hold(nodes, (1 - axis, 2))
+
     def hinged(self, nodes: np.ndarray, components: Sequence[int] = _ALL) -> Supports:
         """Components held at the middle; the director may turn. For a hinge at a face hold that face alone."""
         middle = self.middle.copy()
@@ -102,5 +109,6 @@ EDGES: dict[str, Callable[[Supports, np.ndarray, int], Supports]] = {  # of node
     "symmetric": Supports.symmetric,
     "diaphragm": Supports.diaphragm,
     "hard-diaphragm": Supports.hard_diaphragm,
+    "end-of-solid": Supports.end_of_solid,
     "hinged": lambda supports, nodes, axis: supports.hinged(nodes),
 }

@@ -97,7 +97,7 @@ class QuadWall(WallGeometry):
         weight = np.abs(np.linalg.det(jacobian))
         area = weight.sum(axis=1)
         modes = _Modes.of(weight / area[:, None], middle, lines)
-        lengths = np.linalg.norm(lines + sampling.strained[:, None, None, None] * turning, axis=-1)  # (T, E, 2)
+        lengths = _lengths(lines + sampling.strained[:, None, None, None] * turning)  # (T, E, 2)
         taken = np.zeros((n, T, N_OF_SURFACE, N_POINTS, N_ROWS))
         modes.put_plane(taken)
         for t in range(T):
@@ -109,7 +109,7 @@ class QuadWall(WallGeometry):
             offset=offset,
             area=area,
             growth=np.ones((n, 1)) * [1.0, 0.0, 0.0] if kinematics.thin else _growth(lines, turning),
-            stretch=np.ones((n, 2, T)) if kinematics.thin else np.moveaxis(lengths / lengths_of(lines), 0, 2),
+            stretch=np.ones((n, 2, T)) if kinematics.thin else np.moveaxis(lengths / _lengths(lines), 0, 2),
             taken=taken.reshape(n, T, N_OF_SURFACE, -1),
             directions=modes.directions,
             shapes=modes.shapes,
@@ -144,8 +144,8 @@ class QuadWall(WallGeometry):
         return found
 
 
-def lengths_of(lines: np.ndarray) -> np.ndarray:
-    """(E, 2) of vectors (E, 2, 3)."""
+def _lengths(lines: np.ndarray) -> np.ndarray:
+    """(..., E, 2) of vectors (..., E, 2, 3)."""
     return np.asarray(np.linalg.norm(lines, axis=-1))
 
 
@@ -153,8 +153,8 @@ def lengths_of(lines: np.ndarray) -> np.ndarray:
 class _Modes:
     """share (E, 4): of the area at the Gauss points.  shapes (E, 4, 4): 1, phi_2, phi_1, phi_12 there.
 
-    base (E, 4, 2, 2): unit vectors along g_b at the Gauss points, in the axes
-    [component, b].  directions: see :class:`QuadWall`.
+    base (E, 4, 2, 2): unit vectors along g_b at the Gauss points, in the axes of the laminate, [component, b].
+    directions (2, E) [rad]: see :class:`QuadWall`.
     """
 
     share: np.ndarray
@@ -174,7 +174,7 @@ class _Modes:
         taken = np.linalg.solve(normal, np.einsum("egi,eg->ei", basis, share * both)[..., None])[..., 0]
         rest = both - np.einsum("egi,ei->eg", basis, taken)
         rest /= 3.0 * np.sqrt(np.sum(share * rest**2, axis=1, keepdims=True))
-        base = carried(frame, lines / lengths_of(lines)[..., None])
+        base = carried(frame, lines / _lengths(lines)[..., None])
         centre = base.sum(axis=1)
         first = np.arctan2(centre[:, 1, 0], centre[:, 0, 0])
         second = np.arctan2(-centre[:, 0, 1], centre[:, 1, 1])

@@ -260,18 +260,19 @@ class NeoHooke:
 class Corded:
     """W = W_m(E) + 1/2 E.R E: cords in rubber, with the law W_m of the rubber and R (6, 6) [MPa] what is left of B.
 
-    The rubber has mu = min(G_LT, G_TT) and lam = min(B_1122, B_1133, B_2233), along the fibre: all that the ply shares
-    with an isotropic one. R = B - B_m, so that the tangent at rest is the stiffness B of the ply, with all its
-    constants. In general R is that of stiff cords, S = E_c E_LL a x a. The ply of the 2004 paper is of rubber with
-    mu = 1.77 and lam = 71.8 MPa (nu = 0.488), and of cords with E_c = 501.2 MPa; of R there is left 0.56 MPa against
-    shear along the cords, and 4.5 MPa against E_TT + E_33. Cords are linear, in compression as well.
+    The rubber has the least shear modulus mu of the ply and lam = min(B_1122, B_1133, B_2233), along the fibre: all
+    that the ply shares with an isotropic one. R = B - B_m, so that the tangent at rest is the stiffness B of the ply, with
+    all its constants. In general R is that of stiff cords, S = E_c E_LL a x a, and small and of either sign on other
+    strains. The ply of the 2004 paper is of rubber with mu = 1.77 and lam = 71.8 MPa (nu = 0.488), and of cords with
+    E_c = 501.2 MPa; of R there is left 0.56 MPa against shear along the cords, and 4.5 MPa against E_TT + E_33. Cords
+    are linear, in compression as well.
     """
 
     rubber: Law
     cords: StVenantKirchhoff
 
     @classmethod
-    def of(cls, law: Callable[[Ply], Divided], ply: Ply) -> Law:
+    def of(cls, law: Callable[[Ply], Law], ply: Ply) -> Law:
         """That of an isotropic ply itself; raises ValueError where the rubber has no bulk modulus above zero."""
         B = replace(ply, angle=0.0).stiffness()
         mu, lam = B[_SHEAR, _SHEAR].min(), min(B[0, 1], B[0, 3], B[1, 3])
@@ -282,13 +283,8 @@ class Corded:
         rest = ply.stiffness() - rubber.stiffness()
         if np.max(np.abs(rest)) <= _ALIKE * np.max(np.abs(B)):
             return law(ply)
-        return cls(law(rubber), StVenantKirchhoff(rest, np.zeros_like(rest)))
-
-    def divided(self) -> tuple[Law, Law]:
-        """The rubber's volume apart."""
-        assert isinstance(self.rubber, Divided)
-        shape, volume = self.rubber.divided()
-        return Corded(shape, self.cords), volume
+        between, cords = law(rubber), StVenantKirchhoff(rest, np.zeros_like(rest))
+        return DividedCorded(between, cords) if isinstance(between, Divided) else Corded(between, cords)
 
     def energy(self, strain: np.ndarray) -> np.ndarray:
         """Of both."""
@@ -298,6 +294,16 @@ class Corded:
         """Of both."""
         (S, C), (S_c, C_c) = self.rubber.response(strain), self.cords.response(strain)
         return S + S_c, C + C_c
+
+
+class DividedCorded(Corded):
+    """With rubber whose law knows what volume costs."""
+
+    def divided(self) -> tuple[Law, Law]:
+        """The rubber's volume apart."""
+        assert isinstance(self.rubber, Divided)
+        shape, volume = self.rubber.divided()
+        return Corded(shape, self.cords), volume
 
 
 LAWS: dict[str, Callable[[Ply], Law]] = {

@@ -7,7 +7,8 @@ of any order well conditioned.
 
 What the change of volume costs an isotropic ply is met at one point fewer. E33 is the slope of a polynomial of degree
 n - 1, so that n surfaces have n - 1 ways to let a wall keep its volume, whatever its other strains are: asked for at n
-points it would lock, and no pressure balance it. No surface geometry and no element may enter here.
+points it would lock, and no pressure balance it. Two surfaces have one way, in which bending has no share: they lock.
+No surface geometry and no element may enter here.
 Source: sampling surfaces, Kulikov, Plotnikova, ZAMM 92 (2012) 910-920 (recalled).
 """
 
@@ -55,7 +56,7 @@ class Sampling:
     """at (S,): distances of the surfaces with unknown displacements from the reference surface [mm], inner face first.
 
     strained (T,): where strains are taken; on (T,): the surface that lies there; slope (T, S): dL^I/dd there [1/mm].
-    points: as many a ply as surfaces, exact for the square of a strain.  of_volume: one fewer a ply.
+    points: as many a ply as surfaces, exact for the square of a strain.  of_volume: one fewer a ply, from three on.
     """
 
     laminate: Laminate
@@ -84,7 +85,7 @@ class Sampling:
             slope[n * b : n * (b + 1), (n - 1) * b : (n - 1) * (b + 1) + 1] = lagrange(d, d)[1]
         at = np.empty(S)
         at[on] = np.concatenate(own)
-        points, of_volume = (_points(ends, own, k) for k in (n, n - 1))
+        points, of_volume = (_points(ends, own, k) for k in (n, max(n - 1, 2)))
         return cls(laminate, at, np.concatenate(own), on, slope, points, of_volume)
 
     @property

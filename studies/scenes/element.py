@@ -70,7 +70,7 @@ def _of_element(presets: Mapping[str, Mapping[str, str]], interpolations: Iterab
 def of_wall(surfaces: str, law: str, among: Sequence[str] = SURFACES[1:]) -> tuple[Setting, ...]:
     """The settings of the element of a scene whose wall has surfaces inside it, and these defaults.
 
-    among: how many surfaces may be asked for; those of two faces alone where it knows what these answer.
+    among: the numbers of surfaces that the scene offers.
     """
     inside, met = WALL
     return (

@@ -3,6 +3,7 @@
 The reference is three-dimensional and holds for every ratio S = R/h of radius to thickness: layer by layer, equations
 with the curvature of the place, see :func:`studies.scenes.closed_forms.elasticity.through_wall`. Their printed
 deflections, recalled, are these to the last digit. As for Pagano's plate two faces are too stiff where shear counts.
+Three surfaces a ply are enough from S = 10 on; at S = 2 four leave 0.4 % of the deflection and 4 % of the stresses.
 """
 
 from __future__ import annotations
@@ -69,11 +70,11 @@ class LaminatedCylinder:
     }
 
     def build(self, request: Request) -> SceneModel:
-        """p0 sin(pi x/L) sin(4 theta) on the true inner face; the supports hold the end's own plane."""
+        """p0 sin(pi x/L) sin(4 theta) on the true inner face; nothing moves in the planes of the ends."""
         S = request.number("S")
         R, laminate = S * H, Laminate(PLIES, -H / 2)
         ends = (0.0, LENGTH * R / 2), (0.0, np.pi / (2 * WAVES))
-        edges = ("hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
+        edges = ("end-of-solid", "symmetric", "end-of-solid", "symmetric")
         piece = patch(request, cylinder(R), *ends, laminate, edges)
         p0 = 10 * E_L * DEFLECTION / S**4
 

@@ -15,13 +15,14 @@ import numpy as np
 
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
+from formulations.section.sampling import BETWEEN_FACES
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S11, S13, S23, WallStresses
 from studies.ask.declarations import LINEAR, Ladder, ShellLimit, meshes
 from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
+from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, reference_rows, references
-from studies.scenes.element import centred_laminate, patch
+from studies.scenes.element import centred_laminate, patch, surfaces_of
 from studies.scenes.statics import SHELL_SETTINGS, StaticModel, area_load, elements_at, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
@@ -90,11 +91,18 @@ class Pagano:
     shell_limit: ShellLimit = ShellLimit("cross-ply plate", lambda settings: 1 / settings.number("S"))
 
     def build(self, request: Request) -> SceneModel:
-        """q0 sin(pi x/a) sin(pi y/b) on the outer face; the supports on x = 0 and y = 0 hold the edge's own plane."""
+        """q0 sin(pi x/a) sin(pi y/b) on the outer face; nothing moves in the planes x = 0 and y = 0.
+
+        Between two faces these hold the middle of the wall. Raises UsageError for moved nodes and surfaces inside it.
+        """
         S = request.number("S")
         a, b = S * H, request.number("aspect") * S * H
         plies = cross_plies(request.number("E_ratio"))
-        edges = ("hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
+        inside = surfaces_of(request) != BETWEEN_FACES
+        if inside and request.settings.get("distort"):
+            raise UsageError("distort: stresses by equilibrium through the wall need lines that stay where they are")
+        edge = "end-of-solid" if inside else "hard-diaphragm"
+        edges = (edge, "symmetric", edge, "symmetric")
         quarter = patch(request, Plate(), (0, a / 2), (0, b / 2), centred_laminate(request, *plies), edges)
         q0 = 100 * E_T * DEFLECTION / S**4
 

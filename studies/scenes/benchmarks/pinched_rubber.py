@@ -7,8 +7,9 @@ cylinder. At the unit of the load the thick one is 146 mm lower; it goes with th
 does. At 160 mm the inner faces of the thick one meet; the thin one is that low at 35 kN, as in print (recalled).
 
 Under a line load a solid has no limit: it sinks in by the logarithm of the size of its elements. The middle of the wall
-does not, and is what is read. With three surfaces the thick wall is within 3 % of the solid, with five within 0.3 %.
-Elements much longer than wide have modes of their own on the face that is compressed: the default mesh is of squares.
+does not, and is what is read. In the limit of the meshes three surfaces leave the thick wall within 3 % of the solid,
+five within 0.3 %. Elements much longer than wide have modes of their own on the face that is compressed: the default
+mesh is of squares.
 """
 
 from __future__ import annotations

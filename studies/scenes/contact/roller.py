@@ -3,8 +3,8 @@
 Outer radius 35, bore 17.5, width 28 mm, nu = 0.475, 380 N: the roller of a public thread (felupe#870), where a contact
 30 mm wide under 0.62 MPa is expected. Its modulus, 0.275 MPa, cannot give that: ten times as much is taken here, with
 which Hertz's line contact is 26 mm wide under 0.66 MPa. His body is a linear half space. Of this one the bore leaves no
-more than 17.5 mm, and rubber stiffens where it is pressed: 22 mm under 0.83 MPa, at a travel of 2.568 mm. With a linear
-law, which softens, it is 28 mm under 0.59.
+more than 17.5 mm, and rubber stiffens where it is pressed: 22 mm under 0.83 MPa at 380 N, a travel of 2.568 mm. With a
+linear law, which softens, it is 28 mm under 0.59 at the same force.
 
 The force of three surfaces is within 1.1 % of the solid's up to a travel of 3 mm, that of five within 0.1 %. A slice in
 plane strain, as wide as its elements are long: in wider ones what is compressed has modes that alternate between the
@@ -80,7 +80,7 @@ class Roller:
     )
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {
-        "force_N": "of the plane",
+        "force_N": "of the whole width on the plane; friction_N, with mu, is of half of the slice that is solved",
         "width_mm": "of the contact",
         "pressure_MPa": "in the middle of the contact",
         "width_over_hertz": "of Hertz's contact under the same force",

@@ -213,6 +213,17 @@ def test_negative_eigenvalues_where_rows_have_to_be_exchanged() -> None:
     assert negative_pivots(A) == np.sum(np.linalg.eigvalsh(A.toarray()) < 0) == 2
 
 
+@pytest.mark.parametrize("ordered", [False, True])
+@pytest.mark.parametrize("K", [np.diag([0.0, 1.0, 1.0]), np.zeros((3, 3))])
+def test_a_singular_matrix_is_not_stable_for_its_multiplier(K, ordered) -> None:
+    """K has motions without stiffness that the condition, of the second unknown, leaves free."""
+    f = np.array([[0.0, 1.0, 0.0]])
+    M = sparse.csc_matrix(np.block([[K, -f.T], [-f, np.zeros((1, 1))]]))
+    assert negative_pivots(M, ordered=ordered, multipliers=1) == 1
+    stiff = sparse.csc_matrix(np.block([[np.eye(3), -f.T], [-f, np.zeros((1, 1))]]))
+    assert negative_pivots(stiff, ordered=ordered, multipliers=1) == 0
+
+
 def test_a_border_that_holds_a_singular_matrix_is_eliminated_with_it() -> None:
     """As at a limit point: K has a motion without stiffness that only the border resists."""
     rng, K = np.random.default_rng(0), tangent(8, 8)

@@ -191,6 +191,11 @@ def test_the_plain_law_does_not_lock_in_bending_from_three_surfaces_on(nu) -> No
     assert cylindrical_bending(nu, 1e-2, 16, "5") == pytest.approx(1.0, abs=1e-2)
 
 
+def test_two_surfaces_lock_in_bending_as_the_plain_law_between_two_faces_does() -> None:
+    """By (1 - nu)^2/(1 - 2 nu), and do not give way where volume would be met at one point."""
+    assert cylindrical_bending(0.3, 1e-2, 64, "2/ply") == pytest.approx(0.4 / 0.49, abs=2e-3)
+
+
 def test_supports_hold_what_lies_between_the_faces() -> None:
     """What both faces hold is held, at a hinge the wall turns as a plate, and a prescribed end is linear between."""
     grid = Grid.tensor(np.linspace(0, 1.0, 3), np.array([0.0, 1.0]))

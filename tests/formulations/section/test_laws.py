@@ -12,7 +12,17 @@ from scipy.optimize import brentq
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS, VOIGT, Divided, Law, StVenantKirchhoff, lame_constants, tensor
+from formulations.section.laws import (
+    LAWS,
+    VOIGT,
+    Corded,
+    Divided,
+    Law,
+    NeoHooke,
+    StVenantKirchhoff,
+    lame_constants,
+    tensor,
+)
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
 from support.problems.differences import central_difference, fitted_order, rotation
@@ -226,3 +236,26 @@ def test_no_volume_has_no_stress(name) -> None:
     assert np.isnan(stress[0]).any()
     assert stress[1] == pytest.approx(law.response(sound)[0], rel=1e-13, abs=1e-15)
     assert np.all(np.isfinite(tangent[1]))
+
+
+class Plain:
+    """Neo-Hooke's law with the three methods that a law must have."""
+
+    def __init__(self, ply: Ply) -> None:
+        self._law = NeoHooke.of(ply)
+
+    def energy(self, strain: np.ndarray) -> np.ndarray:
+        return self._law.energy(strain)
+
+    def response(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return self._law.response(strain)
+
+
+def test_cords_in_rubber_of_a_law_that_is_not_divided(rng) -> None:
+    strain = green(deformed(rng))
+    whole, plain = Corded.of(NeoHooke.of, SKEW), Corded.of(Plain, SKEW)
+    assert isinstance(whole, Divided)
+    assert not isinstance(plain, Divided)
+    assert plain.energy(strain) == whole.energy(strain)
+    for one, other in zip(plain.response(strain), whole.response(strain), strict=True):
+        assert np.array_equal(one, other)

@@ -207,6 +207,7 @@ def test_order_of_a_law_at_points() -> None:
     ("scene", "settings", "message"),
     [
         ("tyre", {"surfaces": "4"}, "must be one of 2, 3, 5, 7"),
+        ("pagano", {"surfaces": "3", "element": "quads", "distort": "0.2"}, "need lines that stay where they are"),
         ("tyre", {"law": "hencky"}, "needs surfaces = 3 or more"),
         ("tyre", {"surfaces": "3", "section": "full-3d"}, "section = full-3d is of two faces"),
         ("scordelis-lo", {"surfaces": "3", "shear_correction": "0.8"}, "shear_correction = 0.8 is of two faces"),
