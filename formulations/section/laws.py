@@ -261,11 +261,11 @@ class Corded:
     """W = W_m(E) + 1/2 E.R E: cords in rubber, with the law W_m of the rubber and R (6, 6) [MPa] what is left of B.
 
     The rubber has the least shear modulus mu of the ply and lam = min(B_1122, B_1133, B_2233), along the fibre: all
-    that the ply shares with an isotropic one. R = B - B_m, so that the tangent at rest is the stiffness B of the ply, with
-    all its constants. In general R is that of stiff cords, S = E_c E_LL a x a, and small and of either sign on other
-    strains. The ply of the 2004 paper is of rubber with mu = 1.77 and lam = 71.8 MPa (nu = 0.488), and of cords with
-    E_c = 501.2 MPa; of R there is left 0.56 MPa against shear along the cords, and 4.5 MPa against E_TT + E_33. Cords
-    are linear, in compression as well.
+    that the ply shares with an isotropic one. R = B - B_m, so that the tangent at rest is the stiffness B of the ply,
+    with all its constants. In general R is that of stiff cords, S = E_c E_LL a x a, and small and of either sign on
+    other strains. The ply of the 2004 paper is of rubber with mu = 1.77 and lam = 71.8 MPa (nu = 0.488), and of cords
+    with E_c = 501.2 MPa; of R there is left 0.56 MPa against shear along the cords, and 4.5 MPa against E_TT + E_33.
+    Cords are linear, in compression as well.
     """
 
     rubber: Law

@@ -80,7 +80,7 @@ class Roller:
     )
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {
-        "force_N": "of the whole width on the plane; friction_N, with mu, is of half of the slice that is solved",
+        "force_N": "of the whole width; what friction has, with mu, is of half of the slice that is solved",
         "width_mm": "of the contact",
         "pressure_MPa": "in the middle of the contact",
         "width_over_hertz": "of Hertz's contact under the same force",
