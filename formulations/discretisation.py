@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
@@ -15,10 +16,8 @@ from formulations.conditions.dof_map import DofMap, Images
 from formulations.conditions.hanging import Hangers
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.quad_sampling import NodalFaces
-from formulations.element.quad_wall import QuadWall
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry, shape_functions
-from formulations.element.wall_geometry import WallGeometry
 from formulations.geometry.grid import CORNERS, Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import Surface, laminate_axes, normal
@@ -26,6 +25,9 @@ from formulations.section.laminate import Laminate
 from formulations.section.sampling import BETWEEN_FACES, Sampling
 from formulations.section.walls import Walls
 from formulations.strains.quantities import FULL, N_V, Kinematics
+
+if TYPE_CHECKING:
+    from formulations.element.walls.geometry import WallGeometry
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,6 +294,9 @@ def _wall(
     geometry: ElementGeometry,
     walls: Walls | None,
 ) -> WallGeometry:
+    from formulations.element.walls.geometry import WallGeometry  # loaded with surfaces inside the wall alone
+    from formulations.element.walls.quad_wall import QuadWall
+
     if not isinstance(geometry, QuadGeometry):
         return WallGeometry.of(surface, grid, sampling, geometry)
     if walls is not None:

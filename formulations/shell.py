@@ -20,10 +20,8 @@ from formulations.element.mixed import MixedElement
 from formulations.element.modal import ModalElement, Stiffness
 from formulations.element.quad_element import QuadElement
 from formulations.element.quad_geometry import QuadGeometry
-from formulations.element.sampling_element import SamplingElement
 from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF, shape_functions
-from formulations.element.wall_law import WallLaw
 from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import PLANE, SECTIONS, strain_rotation
 from formulations.section.laws import LINEAR
@@ -108,6 +106,9 @@ class ShellModel:
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
                 raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
+            from formulations.element.walls.law import WallLaw  # loaded with surfaces inside the wall alone
+            from formulations.element.walls.sampling_element import SamplingElement
+
             law = WallLaw.of(shell.wall.sampling, shell.wall.growth, self.law, shell.wall.angles)
             return SamplingElement.build(self.measure, shell.wall, law, initial, *options)
         if self.law != LINEAR:
@@ -217,7 +218,7 @@ class ShellModel:
     def resultants(self, u: np.ndarray) -> np.ndarray:
         """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.modes.MODES`.
 
-        With surfaces inside the wall (E, 15 T), in that of :mod:`formulations.element.wall_modes`.
+        With surfaces inside the wall (E, 15 T), in that of :mod:`formulations.element.walls.modes`.
         """
         return self._element.resultants(self.mode_strains(u))
 
@@ -247,6 +248,8 @@ class ShellModel:
 
         taken (plies, k, T): the places, see :meth:`formulations.section.sampling.Sampling.taken`.
         """
+        from formulations.element.walls.sampling_element import SamplingElement
+
         assert isinstance(self._element, SamplingElement)
         return self._element.stresses(self.mode_strains(u), taken)
 

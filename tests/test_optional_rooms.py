@@ -12,6 +12,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 OURS = ("formulations", "contact", "studies", "reports")
 WITHOUT = (
+    "formulations.element.walls",
     *("studies.arena", "studies.bench", "studies.exchange", "studies.experiments", "studies.analysis"),
     *(
         "studies.fuzz",
@@ -22,7 +23,7 @@ WITHOUT = (
         "reports",
     ),
 )
-MOST = 151  # modules of ours
+MOST = 145  # modules of ours
 SOLVED = """
 import sys
 from studies.cli import main

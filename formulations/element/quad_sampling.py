@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from formulations.element.strain_operator import GAUSS, N_GAUSS, shape_functions
-from formulations.strains.quantities import BETA, N_Q, N_V, Kinematics
+from formulations.strains.quantities import BETA, N_Q, N_V, OF_SURFACE, Kinematics
 
 SIDE_CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])  # of the two sides along xi1, and along xi2
 MIDDLES = np.array([[0.0, -1.0], [0.0, 1.0], [-1.0, 0.0], [1.0, 0.0]])  # of these sides
@@ -136,7 +136,7 @@ def at_gauss_points(
         area[..., face] = np.abs(np.linalg.det(jacobian_of(own, at)))
         if kinematics.thin:
             own, at = sides.frames(faces.middle, faces), faces.middle
-        put_gradients(Q, face, own, at, faces, kinematics, GAUSS)
+        Q[:, :, face : BETA.start : 2, :, face::2], _ = gradients(own, at, faces, kinematics, GAUSS)
     director, length, height = directors(faces, GAUSS)
     _put_beta(Q, sides.along_axes(director, faces), height, faces, GAUSS)
     offset[..., BETA.start + 2] = length - 1.0
@@ -152,18 +152,16 @@ def on_sides(
     half of a side [side, face, a] is along both axes. beta counts over the height of the director, and that height in
     the side: a small rotation turns both alike, and a linear shear does not see it.
     """
-    n, ends = len(X), X[:, SIDE_CORNERS]  # (E, side, end, face, 3)
+    n, half = len(X), half_sides(X)  # (E, side, face, 3)
     Q, offset = np.zeros((n, N_SIDES, N_Q, 4, N_V)), np.zeros((n, N_SIDES, N_Q))
     director, length, height = directors(faces, MIDDLES)
     own = sides.along_axes(director, faces, MIDDLES)
-    half = 0.5 * (ends[:, :, 1] - ends[:, :, 0])
     if kinematics.thin:  # gradients along the reference surface, shears over the length midway between the faces
         half = np.broadcast_to(half.mean(axis=2, keepdims=True), half.shape)
     for face in (0, 1):
         at = faces.middle if kinematics.thin else X[:, :, face]
-        inverse = put_gradients(Q, face, own, at, faces, kinematics, MIDDLES)
-        out_of_plane = np.matmul(tangents_of(at, MIDDLES), own[:, :, 2, :, None])[..., 0]
-        offset[:, :, 4 + face : BETA.start : 6] = -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
+        found, leaning = gradients_on_sides(own, at, faces, kinematics)
+        Q[:, :, face : BETA.start : 2, :, face::2], offset[:, :, 4 + face : BETA.start : 6] = found, leaning
     _put_beta(Q, own, height * length, faces, MIDDLES)
     return Q, offset, length[..., None, None] * np.matmul(half, own[:, :, :2].swapaxes(-1, -2))
 
@@ -179,28 +177,40 @@ def directors(faces: NodalFaces, points: np.ndarray) -> tuple[np.ndarray, np.nda
     return director / length[..., None], length, height
 
 
-def put_gradients(
-    Q: np.ndarray,
-    face: int,
-    own: np.ndarray,
-    at: np.ndarray,
-    faces: NodalFaces,
-    kinematics: Kinematics,
-    points: np.ndarray,
-) -> np.ndarray:
-    """l, w and t of a face of positions ``at`` (E, 4, 3), in frames ``own`` at four points; returns d xi_b/d s_a."""
+def gradients(
+    own: np.ndarray, at: np.ndarray, faces: NodalFaces, kinematics: Kinematics, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """l, w and t of a surface, (E, 4, 6, 4, 3) by its displacements at the nodes, and d xi_b/d s_a (E, 4, 2, 2) [b, a].
+
+    at (E, 4, 3): its positions; own (E, 4, 3, 3): the frames of the four points.
+    """
     value, slope = shape_functions(points)
-    inverse = np.linalg.inv(jacobian_of(own, at, points))  # [b, a]
+    inverse = np.linalg.inv(jacobian_of(own, at, points))
     along = np.einsum("gbr,egba->egar", slope, inverse)
     turned = turn_between(own, faces.frame)
+    found = np.empty((len(at), len(points), len(OF_SURFACE), 4, 3))
     for a in (0, 1):
         for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
-            place = 6 * a + 2 * row + face
-            Q[:, :, place, :, face::2] = sign * along[:, :, a, :, None] * turned[:, :, :, i, :]
+            found[:, :, 3 * a + row] = sign * along[:, :, a, :, None] * turned[:, :, :, i, :]
         if kinematics.shallow:  # t_a = -v3,a with v3 = u . n: the turning of n is taken off
             turning = np.einsum("gbr,erx,egb->egx", slope, faces.normal, inverse[..., a])
-            Q[:, :, 6 * a + 4 + face, :, face::2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
-    return inverse
+            found[:, :, 3 * a + 2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
+    return found, inverse
+
+
+def gradients_on_sides(
+    own: np.ndarray, at: np.ndarray, faces: NodalFaces, kinematics: Kinematics
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same in the middle of the sides, and the t (E, 4, 2) of the positions, which lean on the frames there."""
+    found, inverse = gradients(own, at, faces, kinematics, MIDDLES)
+    out_of_plane = np.matmul(tangents_of(at, MIDDLES), own[:, :, 2, :, None])[..., 0]
+    return found, -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
+
+
+def half_sides(x: np.ndarray) -> np.ndarray:
+    """(E, 4, ..., 3): half of each side of nodes (E, 4, ..., 3), from its first end to its second."""
+    ends = x[:, SIDE_CORNERS]
+    return np.asarray(0.5 * (ends[:, :, 1] - ends[:, :, 0]))
 
 
 def _put_beta(Q: np.ndarray, own: np.ndarray, height: np.ndarray, faces: NodalFaces, points: np.ndarray) -> None:

@@ -33,8 +33,12 @@ FRICTION = (  # what only a cell with friction executes
     *("studies.scenes.friction_readings", "studies.solving.friction_stages"),
 )
 INSIDE_A_WALL = (  # what only a shell with surfaces between its faces executes, and a solid
-    *("formulations.element.sampling_element", "formulations.element.wall_*"),
-    *("formulations.section.laws", "formulations.section.sampling", "formulations.wall_stresses"),
+    *(
+        "formulations.element.walls.*",
+        "formulations.section.laws",
+        "formulations.section.sampling",
+        "formulations.wall_stresses",
+    ),
 )
 OF_QUADS = ("formulations.element.quad_*",)  # what only quadrilaterals execute
 OF_ARCS = ("formulations.element.arc_element",)  # what only elements that bend along arcs do

@@ -26,10 +26,10 @@ from formulations.section.laminate import Laminate, Ply
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.contact.extent import half_extent
 from studies.scenes.data import Row, references
 from studies.scenes.element import discretise, grid_over, of_wall, spaced_lines
 from studies.scenes.statics import loaded_shell
-from studies.scenes.tyre.readings import half_extent
 
 OUTER, BORE, WIDTH, SLICE, E, NU = 35.0, 17.5, 28.0, 0.5, 2.75, 0.475  # mm, mm, mm, mm, MPa
 AWAY = np.array([1.0, 0.0, 0.0])

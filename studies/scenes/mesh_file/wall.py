@@ -15,7 +15,7 @@ from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section
 from studies.scenes.mesh_file.surface import Mesh
 
-SAME = 1e-9  # of 1: a length or a cosine that is none
+SAME = 1e-9  # of 1: a length or a cosine that counts as zero
 EVEN = 0.5  # of a unit tangent between nodes
 MOST_TOLD = 4  # sections
 UPRIGHT = 0.95  # cosine between axis and normal, above which the angle of a ply has no direction to count from

@@ -1,1 +1,1 @@
-"""The tyre: its wall, grid, parts, obstacles, and the stages of its loading. Others need its readings alone."""
+"""The tyre: its wall, grid, parts, obstacles, and the stages of its loading. Nothing another scene needs."""

@@ -25,9 +25,10 @@ from formulations.solid import SolidModel
 from studies.ask.request import Request
 from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage, UsageError
 from studies.output.atomic import Table
+from studies.scenes.contact.extent import half_extent
 from studies.scenes.foundations import NORMAL
 from studies.scenes.tyre.parts import Part
-from studies.scenes.tyre.readings import asymmetries, half_extent, to_edges
+from studies.scenes.tyre.readings import asymmetries, to_edges
 
 FIRST = 1.0  # mm, over the number of steps
 LARGEST = 4.0  # of the first step

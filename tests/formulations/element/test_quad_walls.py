@@ -8,13 +8,14 @@ from scipy.spatial.transform import Rotation
 
 from formulations.discretisation import Discretisation
 from formulations.geometry.distortion import DISTORTIONS, distorted
-from formulations.geometry.grid import Grid, QuadGrid
-from formulations.geometry.surfaces import NodalSurface, Plate, Surface, cylinder, sphere, torus
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from support.problems.differences import difference_order
+from support.problems.shells import QUADRILATERALS, everywhere, quadrilateral
 
 SKEW = Ply(1000.0, 500.0, 200.0, 150.0, 0.3, 0.25, 0.4, 0.07)
 WALL = Laminate((SKEW, Ply.isotropic(700.0, 0.3, 0.05)), -0.05)
@@ -35,15 +36,6 @@ def quads(piece: str, surfaces: str, distortion: str = "random", n: int = 3, wal
     grid = distorted(Grid.tensor(np.linspace(*a1, n + 1), np.linspace(*a2, n + 2)), distortion, 0.25)
     free = np.zeros((grid.n_nodes, 6), bool)
     return Discretisation.build(surface, grid, wall, free, interpolation="quads", surfaces=surfaces)
-
-
-def everywhere(body: Discretisation, field) -> np.ndarray:
-    """The unknowns of a Cartesian displacement field(x (..., 3)) at every surface of every node."""
-    frame = body.surface.frame(*body.grid.nodes.T)
-    x = body.surface.position(*body.grid.nodes.T)[:, None] + body.wall.sampling.at[:, None] * frame[:, None, 2]
-    v = np.einsum("nix,nsx->nsi", frame, field(x))
-    faces = np.stack([v[:, 0], v[:, -1]], axis=-1).reshape(-1, 6)
-    return body.map.restrict(np.append(faces, v[:, 1:-1]))
 
 
 @of_walls
@@ -116,23 +108,9 @@ def test_patches_of_membrane_and_bending(place, membrane) -> None:
 
 @pytest.mark.parametrize("surfaces", ["3", "5"])
 @pytest.mark.parametrize("membrane", ["compatible", "relaxed"])
-@pytest.mark.parametrize(
-    "corners",
-    [
-        [[0, 0, 0], [1, 0, 0], [1.866, 0.5, 0], [0.866, 0.5, 0]],
-        [[0, 0, 0], [1, 0, 0], [0.55, 1, 0], [0.45, 1, 0]],
-        [[0, 0, 0], [1, 0.1, 0], [0.6, 0.6, 0], [0.1, 1, 0]],
-        [[0, 0, 0.3], [1, 0, -0.3], [1, 1, 0.3], [0, 1, -0.3]],
-    ],
-    ids=["rhomb of 30 degrees", "trapezoid", "kite", "warped"],
-)
-def test_only_rigid_motions_cost_an_element_nothing(corners, membrane, surfaces) -> None:
-    x = np.array(corners)
-    normals = np.tile(np.cross(x[2] - x[0], x[3] - x[1]), (4, 1))
-    surface = NodalSurface.of(x, normals / np.linalg.norm(normals[0]), np.tile(x[1] - x[0], (4, 1)))
-    grid, free = QuadGrid.over(np.arange(4)[None]), np.zeros((4, 6), bool)
-    wall = Laminate.single(Ply.isotropic(1.0, 0.3, 0.05))
-    body = Discretisation.build(surface, grid, wall, free, interpolation="quads", surfaces=surfaces)
+@pytest.mark.parametrize("name", QUADRILATERALS)
+def test_only_rigid_motions_cost_an_element_nothing(name, membrane, surfaces) -> None:
+    body = quadrilateral(name, surfaces)
     shell = ShellModel(body, MEASURES["linear"], membrane=membrane)
     energies = np.linalg.eigvalsh(shell.linearise(np.zeros(body.n_free)).tangent.toarray())
     assert np.abs(energies[:6]).max() < 1e-12 * energies[-1]

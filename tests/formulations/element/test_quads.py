@@ -22,6 +22,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT_TERMS, MEASURES
 from formulations.strains.measure import EXACT_LAW, StrainMeasure, quadratic_measure
+from support.problems.shells import QUADRILATERALS, quadrilateral
 
 WALL = Laminate((Ply(1000.0, 500.0, 200.0, 150.0, 0.3, 0.3, 0.4, 0.05), Ply.isotropic(700.0, 0.3, 0.07)), -0.05)
 PIECES = {  # surface, ends of a1 and a2; some frames are left-handed
@@ -175,25 +176,9 @@ def test_modes_in_the_plane_leave_what_is_orthogonal_to_them(piece: str) -> None
 
 
 @pytest.mark.parametrize("membrane", MEMBRANES)
-@pytest.mark.parametrize(
-    "corners",
-    [
-        [[0, 0, 0], [1, 0, 0], [1.866, 0.5, 0], [0.866, 0.5, 0]],
-        [[0, 0, 0], [1, 0, 0], [0.55, 1, 0], [0.45, 1, 0]],
-        [[0, 0, 0], [1, 0.1, 0], [0.6, 0.6, 0], [0.1, 1, 0]],
-        [[0, 0, 0.3], [1, 0, -0.3], [1, 1, 0.3], [0, 1, -0.3]],
-    ],
-    ids=["rhomb of 30 degrees", "trapezoid", "kite", "warped"],
-)
-def test_only_rigid_motions_cost_an_element_nothing(corners: list[list[float]], membrane: str) -> None:
-    x = np.array(corners)
-    normals = np.tile(np.cross(x[2] - x[0], x[3] - x[1]), (4, 1))
-    surface = NodalSurface.of(x, normals / np.linalg.norm(normals[0]), np.tile(x[1] - x[0], (4, 1)))
-    grid, free = QuadGrid.over(np.arange(4)[None]), np.zeros((4, 6), bool)
-    body = Discretisation.build(
-        surface, grid, Laminate.single(Ply.isotropic(1.0, 0.3, 0.05)), free, interpolation="quads"
-    )
-    shell = ShellModel(body, MEASURES["linear"], membrane=membrane)
+@pytest.mark.parametrize("name", QUADRILATERALS)
+def test_only_rigid_motions_cost_an_element_nothing(name: str, membrane: str) -> None:
+    shell = ShellModel(quadrilateral(name), MEASURES["linear"], membrane=membrane)
     energies = np.linalg.eigvalsh(shell.linearise(np.zeros(24)).tangent.toarray())
     assert np.abs(energies[:6]).max() < 1e-13
     assert energies[6] > 5e-6

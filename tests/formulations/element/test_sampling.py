@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
-from formulations.element.wall_law import PointLaw
+from formulations.element.walls.law import PointLaw
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Pressure
@@ -22,7 +22,7 @@ from formulations.short_waves import short_waves
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
 from support.problems.differences import difference_order, fitted_order, rotation
-from support.problems.shells import PATCHES, SKEW_LAMINATE
+from support.problems.shells import PATCHES, SKEW_LAMINATE, everywhere
 
 INSIDE = [each for each in SURFACES if each != "2"]
 RUBBER = Laminate((Ply.isotropic(3.0, 0.4, 0.1), Ply.isotropic(1.0, 0.49, 0.08)), -0.05)
@@ -47,16 +47,6 @@ def shell_on(
     options = (MEASURES[measure].kinematics, interpolation)
     body = Discretisation.build(piece.surface, grid, laminate, free, None, *options, surfaces=surfaces)
     return ShellModel(body, MEASURES[measure], **{**OPTIONS, **model})
-
-
-def everywhere(shell: ShellModel, field) -> np.ndarray:
-    """The unknowns of a Cartesian displacement field(x (..., 3)) at every surface of every node."""
-    body = shell.discretisation
-    frame = body.surface.frame(*body.grid.nodes.T)
-    x = body.surface.position(*body.grid.nodes.T)[:, None] + body.wall.sampling.at[:, None] * frame[:, None, 2]
-    v = np.einsum("nix,nsx->nsi", frame, field(x))
-    faces = np.stack([v[:, 0], v[:, -1]], axis=-1).reshape(-1, 6)
-    return body.map.restrict(np.append(faces, v[:, 1:-1]))
 
 
 @each_count
@@ -89,7 +79,7 @@ def test_other_counts_are_refused(wrong) -> None:
 def test_rigid_motions_leave_no_strain(rng, patch, surfaces) -> None:
     R, shift = rotation(rng.normal(size=3), 2.0), rng.normal(size=3)
     shell = shell_on(patch, surfaces, interpolation="isoparametric")
-    u = everywhere(shell, lambda x: x @ (R - np.eye(3)).T + shift)
+    u = everywhere(shell.discretisation, lambda x: x @ (R - np.eye(3)).T + shift)
     steepest = np.abs(shell.discretisation.wall.sampling.slope).sum(axis=1).max()
     rounding = np.finfo(float).eps * steepest * np.abs(u).max()  # of displacements, over the distance of surfaces
     assert np.abs(shell.mode_strains(u)).max() <= 2 * rounding
@@ -157,7 +147,7 @@ def test_what_is_remembered_is_what_the_law_predicts(rng) -> None:
 def test_mean_resultants_are_those_of_the_stresses(rng) -> None:
     """int N^-+ S dd and int S33 dd of the ply stresses, which are linear through each ply of a linear field."""
     shell = shell_on("plate", "3/ply")
-    u = everywhere(shell, lambda x: x @ (1e-3 * rng.normal(size=(3, 3))).T)
+    u = everywhere(shell.discretisation, lambda x: x @ (1e-3 * rng.normal(size=(3, 3))).T)
     sampling, laminate = shell.discretisation.wall.sampling, shell.discretisation.laminate
     sides = np.array([sampling.taken(k, np.array(d)) for k, d in enumerate(sampling.ends)])
     S, H = shell.wall_stresses(u, sides).mean(axis=2), shell.mean_resultants(u)

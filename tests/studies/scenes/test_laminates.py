@@ -158,19 +158,19 @@ def test_two_faces_are_too_stiff_for_a_sandwich() -> None:
 
 
 @pytest.mark.parametrize(
-    ("S", "surfaces", "hoop", "shear"),
+    ("S", "surfaces", "deflection", "hoop", "shear"),
     [
-        ("100", "3/ply", 1e-3, 0.06),
-        pytest.param("2", "4/ply", 4e-2, 2e-2, marks=SLOW),
-        pytest.param("10", "4/ply", 1e-3, 2e-3, marks=SLOW),
-        pytest.param("4", "4/ply", 1.2e-2, 5e-3, marks=SLOW),
+        ("100", "3/ply", 3e-3, 1e-3, 0.06),
+        pytest.param("2", "4/ply", 4e-3, 4e-2, 2e-2, marks=SLOW),
+        pytest.param("10", "4/ply", 1e-3, 1e-3, 2e-3, marks=SLOW),
+        pytest.param("4", "4/ply", 1e-3, 1.2e-2, 5e-3, marks=SLOW),
     ],
 )
-def test_cylinder_is_that_of_elasticity(S, surfaces, hoop, shear) -> None:
+def test_cylinder_is_that_of_elasticity(S, surfaces, deflection, hoop, shear) -> None:
     """Three surfaces a ply have 6 % too little of the small shear tau_xz by the law, and all of it by equilibrium."""
     found = limit("laminated-cylinder", ("8x8", "16x16"), S=S, surfaces=surfaces)
     exact = laminated_cylinder.exact(float(S))
-    assert found["w_bar"] == pytest.approx(exact["w_bar"], rel=4e-3)
+    assert found["w_bar"] == pytest.approx(exact["w_bar"], rel=deflection)
     for name in ("sigma_theta_inner_bar", "sigma_theta_outer_bar"):
         assert found[name] == pytest.approx(exact[name], rel=hoop)
     for name in ("tau_xz_bar", "tau_thetaz_bar"):

@@ -9,8 +9,17 @@ import numpy as np
 from scipy.sparse.linalg import spsolve
 
 from formulations.discretisation import Discretisation
-from formulations.geometry.grid import Grid
-from formulations.geometry.surfaces import MeridianPoint, Plate, Surface, SurfaceOfRevolution, cylinder, sphere, torus
+from formulations.geometry.grid import Grid, QuadGrid
+from formulations.geometry.surfaces import (
+    MeridianPoint,
+    NodalSurface,
+    Plate,
+    Surface,
+    SurfaceOfRevolution,
+    cylinder,
+    sphere,
+    torus,
+)
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -113,3 +122,31 @@ def nodal_components(
     for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
         v[:, face::2] = np.einsum("...ij,...j->...i", frame, motion(x + d * frame[:, 2]))
     return v.ravel()
+
+
+def everywhere(body: Discretisation, field: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """The unknowns of a Cartesian displacement field(x (..., 3)) at every surface of every node."""
+    assert body.wall is not None
+    frame = body.surface.frame(*body.grid.nodes.T)
+    x = body.surface.position(*body.grid.nodes.T)[:, None] + body.wall.sampling.at[:, None] * frame[:, None, 2]
+    v = np.einsum("nix,nsx->nsi", frame, field(x))
+    faces = np.stack([v[:, 0], v[:, -1]], axis=-1).reshape(-1, 6)
+    return body.map.restrict(np.append(faces, v[:, 1:-1]))
+
+
+QUADRILATERALS = {
+    "rhomb of 30 degrees": [[0, 0, 0], [1, 0, 0], [1.866, 0.5, 0], [0.866, 0.5, 0]],
+    "trapezoid": [[0, 0, 0], [1, 0, 0], [0.55, 1, 0], [0.45, 1, 0]],
+    "kite": [[0, 0, 0], [1, 0.1, 0], [0.6, 0.6, 0], [0.1, 1, 0]],
+    "warped": [[0, 0, 0.3], [1, 0, -0.3], [1, 1, 0.3], [0, 1, -0.3]],
+}
+
+
+def quadrilateral(name: str, surfaces: str = "2") -> Discretisation:
+    """A free element by itself, thin and isotropic."""
+    x = np.array(QUADRILATERALS[name], float)
+    normals = np.tile(np.cross(x[2] - x[0], x[3] - x[1]), (4, 1))
+    surface = NodalSurface.of(x, normals / np.linalg.norm(normals[0]), np.tile(x[1] - x[0], (4, 1)))
+    wall, free = Laminate.single(Ply.isotropic(1.0, 0.3, 0.05)), np.zeros((4, 6), bool)
+    grid = QuadGrid.over(np.arange(4)[None])
+    return Discretisation.build(surface, grid, wall, free, interpolation="quads", surfaces=surfaces)

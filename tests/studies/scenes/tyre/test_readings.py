@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.scenes.tyre.readings import half_extent, to_edges
+from studies.scenes.contact.extent import half_extent
+from studies.scenes.tyre.readings import to_edges
 
 
 def test_the_rim_is_where_pressures_that_fall_linearly_leave_off() -> None:

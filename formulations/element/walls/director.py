@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from formulations.element.strain_operator import N_GAUSS
-from formulations.element.wall_geometry import N_SURFACE, WallGeometry
-from formulations.element.wall_modes import FACTORS, ON_CORNERS, ON_GAUSS, ROWS, mode_slices, on_every_surface
+from formulations.element.walls.geometry import N_SURFACE, WallGeometry
+from formulations.element.walls.modes import FACTORS, ON_CORNERS, ON_GAUSS, ROWS, mode_slices, on_every_surface
 from formulations.strains.measure import StrainFunction, strain_and_gradient
 from formulations.strains.quantities import N_BETA
 

@@ -5,7 +5,7 @@ As :mod:`formulations.element.mixed`, with bilinear displacements of every surfa
 table of the measure: the rows of one face, with beta = du/dd on that surface. E33 and the shears are those of every
 surface, so that the plain three-dimensional law bends without locking from three surfaces on; 2E_a3 is the physical
 shear, without the factor zeta_a/zbar_a of two faces. Modes and laws are those of
-:mod:`formulations.element.wall_modes`; of E11 on the mode 01 and E22 on 10 the mean through the wall is relaxed.
+:mod:`formulations.element.walls.modes`; of E11 on the mode 01 and E22 on 10 the mean through the wall is relaxed.
 
 The element sees a measure and a law only through their protocols; no surface, load or support may enter here.
 """
@@ -17,13 +17,13 @@ from itertools import product as pairs_of
 
 import numpy as np
 
-from formulations.element.director import FaceDirector
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
 from formulations.element.strain_operator import ElementGeometry
-from formulations.element.wall_geometry import N_SURFACE, WallGeometry
-from formulations.element.wall_law import WallLaw
-from formulations.element.wall_modes import (
+from formulations.element.walls.director import FaceDirector
+from formulations.element.walls.geometry import N_SURFACE, WallGeometry
+from formulations.element.walls.law import WallLaw
+from formulations.element.walls.modes import (
     E33,
     N_OF_SURFACE,
     N_ROWS,

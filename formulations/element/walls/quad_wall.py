@@ -24,22 +24,22 @@ from formulations.element.quad_geometry import NORM, carried, strains_along, tur
 from formulations.element.quad_sampling import (
     MIDDLES,
     N_SIDES,
-    SIDE_CORNERS,
     NodalFaces,
     Orientation,
     directors,
+    gradients,
+    gradients_on_sides,
+    half_sides,
     jacobian_of,
     mid_lines,
-    put_gradients,
-    tangents_of,
     turn_between,
 )
 from formulations.element.strain_operator import GAUSS, N_GAUSS, shape_functions
-from formulations.element.wall_geometry import N_SURFACE, WallGeometry
-from formulations.element.wall_modes import E33, N_OF_SURFACE, N_ROWS, OF_E33, ROWS, mode_slices
+from formulations.element.walls.geometry import N_SURFACE, WallGeometry
+from formulations.element.walls.modes import E33, N_OF_SURFACE, N_ROWS, OF_E33, ROWS, mode_slices
 from formulations.section.laminate import strain_rotation
 from formulations.section.sampling import IN_VOIGT, Sampling
-from formulations.strains.quantities import BETA, N_BETA, N_Q, N_V, OF_SURFACE, Kinematics
+from formulations.strains.quantities import N_BETA, OF_SURFACE, Kinematics
 
 N_POINTS = N_GAUSS + N_SIDES
 OF_MODE = np.append(0, OF_E33[:-1] + 1)  # where the rows of each mode begin
@@ -67,30 +67,18 @@ class QuadWall(WallGeometry):
         sides = Orientation.of(faces.middle + 0.5 * faces.d.sum(axis=-1)[..., None] * faces.normal, faces)
         at = np.broadcast_to(faces.middle, X.shape) if kinematics.thin else X
         frames = [sides.frames(each, faces) for each in at]
-        own, offset = np.zeros((n, T, N_POINTS, len(OF_SURFACE), N_SURFACE)), np.zeros((n, T, N_POINTS, 9))
-        value, half = np.empty((n, N_POINTS, N_BETA, N_SURFACE)), np.empty((T, n, N_SIDES, 2))
-        for points, where in ((GAUSS, slice(0, N_GAUSS)), (MIDDLES, slice(N_GAUSS, N_POINTS))):
-            director, length, _ = directors(faces, points)
-            along, shape = sides.along_axes(director, faces, points), shape_functions(points)[0]
-            on_sides = points is MIDDLES
-            turned = shape[:, :, None, None] * turn_between(along, faces.frame)
-            value[:, where] = np.moveaxis(turned, 2, 3).reshape(n, len(points), N_BETA, N_SURFACE)
-            if on_sides:
-                value[:, where] /= length[..., None, None]
-            else:
-                offset[:, :, where, -1] = (length - 1.0)[:, None]
-            for t in range(T):
-                Q, frame = np.zeros((n, len(points), N_Q, 4, N_V)), along if on_sides else frames[t]
-                inverse = put_gradients(Q, 0, frame, at[t], faces, kinematics, points)
-                own[:, t, where] = Q[:, :, OF_SURFACE][..., ::2].reshape(n, len(points), -1, N_SURFACE)
-                if on_sides:
-                    out_of_plane = np.matmul(tangents_of(at[t], MIDDLES), frame[:, :, 2, :, None])[..., 0]
-                    offset[:, t, where, 2 : BETA.start // 2 : 3] = -np.matmul(out_of_plane[:, :, None], inverse)[
-                        :, :, 0
-                    ]
-                    ends = at[t][:, SIDE_CORNERS]
-                    across = 0.5 * (ends[:, :, 1] - ends[:, :, 0])
-                    half[t] = length[..., None] * np.einsum("esax,esx->esa", frame[:, :, :2], across)
+        own, offset = np.empty((n, T, N_POINTS, len(OF_SURFACE), 4, 3)), np.zeros((n, T, N_POINTS, 6 + N_BETA))
+        at_gauss, on_sides = slice(0, N_GAUSS), slice(N_GAUSS, N_POINTS)
+        director, length, _ = directors(faces, GAUSS)
+        value = [_values(sides.along_axes(director, faces), faces, GAUSS)]
+        offset[:, :, at_gauss, -1] = (length - 1.0)[:, None]
+        director, length, _ = directors(faces, MIDDLES)
+        along = sides.along_axes(director, faces, MIDDLES)
+        value.append(_values(along, faces, MIDDLES) / length[..., None, None])
+        half = [length[..., None] * np.einsum("esax,esx->esa", along[:, :, :2], half_sides(x)) for x in at]
+        for t in range(T):
+            own[:, t, at_gauss], _ = gradients(frames[t], at[t], faces, kinematics, GAUSS)
+            own[:, t, on_sides], offset[:, t, on_sides, 2:6:3] = gradients_on_sides(along, at[t], faces, kinematics)
         lines, turning = 0.5 * mid_lines(faces.middle), 0.5 * mid_lines(faces.normal)
         middle = sides.frames(faces.middle, faces)
         jacobian = jacobian_of(middle, faces.middle)
@@ -105,7 +93,7 @@ class QuadWall(WallGeometry):
         return cls(
             sampling=sampling,
             own=own.reshape(n, T, -1, N_SURFACE),
-            value=value.reshape(n, -1, N_SURFACE),
+            value=np.concatenate(value, axis=1).reshape(n, -1, N_SURFACE),
             offset=offset,
             area=area,
             growth=np.ones((n, 1)) * [1.0, 0.0, 0.0] if kinematics.thin else _growth(lines, turning),
@@ -142,6 +130,12 @@ class QuadWall(WallGeometry):
                 of_mode = np.einsum("eij,etj->eti", back[:, IN_VOIGT][:, :, IN_VOIGT], of_mode)
             found += self.shapes[:, mode, :, None, None] * of_mode[:, None]
         return found
+
+
+def _values(own: np.ndarray, faces: NodalFaces, points: np.ndarray) -> np.ndarray:
+    """(E, 4, 3, 12): components of a displacement in frames (E, 4, 3, 3) at four points from those of the nodes."""
+    turned = shape_functions(points)[0][:, :, None, None] * turn_between(own, faces.frame)
+    return np.moveaxis(turned, 2, 3).reshape(len(own), len(points), N_BETA, N_SURFACE)
 
 
 def _lengths(lines: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from formulations.element.strain_operator import (
     shape_functions,
     surface_operator,
 )
-from formulations.element.wall_modes import FACTORS, N_ROWS, ON_GAUSS, ROWS, strains_at
+from formulations.element.walls.modes import FACTORS, N_ROWS, ON_GAUSS, ROWS, strains_at
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Surface
 from formulations.section.sampling import Sampling
