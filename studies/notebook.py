@@ -18,6 +18,7 @@ from studies.ask.scene import UsageError
 from studies.ask.settings import rubbing
 from studies.catalogue import descriptions
 from studies.catalogue.descriptions import Description
+from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
 from studies.solving import choose as choosing
@@ -110,6 +111,24 @@ class Run:
     def errors(self) -> dict[str, dict[str, float]]:
         """Intervals {quantity: {low, high}} of what coarser grids and, with friction, half the load steps say."""
         return dict(self.result.errors)
+
+    def gradient(self, quantity: str, *settings: str, check: bool = False) -> pd.DataFrame:
+        """Derivatives of a quantity with settings, by default all that are continuous: a row a load and a setting.
+
+        above and below: dJ/ds of a setting that grows and shrinks, the same but where candidates touch without
+        pressure.  relative: per cent for a per cent.  check: judge them by solutions beside, which costs six solves a
+        setting.  Raises UsageError for what is not there or has no derivative.
+        """
+        from studies.solving import gradient, taylor  # loaded with derivatives alone
+
+        request = self.result.request
+        scene = SCENES[request.scene]
+        keys = gradient.differentiable(scene, request, settings)
+        found = gradient.of_quantities(scene, self.result, [(quantity, keys)])
+        gradient.record(self.result, found)
+        if check:
+            return pd.DataFrame([each.row for each in taylor.check(scene, self.result, found)])
+        return pd.DataFrame([each.row for each in found])
 
     @property
     def cost(self) -> dict[str, float]:

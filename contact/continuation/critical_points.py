@@ -211,7 +211,7 @@ def spectrum(
     energetic = problem.coupling is None and symmetric(K)
     nodes, pivots, A = np.flatnonzero(state.active), None, K
     if len(nodes):
-        pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).homogeneous()
+        pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).opened(np.zeros(len(nodes)))
         A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
     factor = factorise(A, ordered=problem.ordered)
 

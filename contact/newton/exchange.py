@@ -49,14 +49,19 @@ class Exchange:
     ) -> None:
         """Factorise; raises SingularMatrixError."""
         self._run, self._held, self._rows, self._acting = run, held, rows, acting
-        self._now, self._forced, self._compliance, self._left = now, forced, compliance, left
+        self._forced, self._compliance = forced, compliance
         self._to_slack, self._multiplied = to_slack, multiplied
         with run.tally.timed("contact_s"):
             self._matrix = held.matrix
         self._factor = run.factorise(self._matrix)
+        self._known, self._columns = np.zeros(0, int), np.zeros((len(now), 0))
+        self._load(now, left)
+
+    def _load(self, now: np.ndarray, left: np.ndarray) -> None:
+        """Put these ways (d,) and forces (n,) in place of those before; the factors stay."""
+        self._now, self._left = now, left
         self._free = self._solution(np.zeros(len(now)))
         self.q = self._free[1]
-        self._known, self._columns = np.zeros(0, int), np.zeros((len(now), 0))
 
     def solved(
         self, z: np.ndarray, places: np.ndarray, missing: Callable[[np.ndarray, np.ndarray], np.ndarray]

@@ -39,6 +39,9 @@ class LinearStep(Protocol):
     def foreseen(self, laws: Laws) -> Stepped:
         """The same for the choice of states, less exact where that is cheaper."""
 
+    def under(self, residual: np.ndarray, now: np.ndarray) -> LinearStep:
+        """The same tangent for another residual (n,) and other gaps and slips (3m,) before the step."""
+
 
 @dataclass(frozen=True, eq=False)
 class Point:

@@ -27,7 +27,8 @@ Source: Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -72,14 +73,23 @@ class FrictionalStep(Exchange):
         self.base, self._linear, J, m = base, linear, linear.ways.rows, len(linear.mu)
         with run.tally.timed("contact_s"):
             tangential = _tangential(m)
-            spring = sparse.csc_matrix(tangential.T @ _pairs(base.spring) @ tangential)
-            K = added(linear.tangent, sparse.csc_matrix(J.T @ spring @ J))
+            self._spring = sparse.csc_matrix(tangential.T @ _pairs(base.spring) @ tangential)
+            K = added(linear.tangent, sparse.csc_matrix(J.T @ self._spring @ J))
             held, to_slack, multiplied = held_states(linear.ways, base, linear.mu, K)
-        left = linear.residual + J.T @ (spring @ linear.now)
         self._inputs_are_forces = _inputs_are_forces(base)
         forced = self._inputs_are_forces.ravel()
         ways = J, J, linear.now, forced, to_slack, multiplied, np.zeros(3 * m)
-        super().__init__(run, held, *ways, left)
+        super().__init__(run, held, *ways, self._without_springs(linear))
+
+    def _without_springs(self, linear: Linear) -> np.ndarray:
+        return np.asarray(linear.residual + linear.ways.rows.T @ (self._spring @ linear.now))
+
+    def under(self, residual: np.ndarray, now: np.ndarray) -> FrictionalStep:
+        """The same factors for another residual (n,) and other ways (3m,) before the step."""
+        other = copy(self)
+        other._linear = replace(self._linear, residual=residual, now=now)
+        other._load(now, self._without_springs(other._linear))
+        return other
 
     def near(self, laws: Laws) -> FrictionalStep:
         """The same linearisation, factorised for the laws where that costs less than the columns they ask for here."""
@@ -217,6 +227,10 @@ class SprungStep:
     def __init__(self, run: LinearSolves, linear: Linear, k: np.ndarray) -> None:
         self._run, self._linear, self._k = run, linear, k
         self._last: tuple[Laws, Stepped] | None = None
+
+    def under(self, residual: np.ndarray, now: np.ndarray) -> SprungStep:
+        """The same for another residual (n,) and other ways (3m,) before the step."""
+        return SprungStep(self._run, replace(self._linear, residual=residual, now=now), self._k)
 
     def near(self, laws: Laws) -> SprungStep:
         """The same for all."""

@@ -59,11 +59,15 @@ class Pivots:
         place = sparse.csr_matrix((np.ones(a), self.pivot, np.arange(a + 1)), shape=(a, n))
         on_others = self.held @ (sparse.diags_array(-1.0 / self.slope) @ self.rows)
         column = self.column @ sparse.diags_array(self.scale)
-        return sparse.csc_matrix(K + (on_others - column @ place)), b + self.held @ (self.gap / self.slope)
+        return sparse.csc_matrix(K + (on_others - column @ place)), self.loaded(b)
 
-    def homogeneous(self) -> Pivots:
-        """The same for closed gaps, as of a motion that leaves them so."""
-        return replace(self, gap=np.zeros_like(self.gap))
+    def loaded(self, b: np.ndarray) -> np.ndarray:
+        """That right-hand side (n,)."""
+        return np.asarray(b + self.held @ (self.gap / self.slope))
+
+    def opened(self, gap: np.ndarray) -> Pivots:
+        """The same for other gaps (a,), 0 of a motion that leaves them closed."""
+        return replace(self, gap=gap)
 
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du and the pressures of the set from the solution of the substituted system."""

@@ -102,17 +102,46 @@ class LinearSolves:
     ) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) under forces (n,) while the gaps of these candidates stay, and the pressures (m,) that hold them.
 
-        K du - G^T W dp = force,   G_A du + dp_A/epsilon = 0,   dp = 0 outside A.
+        As :class:`Response` says; raises SingularMatrixError, ValueError.
+        """
+        return Response(self, u, K, nodes)(force, np.zeros(len(nodes)))
+
+
+class Response:
+    """du (n,) under forces (n,), and the pressures (m,) that hold the gaps of a set A, which the load opens by g (a,).
+
+    K du - G^T W dp = force,   G_A du + dp_A/epsilon = -g,   dp = 0 outside A.
+    One factorisation serves all loads.
+    """
+
+    def __init__(self, run: LinearSolves, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray) -> None:
+        """At u (n,) with the tangent K (n, n) on the candidates ``nodes`` (a,).
+
         Raises SingularMatrixError, ValueError.
         """
-        pressures = np.zeros(len(self.problem.weights))
-        if holdable(self.problem):
-            held, still = Held.on(self.problem, u, nodes, K, self.epsilon), np.zeros(len(nodes))
-            y = self.solution(self.factorise(held.matrix), held.matrix, held.load(force, still))
-            du = held.motion(y, still)
-            pressures[nodes] = held.forces(y, du, -force) / self.problem.weights[nodes]
+        self._run, self.nodes = run, nodes
+        self._held: Held | Pivots
+        if holdable(run.problem):
+            self._held = Held.on(run.problem, u, nodes, K, run.epsilon)
+            self._matrix = self._held.matrix
         else:
-            pivots = Pivots.choose(self.problem, u, nodes, K, self.epsilon).homogeneous()
-            A, load = pivots.substitute(K, force)
-            du, pressures[nodes] = pivots.resolve(self.solution(self.factorise(A), A, load))
+            self._held = Pivots.choose(run.problem, u, nodes, K, run.epsilon).opened(np.zeros(len(nodes)))
+            self._matrix, _ = self._held.substitute(K, np.zeros(K.shape[0]))
+        self._factor = run.factorise(self._matrix)
+
+    def compliance(self, nodes: np.ndarray) -> np.ndarray:
+        """1/(epsilon w) (k,) [mm/N] of candidates."""
+        return np.asarray(1.0 / (self._run.epsilon * self._run.problem.weights[nodes]))
+
+    def __call__(self, force: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and dp (m,); raises SingularMatrixError."""
+        problem, held, pressures = self._run.problem, self._held, np.zeros(len(self._run.problem.weights))
+        if isinstance(held, Held):
+            y = self._run.solution(self._factor, self._matrix, held.load(force, -gap))
+            du = held.motion(y, -gap)
+            pressures[self.nodes] = held.forces(y, du, -force) / problem.weights[self.nodes]
+        else:
+            opened = held.opened(gap)
+            load = opened.loaded(force)
+            du, pressures[self.nodes] = opened.resolve(self._run.solution(self._factor, self._matrix, load))
         return du, pressures

@@ -34,6 +34,7 @@ from studies.solving.result import UNSTABLE, WRONG, Result, Step
 from studies.solving.solve import Interrupted
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
+GRADIENT_HELP = "what settings do to a quantity: its derivatives, by default with all that are continuous"
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
@@ -56,6 +57,8 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", choices=mesh_error.STARTS, default=mesh_error.NESTED, metavar="HOW", help=START_HELP)
     parser.add_argument("--no-error", action="store_true", help="do not state what coarser grids say of the error")
     parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
+    parser.add_argument("--gradient", metavar="QUANTITY[:KEY,KEY]", action="append", default=[], help=GRADIENT_HELP)
+    parser.add_argument("--check-gradient", action="store_true", help="compare derivatives with solutions beside it")
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
 
 
@@ -75,6 +78,7 @@ def _run(options: argparse.Namespace) -> int:
         try:
             result, enough = _solved(options, scene, request, wanted, tell)
             step_lines = _step_error(result, tell) if not options.no_step_error else []
+            step_lines += _gradients(options, scene, result, tell)
         except Interrupted as stopped:
             result, enough, step_lines = stopped.result, False, []
     if result.unsupported:
@@ -174,6 +178,29 @@ def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
 
     load_steps.estimate(result, tell)
     return load_steps.lines(result)
+
+
+def _gradients(options: argparse.Namespace, scene: Scene, result: Result, tell: Callable[[str], None]) -> list[str]:
+    """Derivatives into the result, judged where that is asked for; what there is to print of them."""
+    if not options.gradient:
+        if options.check_gradient:
+            raise UsageError("--check-gradient judges --gradient: give both")
+        return []
+    from studies.solving import gradient  # loaded with derivatives alone
+
+    if not result.outcome.converged:
+        return []
+    asked = [gradient.parse_gradient(text, scene, result.request) for text in options.gradient]
+    found = gradient.of_quantities(scene, result, asked, tell)
+    gradient.record(result, found)
+    said = [line for quantity, _ in asked for line in gradient.lines(found, quantity)]
+    if options.check_gradient:
+        from studies.solving import taylor
+
+        checked = taylor.check(scene, result, found, tell)
+        taylor.record(result, checked)
+        said += taylor.lines(checked)
+    return said
 
 
 def _print_table(result: Result) -> None:

@@ -101,6 +101,7 @@ class Result:
     included.  remarks: further notes.
     epsilon [MPa/mm]: of the contact law by which states are judged.
     errors: {quantity: {low, high}} of those whose error is estimated.
+    gradients: {quantity: {setting: its derivative}} where they were asked for, :mod:`studies.solving.gradient`.
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
 
@@ -116,6 +117,7 @@ class Result:
     beside: list[Branch] = field(default_factory=list)
     quantities: dict[str, float] = field(default_factory=dict)
     errors: dict[str, dict[str, float]] = field(default_factory=dict)
+    gradients: dict[str, dict[str, dict[str, float | None]]] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
     loads: list[Step] = field(default_factory=list)
     ways: list[tuple[str, tuple[float, ...]]] = field(default_factory=list)
@@ -149,6 +151,7 @@ class Result:
             "notes": self.notes,
             "quantities": self.quantities,
             **({"errors": self.errors} if self.errors else {}),
+            **({"gradients": self.gradients} if self.gradients else {}),
             "steps": self.steps,
             **({"branches": self.branches} if self.branches else {}),
             "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],

@@ -1,0 +1,189 @@
+"""The judge of derivatives: solutions with the setting a little less and more, differenced on a ladder of steps.
+
+It knows nothing of how a derivative was found. With J at s +- h on three steps h, each half of the last, the central
+differences are extrapolated (Richardson), and the remainder of Taylor's first order, J(s + h) - J(s) - h dJ/ds, has to
+fall with h^2: with a wrong derivative it falls with h. Steps are cut until all solutions of a ladder have the contact
+set, and the states of friction, of the answer: beyond a change of them J has another derivative.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from studies.ask.request import Request
+from studies.ask.scene import Scene
+from studies.output.atomic import Table
+from studies.scenes.walk import Visited
+from studies.solving.gradient import Derivative, Values, changed, frozen, values_of, width_of
+from studies.solving.result import Result, unit_of
+from studies.solving.solve import solve
+
+TABLE = "gradient_check"
+LARGEST = 2.0**-9  # of a setting, the first step of the first ladder
+RUNGS = 3
+CUT = 8.0  # from ladder to ladder
+LADDERS = 4
+EXACT = 1e-12  # residual of the solutions, relative to the forces in balance
+ENOUGH = 1e-6  # relative
+NOTHING = 1e-8  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
+SOLVED_TO = 1e-11  # relative digits of a quantity of such a solution
+CONFIRMED, WRONG, UNDECIDED = "confirmed", "wrong", "not decided"
+
+
+@dataclass(frozen=True)
+class Check:
+    """What differences say of a derivative: extrapolated, with ``doubt`` of their own; order: of Taylor's remainder.
+
+    nothing: size of a derivative that is no change to speak of.
+    """
+
+    derivative: Derivative
+    differences: float | None
+    doubt: float | None
+    order: float | None
+    why: str = ""
+    nothing: float = 0.0
+
+    @property
+    def error(self) -> float | None:
+        """Of the derivative, relative to the larger of both, where they can be told apart."""
+        if self.differences is None:
+            return None
+        size = max(abs(self.derivative.above), abs(self.differences))
+        return abs(self.derivative.above - self.differences) / size if size > 0 else 0.0
+
+    @property
+    def word(self) -> str:
+        """The verdict."""
+        if self.error is None or self.doubt is None or self.differences is None:
+            return UNDECIDED
+        if self.error <= ENOUGH or abs(self.derivative.above - self.differences) <= self.nothing:
+            return CONFIRMED
+        return UNDECIDED if self.error <= self.doubt else WRONG
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """As plain data."""
+        named = {key: getattr(self.derivative, key) for key in ("load", "quantity", "setting", "above")}
+        found = {"differences": self.differences, "error": self.error, "doubt": self.doubt, "order": self.order}
+        return {**named, **found, "verdict": self.word, "why": self.why}
+
+
+def check(
+    scene: Scene, result: Result, found: Sequence[Derivative], progress: Callable[[str], None] = lambda text: None
+) -> list[Check]:
+    """Of all derivatives of a result, setting by setting."""
+    scene = frozen(scene, result.request)
+    exact = _exact(scene, result.request)
+    checked, sizes = list[Check](), _sizes(exact)
+    for key in dict.fromkeys(each.setting for each in found):
+        progress(f"differences with {key}")
+        mine = [each for each in found if each.setting == key]
+        ladder, why = _ladder(scene, exact, key)
+        checked += [_checked(each, values_of(exact), sizes, ladder, why) for each in mine]
+    return checked
+
+
+def record(result: Result, checked: Sequence[Check]) -> None:
+    """As a table of the result."""
+    result.tables[TABLE] = [Table.of_rows([each.row for each in checked])]
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A step h of the setting, and the quantities at s - h and s + h."""
+
+    h: float
+    low: Values
+    high: Values
+
+
+def _exact(scene: Scene, request: Request) -> Result:
+    return solve(scene, replace(request, settings=request.settings.with_values(tolerance=EXACT)))
+
+
+def _ladder(scene: Scene, exact: Result, key: str) -> tuple[list[Rung], str]:
+    """The first ladder on which no set changes; none, and why, where even the smallest has other sets."""
+    why = ""
+    for k in range(LADDERS):
+        first = width_of(key, exact.request.settings[key], LARGEST / CUT**k)
+        rungs, why = _rungs(scene, exact, key, first)
+        if not why:
+            return rungs, ""
+    return [], why
+
+
+def _rungs(scene: Scene, exact: Result, key: str, first: float) -> tuple[list[Rung], str]:
+    states, rungs = _states(exact.visits), list[Rung]()
+    for rung in range(RUNGS):
+        h, ends = first / 2**rung, list[Values]()
+        for by in (-h, h):
+            beside = solve(scene, changed(exact.request, key, by))
+            if not beside.outcome.converged:
+                return [], f"no answer with {key} {by:+.2g}: {beside.reason or beside.outcome.value}"
+            if not _same(states, _states(beside.visits)):
+                return [], f"the contact set changes within {abs(by):.2g} of {key}"
+            ends.append(values_of(beside))
+        rungs.append(Rung(h, *ends))
+    return rungs, ""
+
+
+def _states(visits: Sequence[Visited]) -> list[np.ndarray]:
+    """Of all candidates at the requested points: who touches, and how."""
+    found = [visited.point.solution for visited in visits]
+    return [each.active if each.friction is None else each.friction.state for each in found]
+
+
+def _same(these: Sequence[np.ndarray], those: Sequence[np.ndarray]) -> bool:
+    return len(these) == len(those) and all(map(np.array_equal, these, those))
+
+
+def _sizes(exact: Result) -> dict[str, float]:
+    """The largest value of each unit: of what is nothing beside it rounding is left alone."""
+    found = dict[str, float]()
+    for (_, name), value in values_of(exact).items():
+        unit = unit_of(name)
+        found[unit] = max(found.get(unit, 1.0 if unit == name else 0.0), abs(value))
+    return found
+
+
+def _checked(
+    derivative: Derivative, values: Values, sizes: Mapping[str, float], ladder: Sequence[Rung], why: str
+) -> Check:
+    """Extrapolated central differences, and how much of them is truncation and rounding."""
+    name, slope = (derivative.load, derivative.quantity), derivative.above
+    if slope != derivative.below:
+        why = "a candidate touches without pressure: sides differ"
+    if why or any(name not in end for rung in ladder for end in (rung.low, rung.high)):
+        return Check(derivative, None, None, None, why or "not every solution has it")
+    central = [(rung.high[name] - rung.low[name]) / (2 * rung.h) for rung in ladder]
+    once = [(4 * fine - coarse) / 3 for coarse, fine in pairwise(central)]
+    twice = (16 * once[1] - once[0]) / 15
+    size, unit = max(abs(twice), abs(slope)), sizes[unit_of(derivative.quantity)]
+    doubt = abs(twice - once[1]) + SOLVED_TO * unit / ladder[-1].h
+    left = [abs(rung.high[name] - values[name] - rung.h * slope) for rung in ladder[:2]]
+    order = math.log2(left[0] / left[1]) if min(left) > SOLVED_TO * unit else None
+    nothing = NOTHING * unit / (width_of(derivative.setting, derivative.setting_value, 1.0))
+    return Check(derivative, twice, doubt / size if size > 0 else 0.0, order, nothing=nothing)
+
+
+def lines(checked: Sequence[Check]) -> list[str]:
+    """For people: how many are confirmed, and each that is not."""
+    words = [each.word for each in checked]
+    worst = max((each.error or 0.0 for each in checked if each.word == CONFIRMED), default=0.0)
+    said = [f"derivatives: {words.count(CONFIRMED)} of {len(checked)} confirmed by solutions beside, to {worst:.1g}"]
+    for each in checked:
+        if each.word != CONFIRMED:
+            one, other = each.derivative, "" if each.differences is None else f", by differences {each.differences:.6g}"
+            at = "" if one.load is None else f" at load {one.load + 1}"
+            said.append(
+                f"{each.word}: d {one.quantity} / d {one.setting}{at} {one.above:.6g}{other}"
+                + (f"; {each.why}" if each.why else "")
+            )
+    return said
