@@ -16,11 +16,12 @@ What a parameter is, and where problems come from, does not enter here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contact.continuation.critical_points import spectrum
 from contact.coulomb import State
 from contact.newton.friction_run import FrictionalRun
 from contact.newton.friction_states import Laws, directed
@@ -30,7 +31,10 @@ from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.scales import Stiffness, length
 from contact.solvers.lcp_pivoting import lemke
+from contact.solvers.sparse import symmetric
 
+STEP = 2.0**-17  # of a travel or a load, for differences
+BESIDE = 1e-4  # of the displacement at a limit point, along its mode
 WEAK = 1e-9  # of the largest force, and of a large gap: a candidate with less of both is in no set for certain
 
 
@@ -166,6 +170,70 @@ class Sensitivity:
             return Rates(found.du, pressure, found.friction + given)
 
         return respond
+
+
+class Fold:
+    """Of a limit point: how its load or travel moves with a parameter, by the mode phi that is soft there.
+
+    phi.K = f_A G_A with the forces f that hold the set; where t and the parameter change the conditions together by
+    nothing along (phi, -f), the path still turns back::
+
+        dt/ds = -(phi.R'_s - f.g'_s)/(phi.R'_t - f.g'_t)
+
+    A path knows its limit point to five digits or so; two states beside it, along the mode, are weighed by their
+    eigenvalues so that theirs is zero. What the state there does asks for second derivatives and is not told.
+    """
+
+    def __init__(
+        self, problem_at: Callable[[float], ContactProblem], t: float, state: ContactSolution, epsilon: float
+    ) -> None:
+        """Raises SingularMatrixError, and ValueError where the tangent is not symmetric, or the mode moves no load."""
+        problem = problem_at(t)
+        mode = spectrum(problem, state, epsilon).modes[:, 0]
+        beside = BESIDE * (float(np.linalg.norm(state.u)) or 1.0)
+        ends = [replace(state, u=state.u + sign * beside * mode) for sign in (-1, 1)]
+        self.modes = [SoftMode(problem_at, t, each, epsilon) for each in ends]
+        one, other = (each.eigenvalue for each in self.modes)
+        if one == other:
+            raise ValueError("the mode of its limit point does not turn the path back")
+        self._shares = other / (other - one), one / (one - other)
+
+    def rate(self, changes: Sequence[Change]) -> float:
+        """dt/ds of the changes at the states of the modes."""
+        rates = (mode.rate(change) for mode, change in zip(self.modes, changes, strict=True))
+        return sum(share * rate for share, rate in zip(self._shares, rates, strict=True))
+
+
+class SoftMode:
+    """The softest motion of a state (n,) at t, and the parameter's share in its balance with the load."""
+
+    def __init__(
+        self, problem_at: Callable[[float], ContactProblem], t: float, state: ContactSolution, epsilon: float
+    ) -> None:
+        """As for a Fold."""
+        problem = problem_at(t)
+        K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+        if not symmetric(K):
+            raise ValueError("the tangent of its limit point is not symmetric")
+        soft = spectrum(problem, state, epsilon)
+        self.state, self.eigenvalue = state, float(soft.eigenvalues[0])
+        self._set, self._mode = np.flatnonzero(state.active), soft.modes[:, 0]
+        rows = problem.push(state.u)[self._set]
+        own = np.asarray(rows.multiply(rows).sum(axis=1)).ravel()
+        self._forces = np.asarray(rows @ (K @ self._mode)).ravel() / own  # no two candidates share an unknown
+        h = STEP * (abs(t) or 1.0)
+        self._along = self._work(
+            Change.between((problem_at(t - h), epsilon), (problem_at(t + h), epsilon), state, 2 * h)
+        )
+        if self._along == 0:
+            raise ValueError("the mode of its limit point does no work with the load")
+
+    def rate(self, change: Change) -> float:
+        """-(phi.R'_s - f.g'_s)/(phi.R'_t - f.g'_t)."""
+        return -self._work(change) / self._along
+
+    def _work(self, change: Change) -> float:
+        return float(self._mode @ change.residual - self._forces @ change.gap[self._set])
 
 
 def _held(problem: ContactProblem, epsilon: float, state: ContactSolution) -> tuple[np.ndarray, ...]:

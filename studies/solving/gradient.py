@@ -20,12 +20,12 @@ import numpy as np
 
 from contact.continuation.critical_points import State
 from contact.problem import ContactProblem, ContactSolution
-from contact.sensitivity import Change, Rates, Sensitivity
+from contact.sensitivity import Change, Fold, Rates, Sensitivity
 from contact.slip import anchors_left, stretched
 from contact.solvers.lcp_pivoting import LcpError
 from contact.solvers.sparse import SingularMatrixError
 from studies.ask.request import Request, UsageError, Value
-from studies.ask.scene import Scene, Setting, Stage, settings_beside
+from studies.ask.scene import CurveStage, Scene, Setting, Stage, settings_beside
 from studies.ask.settings import TOLERANCE, configured
 from studies.output.atomic import Table
 from studies.output.terminal import columns
@@ -105,10 +105,15 @@ def _numbers(value: Value) -> tuple[float, ...]:
     return value if isinstance(value, tuple) else (float(value),)
 
 
-def width_of(key: str, value: Value, share: float = STEP) -> float:
-    """A small change of a setting."""
-    size = max(map(abs, _numbers(value)))
-    return share * (max(size, TURN) if key.endswith("_deg") else size or 1.0)
+def width_of(scene: Scene, request: Request, key: str, share: float = STEP) -> float:
+    """A small change of a setting: a share of its value, less where it is close to a limit that it cannot have."""
+    values = _numbers(request.settings[key])
+    size = max(map(abs, values))
+    size = max(size, TURN) if key.endswith("_deg") else size or 1.0
+    setting = next(each for each in (*scene.settings, *settings_beside(scene)) if each.key == key)
+    limits = [end for end, is_open in ((setting.low, setting.open_low), (setting.high, setting.open_high)) if is_open]
+    ways = [abs(value - end) for value in values for end in limits if math.isfinite(end)]
+    return share * math.sqrt(size * min([size, *ways]))
 
 
 def changed(request: Request, key: str, by: float) -> Request:
@@ -127,7 +132,10 @@ def frozen(scene: Scene, request: Request) -> Scene:
 
 def values_of(result: Result) -> Values:
     """What is differentiated."""
-    loads = ((i, step.quantities) for i, step in enumerate(result.loads))
+    steps, end = result.loads, result.end
+    if end is not None and end.trace is not None:  # of a curve what was asked for, as many as it had points in between
+        steps = [step for step in steps if next(iter(step.load.values())) in end.stage.targets]
+    loads = ((i, step.quantities) for i, step in enumerate(steps))
     found: Values = {(i, name): value for i, seen in loads for name, value in seen.items()}
     return found | {(None, name): value for name, value in result.quantities.items()}
 
@@ -206,7 +214,7 @@ class Path:
             there = list(_states(visited, index, count, self.result.epsilon))
             found += there
             if visited.trace is not None:
-                count += len(visited.trace.points) - 1
+                count += len(visited.stage.targets)
             elif visited.stage.observe(there[-1].problem, there[-1].state, there[-1].t).step is not None:
                 count += 1
         return found
@@ -224,16 +232,46 @@ class Path:
     def derivatives(self, scene: Scene, key: str, side: int) -> Values:
         """Of all that is read off with a setting, of rates on this side of it."""
         request = self.result.request
-        by = width_of(key, request.settings[key])
+        by = width_of(scene, request, key)
         low, high = (Side(scene, changed(request, key, sign * by)) for sign in (-1, 1))
         found: Values = {}
         for passed, sensitivity in zip(self.states, self.sensitivities, strict=True):
             change = Change.between(low.posed(passed), high.posed(passed), passed.state, 2 * by)
             rates = sensitivity.rates(change)[side]
             seen = [each.seen(passed, rates, move) for each, move in ((low, -by), (high, by))]
-            for name, value in seen[1].items():
-                found[name] = (value - seen[0][name]) / (2 * by)
-        return found
+            found |= {name: (value - seen[0][name]) / (2 * by) for name, value in seen[1].items()}
+        return found | self._of_limits(low, high, 2 * by)
+
+    @cached_property
+    def _folds(self) -> dict[int, Fold]:
+        """Of the limit points of a traced curve, by their place in it."""
+        end = self.result.end
+        if end is None or end.trace is None:
+            return {}
+        limits = {k: each for k, each in enumerate(end.trace.points) if each.limit}
+        eps = self.result.epsilon
+        return {k: Fold(end.problem_at, each.factor, each.state, eps) for k, each in limits.items()}
+
+    def _of_limits(self, low: Side, high: Side, width: float) -> Values:
+        """Of the headline values of a curve that are told by its limit points' loads alone."""
+        end = self.result.end
+        if not self._folds or end is None or end.trace is None:
+            return {}
+        stage, points = end.stage, list(end.trace.points)
+        assert isinstance(stage, CurveStage)
+        before = _measured(stage.summarise(points))
+        moved, turned = list(points), list(points)
+        for k, fold in self._folds.items():
+            at = points[k]
+            sides = low.at(at.factor), high.at(at.factor)
+            changes = [Change.between(*sides, mode.state, width) for mode in fold.modes]
+            moved[k] = replace(at, factor=at.factor + width * fold.rate(changes))
+            turned[k] = replace(at, u=1.5 * at.u)
+        by_state = _measured(stage.summarise(turned))
+        after = _measured(stage.summarise(moved))
+        return {
+            (None, name): (after[name] - value) / width for name, value in before.items() if by_state[name] == value
+        }
 
 
 def _states(visited: Visited, index: int, load: int, epsilon: float) -> Iterator[Passed]:
@@ -243,7 +281,7 @@ def _states(visited: Visited, index: int, load: int, epsilon: float) -> Iterator
         points = visited.trace.points
         for k, target in enumerate(targets):
             at = min(range(1, len(points)), key=lambda i: abs(points[i].factor - target))
-            here = points[at].state, target, (0.0, visited.before), k, 1.0, load + at - 1
+            here = points[at].state, target, (0.0, visited.before), k, 1.0, load + k
             yield Passed(stage, visited.problem_at(target), *here)
         return
     way, begun, end = visited.point.way, targets[index - 1] if index else 0.0, targets[index]
@@ -293,6 +331,11 @@ class Side:
             problem = problem.since(anchors_left(problem, self.problem, self.last, self.epsilon))
         self.problem = problem
         return problem, self.epsilon
+
+    def at(self, t: float) -> tuple[ContactProblem, float]:
+        """The problem of its stage at a parameter."""
+        assert self.problem_at is not None
+        return self.problem_at(t), self.epsilon
 
     def seen(self, passed: Passed, rates: Rates, by: float) -> Values:
         """What is read off the state here, once it has moved."""

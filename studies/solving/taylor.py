@@ -31,6 +31,7 @@ CUT = 8.0  # from ladder to ladder
 LADDERS = 4
 EXACT = 1e-12  # residual of the solutions, relative to the forces in balance
 ENOUGH = 1e-6  # relative
+SEEN = 1e-4  # doubt up to which differences that agree within it confirm
 NOTHING = 1e-8  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
 SOLVED_TO = 1e-11  # relative digits of a quantity of such a solution
 CONFIRMED, WRONG, UNDECIDED = "confirmed", "wrong", "not decided"
@@ -51,6 +52,11 @@ class Check:
     nothing: float = 0.0
 
     @property
+    def one_sided(self) -> bool:
+        """Whether it is of one side alone, where central differences say nothing."""
+        return self.derivative.above != self.derivative.below
+
+    @property
     def error(self) -> float | None:
         """Of the derivative, relative to the larger of both, where they can be told apart."""
         if self.differences is None:
@@ -65,7 +71,9 @@ class Check:
             return UNDECIDED
         if self.error <= ENOUGH or abs(self.derivative.above - self.differences) <= self.nothing:
             return CONFIRMED
-        return UNDECIDED if self.error <= self.doubt else WRONG
+        if self.error > self.doubt:
+            return WRONG
+        return CONFIRMED if self.doubt <= SEEN else UNDECIDED
 
     @property
     def row(self) -> dict[str, Any]:
@@ -85,8 +93,7 @@ def check(
     for key in dict.fromkeys(each.setting for each in found):
         progress(f"differences with {key}")
         mine = [each for each in found if each.setting == key]
-        ladder, why = _ladder(scene, exact, key)
-        checked += [_checked(each, values_of(exact), sizes, ladder, why) for each in mine]
+        checked += _decided(scene, exact, mine, key, sizes)
     return checked
 
 
@@ -108,15 +115,23 @@ def _exact(scene: Scene, request: Request) -> Result:
     return solve(scene, replace(request, settings=request.settings.with_values(tolerance=EXACT)))
 
 
-def _ladder(scene: Scene, exact: Result, key: str) -> tuple[list[Rung], str]:
-    """The first ladder on which no set changes; none, and why, where even the smallest has other sets."""
-    why = ""
+def _decided(
+    scene: Scene, exact: Result, mine: Sequence[Derivative], key: str, sizes: Mapping[str, float]
+) -> list[Check]:
+    """By the ladder that has the least doubt of each, down to one that confirms all or to the last."""
+    values, best = values_of(exact), list[Check]()
+    unit = width_of(scene, exact.request, key, 1.0)
     for k in range(LADDERS):
-        first = width_of(key, exact.request.settings[key], LARGEST / CUT**k)
-        rungs, why = _rungs(scene, exact, key, first)
-        if not why:
-            return rungs, ""
-    return [], why
+        rungs, why = _rungs(scene, exact, key, LARGEST / CUT**k * unit)
+        tried = [_checked(each, values, sizes, unit, rungs, why) for each in mine]
+        best = [min(pair, key=_doubt) for pair in zip(best, tried, strict=True)] if best else tried
+        if all(each.word == CONFIRMED or each.one_sided for each in best):
+            break
+    return best
+
+
+def _doubt(check: Check) -> float:
+    return math.inf if check.doubt is None else check.doubt
 
 
 def _rungs(scene: Scene, exact: Result, key: str, first: float) -> tuple[list[Rung], str]:
@@ -124,7 +139,10 @@ def _rungs(scene: Scene, exact: Result, key: str, first: float) -> tuple[list[Ru
     for rung in range(RUNGS):
         h, ends = first / 2**rung, list[Values]()
         for by in (-h, h):
-            beside = solve(scene, changed(exact.request, key, by))
+            try:
+                beside = solve(scene, changed(exact.request, key, by))
+            except ValueError as error:  # nothing can be built there
+                return [], f"no answer with {key} {by:+.2g}: {error}"
             if not beside.outcome.converged:
                 return [], f"no answer with {key} {by:+.2g}: {beside.reason or beside.outcome.value}"
             if not _same(states, _states(beside.visits)):
@@ -154,7 +172,7 @@ def _sizes(exact: Result) -> dict[str, float]:
 
 
 def _checked(
-    derivative: Derivative, values: Values, sizes: Mapping[str, float], ladder: Sequence[Rung], why: str
+    derivative: Derivative, values: Values, sizes: Mapping[str, float], width: float, ladder: Sequence[Rung], why: str
 ) -> Check:
     """Extrapolated central differences, and how much of them is truncation and rounding."""
     name, slope = (derivative.load, derivative.quantity), derivative.above
@@ -166,11 +184,10 @@ def _checked(
     once = [(4 * fine - coarse) / 3 for coarse, fine in pairwise(central)]
     twice = (16 * once[1] - once[0]) / 15
     size, unit = max(abs(twice), abs(slope)), sizes[unit_of(derivative.quantity)]
-    doubt = abs(twice - once[1]) + SOLVED_TO * unit / ladder[-1].h
+    doubt = abs(once[1] - once[0]) + SOLVED_TO * unit / ladder[-1].h
     left = [abs(rung.high[name] - values[name] - rung.h * slope) for rung in ladder[:2]]
     order = math.log2(left[0] / left[1]) if min(left) > SOLVED_TO * unit else None
-    nothing = NOTHING * unit / (width_of(derivative.setting, derivative.setting_value, 1.0))
-    return Check(derivative, twice, doubt / size if size > 0 else 0.0, order, nothing=nothing)
+    return Check(derivative, twice, doubt / size if size > 0 else 0.0, order, nothing=NOTHING * unit / width)
 
 
 def lines(checked: Sequence[Check]) -> list[str]:
