@@ -25,7 +25,7 @@ from contact.slip import anchors_left, stretched
 from contact.solvers.lcp_pivoting import LcpError
 from contact.solvers.sparse import SingularMatrixError
 from studies.ask.request import Request, UsageError, Value
-from studies.ask.scene import CurveStage, Scene, Setting, Stage, settings_beside
+from studies.ask.scene import CurveStage, Scene, Setting, SettlingScene, Stage, settings_beside
 from studies.ask.settings import TOLERANCE, configured
 from studies.output.atomic import Table
 from studies.output.terminal import columns
@@ -116,11 +116,16 @@ def width_of(scene: Scene, request: Request, key: str, share: float = STEP) -> f
     return share * math.sqrt(size * min([size, *ways]))
 
 
-def changed(request: Request, key: str, by: float) -> Request:
-    """The request with a setting changed, each of its values where it has several."""
+def changed(scene: Scene, request: Request, key: str, by: float) -> Request:
+    """The request with a setting changed, each of its values where it has several.
+
+    Raises UsageError where its model is valid without the change alone, as a quarter of a tyre whose cords are not
+    turned.
+    """
     value = request.settings[key]
     moved: Value = tuple(each + by for each in value) if isinstance(value, tuple) else float(value) + by
-    return replace(request, settings=request.settings.with_values(**{key: moved}))
+    beside = replace(request, settings=request.settings.with_values(**{key: moved}))
+    return scene.settle(beside) if isinstance(scene, SettlingScene) else beside
 
 
 def frozen(scene: Scene, request: Request) -> Scene:
@@ -233,7 +238,7 @@ class Path:
         """Of all that is read off with a setting, of rates on this side of it."""
         request = self.result.request
         by = width_of(scene, request, key)
-        low, high = (Side(scene, changed(request, key, sign * by)) for sign in (-1, 1))
+        low, high = (Side(scene, changed(scene, request, key, sign * by)) for sign in (-1, 1))
         found: Values = {}
         for passed, sensitivity in zip(self.states, self.sensitivities, strict=True):
             change = Change.between(low.posed(passed), high.posed(passed), passed.state, 2 * by)

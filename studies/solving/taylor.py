@@ -140,7 +140,7 @@ def _rungs(scene: Scene, exact: Result, key: str, first: float) -> tuple[list[Ru
         h, ends = first / 2**rung, list[Values]()
         for by in (-h, h):
             try:
-                beside = solve(scene, changed(exact.request, key, by))
+                beside = solve(scene, changed(scene, exact.request, key, by))
             except ValueError as error:  # nothing can be built there
                 return [], f"no answer with {key} {by:+.2g}: {error}"
             if not beside.outcome.converged:

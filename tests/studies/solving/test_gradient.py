@@ -1,0 +1,248 @@
+"""Derivatives of answers: judged by solutions beside, by laws of physics, and with faults planted on purpose."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import pytest
+
+from contact.sensitivity import Change, Rates
+from studies import solve as solve_here
+from studies.ask.request import UsageError
+from studies.cli import main
+from studies.scenes.complete import complete
+from studies.solving import gradient, taylor
+from studies.solving.gradient import Derivative, Side
+from studies.solving.result import Result
+from studies.solving.solve import solve
+
+TYRE = {"delta_mm": "5,10", "tolerance": "1e-12"}
+RUBBED = TYRE | {"mu": "0.3", "drag_mm": "0.3,2"}  # at the first stop half of the candidates stick
+MODULI = ("E_L_MPa", "E_T_MPa", "G_LT_MPa", "G_TT_MPa", "p0_MPa")
+LENGTHS = ("ply_thickness_mm", "R1_mm", "R0_mm", "delta_mm")
+
+
+@cache
+def solved(name: str, mesh: str, given: tuple[tuple[str, str], ...], model: str = "auto") -> tuple[Any, Result]:
+    scene, request = complete(name, dict(given), mesh, model=model)
+    return scene, solve(scene, request)
+
+
+def of(name: str, given: Mapping[str, str], mesh: str, *keys: str) -> list[Derivative]:
+    scene, result = solved(name, mesh, tuple(given.items()))
+    assert result.outcome.converged
+    return gradient.gradients(scene, result, keys or gradient.differentiable(scene, result.request))
+
+
+def last(found: list[Derivative], quantity: str) -> dict[str, Derivative]:
+    loads = [each.load for each in found if each.load is not None]
+    return {each.setting: each for each in found if each.quantity == quantity and each.load == max(loads)}
+
+
+def test_forces_scale_with_moduli_and_with_lengths_squared() -> None:
+    """Euler: sum s dF/ds over all moduli and pressures is F, over all lengths 2 F; angles have no part in it."""
+    force = last(of("tyre", TYRE, "12x14", *MODULI, *LENGTHS), "force_N")
+    value = force["p0_MPa"].value
+    for keys, power in ((MODULI, 1.0), (LENGTHS, 2.0)):
+        assert sum(force[key].above * force[key].setting_value for key in keys) == pytest.approx(
+            power * value, rel=1e-8
+        )
+
+
+def test_what_is_even_in_the_cord_angle_has_no_slope_at_zero() -> None:
+    given = TYRE | {"gamma_deg": "0"}
+    scene, result = solved("tyre", "12x14", tuple(given.items()), "half")
+    even = [
+        each
+        for each in gradient.gradients(scene, result, ("gamma_deg",))
+        if each.quantity in ("force_N", "half_length_mm")
+    ]
+    assert even
+    for each in even:
+        assert abs(each.above) <= 1e-8 * abs(each.value)
+
+
+def test_a_model_that_is_valid_at_one_value_alone_has_no_derivative_with_it() -> None:
+    """Cords that are not turned leave mirror planes; the least turn takes them away."""
+    scene, result = solved("tyre", "12x14", tuple((TYRE | {"gamma_deg": "0"}).items()))
+    assert result.request.model == "quarter"
+    assert gradient.gradients(scene, result, ("gamma_deg",)) == []
+    assert "quarter" in result.remarks[-1]
+
+
+def test_a_frictional_path_remembers_what_a_setting_did_to_its_anchors() -> None:
+    """Dissipation is a modulus times a volume; the drag is one of the lengths, mu of no dimension."""
+    once = RUBBED | {"delta_mm": "10", "drag_mm": "2"}  # of a list every value is changed by as much, and not scaled
+    mine = last(of("tyre", once, "12x14", *MODULI, *LENGTHS, "drag_mm"), "dissipation_N_mm")
+    for keys, power in ((MODULI, 1.0), ((*LENGTHS, "drag_mm"), 3.0)):
+        scaled = sum(mine[key].above * mine[key].setting_value for key in keys)
+        assert scaled == pytest.approx(power * mine["p0_MPa"].value, rel=1e-7)
+
+
+@pytest.mark.slow
+def test_the_judge_confirms_what_is_right() -> None:
+    scene, result = solved("tyre", "8x10", tuple(TYRE.items()))
+    checked = taylor.check(scene, result, of("tyre", TYRE, "8x10", "p0_MPa"))
+    assert {each.word for each in checked} == {taylor.CONFIRMED}
+    assert len(taylor.lines(checked)) == 1
+
+
+def test_what_has_no_derivative_is_refused(tmp_path, capsys) -> None:
+    command = ["solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error", "--out", str(tmp_path / "o")]
+    for asked, said in (
+        ("force_N:plies", "plies is not continuous"),
+        ("force_N:E_MPa", "E_MPa has no value here"),
+        ("force_N:colour", "colour is no setting of tyre"),
+        ("weight:p0_MPa", "there is no such quantity"),
+        (":p0_MPa", "must be QUANTITY"),
+    ):
+        assert main([*command, "--gradient", asked]) == 2
+        assert said in capsys.readouterr().err
+        assert not (tmp_path / "o").exists()
+    assert main([*command, "--check-gradient"]) == 2
+    assert "give both" in capsys.readouterr().err
+
+
+def test_the_command_writes_what_the_notebook_says(tmp_path, capsys) -> None:
+    command = ["solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error", "--out", str(tmp_path)]
+    assert main([*command, "--gradient", "force_N:p0_MPa,gamma_deg"]) == 0
+    shown = capsys.readouterr().out
+    assert "d force_N / d setting" in shown
+    written = json.loads((tmp_path / "result.json").read_text())
+    assert "gradients.csv" in written["files"]
+    run = solve_here("tyre", mesh="8x10", delta_mm=5, mesh_error=False)
+    table = run.gradient("force_N", "p0_MPa", "gamma_deg").set_index("setting")
+    for key, entry in written["gradients"]["force_N"].items():
+        assert entry["value"] == pytest.approx(table.loc[key, "above"], rel=1e-9)
+    with pytest.raises(UsageError, match="not continuous"):
+        run.gradient("force_N", "plies")
+
+
+def test_what_cannot_be_differentiated_is_a_remark(monkeypatch) -> None:
+    scene, result = solved("tyre", "8x10", tuple(TYRE.items()))
+    result = replace(result, remarks=[])
+
+    def refused(*_: object) -> None:
+        raise ValueError("nothing can be built there")
+
+    monkeypatch.setattr(gradient, "changed", refused)
+    assert gradient.gradients(scene, result, ("p0_MPa",)) == []
+    assert result.remarks == ["no derivative with p0_MPa: nothing can be built there"]
+
+
+# planted faults: each leaves out one way in which a setting reaches an answer, and the judge names it
+
+
+@dataclass(frozen=True)
+class Planted:
+    """A fault, and settings with derivatives that it makes wrong."""
+
+    key: str
+    plant: Callable[[pytest.MonkeyPatch], None]
+
+
+def _changes(**factors: float) -> Callable[[pytest.MonkeyPatch], None]:
+    """Parts of a change taken times a factor."""
+
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        right = Change.between.__func__
+
+        def wrong(cls: type[Change], *args: Any) -> Change:
+            found = right(cls, *args)
+            return replace(found, **{name: factor * getattr(found, name) for name, factor in factors.items()})
+
+        patch.setattr(Change, "between", classmethod(wrong))
+
+    return plant
+
+
+def _rates(**factors: float) -> Callable[[pytest.MonkeyPatch], None]:
+    """Parts of rates taken times a factor."""
+
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        right = Rates.moved
+
+        def wrong(self: Rates, state: Any, by: float) -> Any:
+            known = {name: getattr(self, name) for name in factors if getattr(self, name) is not None}
+            return right(replace(self, **{name: factors[name] * value for name, value in known.items()}), state, by)
+
+        patch.setattr(Rates, "moved", wrong)
+
+    return plant
+
+
+def _unmoved_stage(patch: pytest.MonkeyPatch) -> None:
+    """The foundation touches first where it did."""
+    right = Side.posed
+
+    def wrong(self: Side, passed: gradient.Passed) -> Any:
+        if passed.stage is not self.of and self.last is not None:
+            self.last = self.held
+        found = right(self, passed)
+        self.held = passed.state
+        return found
+
+    patch.setattr(Side, "posed", wrong)
+
+
+def _unmoved_anchors(patch: pytest.MonkeyPatch) -> None:
+    """Slips are counted from where the candidates were."""
+    right = Side.posed
+
+    def wrong(self: Side, passed: gradient.Passed) -> Any:
+        problem, epsilon = right(self, passed)
+        if problem.coulomb is not None:
+            assert passed.problem.coulomb is not None
+            problem = self.problem = problem.since(passed.problem.coulomb.sliding.anchors)
+        return problem, epsilon
+
+    patch.setattr(Side, "posed", wrong)
+
+
+def _forgets(name: str, value: Callable[..., Any]) -> Callable[[pytest.MonkeyPatch], None]:
+    return lambda patch: patch.setattr(Side, name, value)
+
+
+PLANTED = {
+    "loads of the parameter halved": Planted("p0_MPa", _changes(residual=0.5)),
+    "gaps that the parameter opens left out": Planted("delta_mm", _changes(gap=0.0)),
+    "slips left out": Planted("drag_mm", _changes(slip=0.0)),
+    "ways of those that stick left out": Planted("delta_mm", _changes(stretched=0.0)),
+    "the bound of friction left out": Planted("mu", _changes(bound=0.0)),
+    "the bound of friction with its sign turned": Planted("mu", _changes(bound=-1.0)),
+    "pressures that do not follow": Planted("p0_MPa", _rates(pressure=0.0)),
+    "friction that does not follow": Planted("p0_MPa", _rates(friction=0.0)),
+    "first touch that does not follow": Planted("p0_MPa", _unmoved_stage),
+    "anchors that do not follow": Planted("gamma_deg", _unmoved_anchors),
+    "a travel that does not follow": Planted("delta_mm", _forgets("_parameter", lambda self, passed: passed.t)),
+    "dissipation forgotten": Planted("drag_mm", _forgets("_remembered", lambda self, problem, state: state)),
+}
+
+
+@cache
+def beside(key: str) -> tuple[list[taylor.Rung], Result, dict[str, float], float]:
+    scene, result = solved("tyre", "12x14", tuple(RUBBED.items()))
+    unit = gradient.width_of(scene, result.request, key, 1.0)
+    rungs, why = taylor._rungs(scene, result, key, taylor.LARGEST / 8 * unit)
+    assert not why
+    return rungs, result, taylor._sizes(result), unit
+
+
+def words(key: str) -> set[str]:
+    rungs, result, sizes, unit = beside(key)
+    found = of("tyre", RUBBED, "12x14", key)
+    assert found
+    return {taylor._checked(each, gradient.values_of(result), sizes, unit, rungs, "").word for each in found}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PLANTED)
+def test_a_wrong_partial_derivative_is_named(monkeypatch, name: str) -> None:
+    planted = PLANTED[name]
+    assert taylor.WRONG not in words(planted.key)
+    planted.plant(monkeypatch)
+    assert taylor.WRONG in words(planted.key)
