@@ -150,7 +150,8 @@ class Choice:
     """The answer.
 
     stopped: why the reference has no more grids.  limit: of the reference, the exact measure; wall: with more surfaces,
-    whose limit is the ``truth``.  verdicts: walls, measures, options of the element, models, the reference first.
+    whose limit is the ``truth``; beyond: one that is not known well enough to be that.  verdicts: walls, measures,
+    options of the element, models, the reference first.
     algorithms: from rest, on a coarse mesh and on one that is enough.  offers: what is recommended, the runner-up,
     further ones.  refused: offers that did not hold from rest.  reason: why nothing is recommended.  seconds: of wall
     time.
@@ -163,6 +164,7 @@ class Choice:
     stopped: str = ""
     limit: Estimate | None = None
     wall: Wall = field(default_factory=Wall)
+    beyond: Wall | None = None
     verdicts: list[Verdict] = field(default_factory=list)
     algorithms: list[Trial] = field(default_factory=list)
     offers: list[Offer] = field(default_factory=list)
@@ -242,8 +244,13 @@ class Choice:
             if len(steps):
                 yield f"the rim of contact jumps from node to node: the last grids differ by {steps.max():.2g} %"
         if self.verdicts and "interpolation" in self.request.settings and not self.wall.name:
-            here = surfaces_of(self.request)
-            yield f"what more surfaces through the wall would change is not known: errors count from surfaces={here}"
+            here, far = surfaces_of(self.request), self.beyond
+            if far is not None and far.name:
+                width = 100 * (far.beyond.within + far.left)
+                by = f"surfaces={far.name} {100 * far.beyond.value:+.2g} +- {width:.2g} %"
+                yield f"whether more surfaces through the wall matter is not settled: {by}; errors count from {here}"
+            else:
+                yield f"what more surfaces through the wall change is not known: errors count from surfaces={here}"
         if self.stopped:
             yield f"measure {REFERENCE}: {self.stopped}"
         if rubbing(self.request.settings):

@@ -2,7 +2,8 @@
 
 The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then walls
 with more surfaces on the same grids, until more would change nothing: what those have is the truth, and the fewest that
-are enough are the wall of all that follows: measures, algorithms on a grid that is enough, options of the element,
+are enough are the wall of all that follows; where their grids do not tell within the error, errors count from the wall
+that was asked for, and the answer says so. Then measures, algorithms on a grid that is enough, options of the element,
 models, each with a share of what is left; last the cheapest of all that is enough, as its command line asks for it.
 """
 
@@ -16,7 +17,7 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, has_contact
 from studies.solving.choice import Choice, Offer, offers_of, recommended
 from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
-from studies.solving.refinement.grids import element_size, first_grid, near
+from studies.solving.refinement.grids import AdaptedScene, element_size, first_grid, near
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.records import no_limit
 from studies.solving.trials import FROM_REST, Clock, Question, race
@@ -48,7 +49,7 @@ from studies.solving.verdict import (
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
 OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
-OF_WALLS = 0.5  # without knowing what two faces miss nothing is known
+OF_WALLS = 0.3  # what two faces miss, where it is told soon
 BUDGET = 60.0
 ERROR = "1%"
 CHOOSING = 0.92  # of the budget; the rest is for loading, drawing and writing
@@ -74,6 +75,8 @@ def choose(
     """
     clock = Clock(CHOOSING * budget)
     scene, request = first_grid(name, given, mesh, measure=REFERENCE, **options)
+    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
+        scene = scene.adapted(request)  # once: all variants on the same grids
     lines = {key: value for key, value in request.settings.items() if key == "grading"}
     question = Question(name, scene, {**lines, **given}, options, error)
     cascade = Cascade(scene, error, quantity)
@@ -101,13 +104,14 @@ def loosened(found: Choice, error: float) -> Choice:
         least = min(error, found.question.error)
         raise ValueError(f"of {found.question.name} nothing is known to {100 * least:g} %")
     question, reference = replace(found.question, error=error), found.verdicts[0].ladder
-    known = reference, found.limit, found.quantity, error, found.wall
+    wall = found.beyond if found.beyond is not None and found.beyond.tells(error) else found.wall
+    known = reference, found.limit, found.quantity, error, wall
     verdicts = [judged(each.ladder, *known) for each in found.verdicts]
     clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
-    held = recommended(offers, found.quantity, found.wall.truth(found.limit), clock, lambda text: None)
+    held = recommended(offers, found.quantity, wall.truth(found.limit), clock, lambda text: None)
     refused = [offer for offer in offers if not offer.holds and not offer.untried]
     reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {reference.paths[-1].mesh}"
-    answer = replace(found, question=question, verdicts=verdicts, algorithms=[], reason=reason)
+    answer = replace(found, question=question, wall=wall, verdicts=verdicts, algorithms=[], reason=reason)
     answer.offers, answer.refused, answer.seconds = held, refused, clock.spent
     return answer
 
@@ -125,7 +129,8 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
         limits = lambda ladder: verdict(ladder).limit  # noqa: E731
         for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
             progress(text)
-        found.wall = Wall.of([judged(each, reference, limit, quantity, question.error) for each in walls])
+        if found.beyond is None:
+            found.wall = Wall.of([judged(each, reference, limit, quantity, question.error) for each in walls])
 
     def offers() -> list[Offer]:
         found.verdicts = [verdict(each) for each in (reference, *walls, *others)]
@@ -137,6 +142,8 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
             climb(walls[-1:])
             if found.wall.name != wall.name or found.wall.left <= SETTLED * question.error:
                 break
+    if not found.wall.tells(question.error):  # what is not known of a wall must not hide what is known on this one
+        found.beyond, found.wall = found.wall, Wall()
     on = next((each for each in (reference, *walls) if verdict(each).word in (ENOUGH, NO_MESH)), reference)
     beyond = verdict(on).limit
     if isinstance(beyond, Difference) and verdict(on).word == NO_MESH:
@@ -157,7 +164,7 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     first = offers()
     found.offers = recommended(first, quantity, found.wall.truth(limit), clock, progress)
     found.refused = [offer for offer in first if not offer.holds and not offer.untried]
-    climb([*walls, *others])
+    climb([*walls, *others] if found.beyond is None else others)
     known = {offer.words for offer in first}
     found.offers += [offer for offer in offers() if offer.words not in known]
 

@@ -41,6 +41,7 @@ from studies.solving.refinement.nested import Sketch, touches
 from studies.solving.variants import SURFACES, Ladder
 
 LEFT, BEFORE, ALONE = 0.5, 0.3, 4.0  # of the last change, of the one before, and of one that is alone
+KNOWN = 0.5  # of the error that is asked for: what may not be known of a wall that errors count from
 SETTLED = 0.15  # of the error that is asked for: no more surfaces are tried where they may change less
 NOISE = 1e-5  # of the value: what the iteration on a grid may leave
 WORDS = ("enough", "no mesh yet", "not enough", "not settled", "not known", "failed", "does not apply", "not tried")
@@ -95,6 +96,11 @@ class Wall:
                 left = max(LEFT * changes[-1], BEFORE * changes[-2]) if len(changes) > 1 else ALONE * changes[0]
                 found = cls(verdict.ladder.variant.name, verdict.limit, left)
         return found
+
+    def tells(self, error: float) -> bool:
+        """Whether it is known to half an error, or surely differs by more than that: else it is no reference."""
+        width = self.beyond.within + self.left
+        return width <= KNOWN * error or abs(self.beyond.value) - width > error
 
     def truth(self, reference: Estimate) -> Estimate:
         """The limit of this wall, and what is not known of it."""
