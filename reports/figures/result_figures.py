@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from reports.cells import TYRES, Cell, load_cell
 from reports.figures import tyre
-from reports.figures.drawing import Picture, canvas, drawn, legend_above, look, svg
+from reports.figures.drawing import BLUE, VERMILION, Picture, canvas, drawn, legend_above, look, svg
 from reports.figures.tyre import Developed, along_meridian, at_delta, pressures_of
 from reports.files import write_texts
 
@@ -39,7 +39,7 @@ def figures_of(directory: Path) -> list[Figure]:
 
 
 def _pictures(cell: Cell) -> dict[str, Picture]:
-    refined = _grid_picture(cell)
+    refined = _grid_picture(cell) | _gradient_picture(cell)
     if cell.scene in TYRES:
         return (tyre_pictures(cell) if cell.steps else {}) | _mode_picture(cell) | refined
     return ({"load-displacement.svg": _load_displacement(cell)} if cell.steps else {}) | refined
@@ -50,6 +50,15 @@ def _grid_picture(cell: Cell) -> dict[str, Picture]:
     if not (cell.directory / "grid.csv").exists():
         return {}
     return {"grid.svg": refined_grid(cell.table("grid"))}
+
+
+def _gradient_picture(cell: Cell) -> dict[str, Picture]:
+    """What settings do to the quantities at the last load, where derivatives were asked for."""
+    if not (cell.directory / "gradients.csv").exists():
+        return {}
+    table = cell.table("gradients")
+    last = table[(table["load"] == table["load"].max()) & table["relative"].notna()]
+    return {"gradients.svg": tornado(last, len(cell.steps))} if len(last) else {}
 
 
 def _mode_picture(cell: Cell) -> dict[str, Picture]:
@@ -111,6 +120,25 @@ def load_displacement(scene: str, curve: pd.DataFrame, names: Mapping[str, str],
         if curve[[column, loaded]].min().min() >= 0:
             axes.set(xlim=(0, None), ylim=(0, None))
     legend_above(figure, panels[0])
+    return figure
+
+
+@svg
+def tornado(gradients: pd.DataFrame, load: int) -> Figure:
+    """A panel a quantity, a bar a setting, the strongest on top: per cent of the quantity for one per cent of it.
+
+    gradients: quantity, setting, relative.
+    """
+    names = list(dict.fromkeys(gradients["quantity"]))
+    longest = int(gradients.groupby("quantity").size().max())
+    figure, panels = canvas(len(names), min(len(names), 2), height=1.2 + 0.28 * longest)
+    for axes, name in zip(panels, names, strict=True):
+        own = gradients[gradients["quantity"] == name]
+        own = own.iloc[own["relative"].abs().argsort(kind="stable")]
+        axes.barh(own["setting"], own["relative"], color=[BLUE if each > 0 else VERMILION for each in own["relative"]])
+        axes.axvline(0.0, color="black", linewidth=0.8)
+        axes.set(xlabel=f"% of {_words(name).partition(' [')[0]} for 1 %", title=f"{name}, load {load}")
+        axes.grid(visible=False, axis="y")
     return figure
 
 
