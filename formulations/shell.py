@@ -135,6 +135,8 @@ class ShellModel:
 
     def scaled(self, factor: float) -> ShellModel:
         """The same shell under ``factor`` times its pressure, forces, couples and prescribed displacements."""
+        if factor == 1.0:
+            return self
         return replace(
             self,
             pressure=self.pressure and self.pressure.scaled(factor),

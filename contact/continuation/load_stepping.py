@@ -194,7 +194,7 @@ class Stepper:
         """What has been found at a parameter, and why it is no state of the path, if it is none."""
         before, state = self.states[-1]
         failure = None if found.outcome.converged else _why(found)
-        if failure is None:
+        if failure is None and problem.standing is not None:  # where it was is only then looked at
             through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
             failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
         beyond = 0

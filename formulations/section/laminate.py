@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -139,6 +140,15 @@ class Laminate:
         """
         if section not in SECTIONS:
             raise ValueError(f"section {section!r} is not one of {', '.join(SECTIONS)}")
+        if section not in self._known:
+            self._known[section] = self._integrated(section)
+        return self._known[section].copy()
+
+    @cached_property
+    def _known(self) -> dict[str, np.ndarray]:
+        return {}  # by section: every load of a path asks for it again
+
+    def _integrated(self, section: str) -> np.ndarray:
         D = np.zeros((11, 11))
         coupling = np.zeros(6)  # int b_33I N^p, or int c_I N^p for constant-s33
         through = 0.0  # int b_3333, or int 1/b_3333

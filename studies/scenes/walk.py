@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.candidates import Starts, none_known
@@ -16,6 +16,8 @@ from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import Crossing, crossings_along
 from studies.ask.scene import CurveStage, Stage
+
+ENDS = 2  # of a step: its problems are asked for again and again, by who solves it and by who looks at it
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +99,8 @@ def walk(
     of a stage, from elsewhere.
     """
     for stage in stages:
-        problem_at, before = stage.begin(previous)
+        made, before = stage.begin(previous)
+        problem_at = lru_cache(ENDS)(made)
         if isinstance(stage, CurveStage):
             trace = stage.trace((problem_at, before), algorithm, partial(tell, stage.name))
             last, count = trace.points[-1], len(trace.points) - 1

@@ -276,3 +276,12 @@ def test_stresses_have_the_resultants_of_the_section(section: str) -> None:
             resultants += weight * ply.thickness * stress[:, :, None] * np.array([1 - upper, upper])
         bottom += ply.thickness
     np.testing.assert_allclose(resultants.reshape(4, 6), (strains @ laminate.stiffness(section).T)[:, :6], rtol=1e-11)
+
+
+def test_a_stiffness_that_is_changed_is_nobody_elses() -> None:
+    """It is integrated once a laminate and section."""
+    laminate = Laminate.single(Ply.isotropic(100.0, 0.3, 1.0))
+    before = laminate.stiffness("full-3d").copy()
+    laminate.stiffness("full-3d")[:] = 0.0
+    np.testing.assert_array_equal(laminate.stiffness("full-3d"), before)
+    assert np.any(laminate.stiffness() != before)
