@@ -181,6 +181,8 @@ class Tyre:
         clamp, grading = checked_wall(request.settings)[3], request.choice("grading")
         checked_mesh(request.mesh)
         sizes = self.adapted(request).sizes if grading == "adapted" else None
+        if sizes is not None and not np.isclose(sizes.psi.at[-1], np.deg2rad(clamp)):
+            raise UsageError(f"grading 'adapted': the sizes known are not those for clamp_deg = {clamp:g}")
         psi, phi = tyre_lines(request.mesh, clamp, grading) if sizes is None else sizes.lines(request.mesh)
         return psi, with_line_at(phi, cut_of(request)) if request.model == "sector" else phi
 

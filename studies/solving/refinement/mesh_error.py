@@ -82,11 +82,17 @@ def solve_with_error(
             grids.append(found)
     known = grids[-1] if grids and start == NESTED else None
     result = solve_from(scene, request, known, progress)
-    if error and result.verdict in SOLVED:
-        _state(result, grids, _too_few(scene, asked, grids))
-        if isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:
+    if error:
+        state_error(scene, result, asked, grids)
+        if result.verdict in SOLVED and isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:
             result.remarks.append(_as_it_stands(grids[0]))
     return result
+
+
+def state_error(scene: Scene, result: Result, asked: Sequence[Request], grids: Sequence[Sketch]) -> None:
+    """What the paths on coarser grids, coarse to fine, of those asked for, say of the error; into a solved result."""
+    if result.verdict in SOLVED:
+        _state(result, grids, _too_few(scene, asked, grids))
 
 
 def coarser_grids(scene: Scene, request: Request) -> list[Request]:

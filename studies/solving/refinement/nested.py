@@ -34,7 +34,7 @@ from studies.scenes.plugins import blamed
 from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.refinement.grids import element_size
 from studies.solving.result import CONVERGED, Result
-from studies.solving.solve import solve, stages_of
+from studies.solving.solve import StartsOf, solve, stages_of
 
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
@@ -108,16 +108,25 @@ def solve_from(
     return again
 
 
-def sketch(scene: Scene, request: Request, coarser: Sketch | None = None, loose: float = LOOSE) -> Sketch | None:
+def sketch(
+    scene: Scene,
+    request: Request,
+    coarser: Sketch | None = None,
+    loose: float = LOOSE,
+    starts: StartsOf | None = None,
+) -> Sketch | None:
     """The path of a request to forces in balance to ``loose``; None where it does not get there.
 
+    starts: where the steps of a model set out from; by default the path on the ``coarser`` grid.
     Raises PartError where a part from outside breaks.
     """
+    if starts is None and coarser is not None:
+        starts = partial(starts_of, coarser)
     with blamed(request.contact, request.measure, scene):
-        return _sketched(scene, request, coarser, loose)
+        return _sketched(scene, request, starts, loose)
 
 
-def _sketched(scene: Scene, request: Request, coarser: Sketch | None, loose: float) -> Sketch | None:
+def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: float) -> Sketch | None:
     start = time.process_time()
     model = scene.build(request)
     tolerance = max(loose, request.number("tolerance"))
@@ -128,7 +137,7 @@ def _sketched(scene: Scene, request: Request, coarser: Sketch | None, loose: flo
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
     except ValueError:  # a parameter that it cannot have: who solves says so
         return None
-    given = Given(no_starts if coarser is None else starts_of(coarser, model))
+    given = Given(no_starts if starts is None else starts(model))
     for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=CUT, starts=given.to):
         if not visited.converged:
             return None

@@ -75,7 +75,7 @@ def _elements(model: ShellSceneModel, request: Request) -> Table:
     return Table.of({**ends, "level": levels})
 
 
-def default_quantity(scene: Scene, quantities: Mapping[str, float]) -> str:
+def default_quantity(scene: Scene, quantities: Mapping[str, Any]) -> str:
     """The force, the first quantity with a reference, or the first of all."""
     named = ["force_N", *(reference.quantity for reference in scene.references), *quantities]
     return next(name for name in named if name in quantities)
