@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from studies.ask.scene import UsageError
     from studies.catalogue.descriptions import Description
-    from studies.notebook import Chosen, Run, choose, describe, solve
+    from studies.notebook import Chosen, Run, Swept, choose, describe, solve, sweep
 
-__all__ = ["Chosen", "Description", "Run", "UsageError", "choose", "describe", "solve"]
+__all__ = ["Chosen", "Description", "Run", "Swept", "UsageError", "choose", "describe", "solve", "sweep"]
 
 
 def __getattr__(name: str) -> Any:

@@ -26,6 +26,7 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "show": ("parts", "what a scene, a measure or an algorithm is, and its settings"),
     "solve": ("solve", "solve one scene into a directory"),
     "choose": ("choose", "which measure, algorithm, element and mesh is enough on a scene of yours, and its price"),
+    "sweep": ("sweep", "solve a scene over one setting or two, every combination"),
     "resolve": ("problems", "solve one frozen contact problem again, alone, and judge it"),
     "export": ("exchange", "a scene as a deck, a mesh or a neutral sheet for another program"),
     "problems": ("problems", "frozen contact problems for other programs, and what their answers are worth"),

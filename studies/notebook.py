@@ -6,7 +6,7 @@ It says nothing of its own: requests are checked, solved and drawn as for the co
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +22,7 @@ from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
 from studies.solving import choose as choosing
+from studies.solving import sweep as sweeping
 from studies.solving.choice import Choice
 from studies.solving.choose import BUDGET, ERROR
 from studies.solving.refinement.cascade import parse_budget
@@ -189,6 +190,33 @@ class Chosen:
         write_choice(self.choice, Path(directory))
 
 
+@dataclass(frozen=True, eq=False)
+class Swept:
+    """An answer of :func:`sweep`; found: its ranges and members."""
+
+    found: sweeping.Sweep
+
+    @property
+    def members(self) -> pd.DataFrame:
+        """A row a member: settings, verdict, quantities at the last load, its error where one was asked for, costs."""
+        return pd.DataFrame(self.found.rows)
+
+    def figure(self) -> Figure:
+        """The quantity over one setting, or its map over two."""
+        from reports.figures.drawing import drawn
+        from reports.figures.sweeps import swept
+
+        with drawn() as figures:
+            swept(*self.found.picture)()
+        return figures[0]
+
+    def write(self, directory: str | Path) -> None:
+        """What ``footprint sweep --out`` writes, but for the files of members."""
+        from reports.figures.sweeps import draw_sweep
+
+        self.found.write(Path(directory), draw_sweep(Path(directory), *self.found.picture))
+
+
 def solve(
     scene: str,
     *,
@@ -252,6 +280,29 @@ def choose(
     options: dict[str, Any] = {"contact": contact, "newton": newton, "model": model, "steps": steps}
     with np.errstate(over="ignore", invalid="ignore"):
         return Chosen(choosing.choose(scene, settings, wanted, seconds, of, mesh=mesh, **options))
+
+
+def sweep(
+    scene: str,
+    over: Mapping[str, str | Sequence[float]],
+    error: str | float | None = None,
+    *,
+    of: str | None = None,
+    keep: str | Path | None = None,
+    mesh: str | Sequence[int] | None = None,
+    **asked: Any,
+) -> Swept:
+    """Solve a scene over one or two settings; asked: measure, contact, newton, model, steps, and further settings.
+
+    over: evenly spaced values or "A:B:N" by setting.  error: relative, "1%" or 0.01: coarser grids say whether each
+    member is known so well.  of: the quantity, by default the force, or the first of the scene.  keep: a folder for
+    finished members, which are read the next time. Raises UsageError with one line for a wrong name, key or value.
+    """
+    load_entry_points()
+    wanted, kept = None if error is None else parse_error(str(error)), None if keep is None else Path(keep)
+    options = {key: asked.pop(key) for key in ("measure", "contact", "newton", "model", "steps") if key in asked}
+    with np.errstate(over="ignore", invalid="ignore"):
+        return Swept(sweeping.sweep(scene, asked, over, wanted, of, kept, mesh=mesh, **options))
 
 
 def describe(name: str) -> Description:

@@ -30,6 +30,7 @@ MORE = {
     "studies/commands/gate.py": {"reports"},  # and how words stand in Markdown
     "studies/commands/parts.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
+    "studies/commands/sweep.py": {"reports"},
     "studies/notebook.py": {"reports"},  # as does that of a notebook, and a choice
     "studies/cli.py": {"?"},  # the module of the command that is asked for
     "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for

@@ -1,0 +1,110 @@
+"""``footprint sweep``: a scene over one or two settings, each member judged and kept as soon as it is solved."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from studies.ask.request import Request, UsageError
+from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.commands.options import (
+    add_settings,
+    add_solving,
+    check_directory,
+    named,
+    of_file,
+    pairs,
+    progress_line,
+)
+from studies.solving.members import LONGEST, MOST, Member
+from studies.solving.refinement.error_control import parse_error
+from studies.solving.result import UNSTABLE, WRONG
+from studies.solving.sweep import MEMBERS, Sweep, sweep
+
+OVER = f"from A to B in N values, 2 to {LONGEST}; once or twice, {MOST} members in all"
+SHOWN = 5  # members without an answer, that are named
+
+
+def add_sweep(parser: argparse.ArgumentParser) -> None:
+    """The request, the ranges, the error, and where the answer goes."""
+    parser.add_argument(
+        "scene", help="footprint list scenes; or a shell: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
+    )
+    parser.add_argument("--over", action="append", default=[], metavar="KEY=A:B:N", help=OVER)
+    parser.add_argument("--measure", help="of strain, footprint list measures; by default exact")
+    mesh = "N1xN2, elements along both directions, of all members; by default that of the scene"
+    add_solving(parser, "footprint list algorithms; by default semismooth", mesh)
+    parser.add_argument("--error", metavar="E", help="say of each member whether it is known that well, e.g. 1%%")
+    parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
+    add_settings(parser)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where it goes; members there are read")
+
+
+def run_sweep(options: argparse.Namespace) -> int:
+    """Solve what is missing, write and print; 1 where the judge refuses a member, 3 where others have no answer, or not
+    to the error. Members that were finished before an interruption are kept.
+    """
+    check_directory(options.out)
+    error = None if options.error is None else parse_error(options.error)
+    over = ranges(options.over)
+    with (
+        of_file(options.scene, options.settings) as deck,
+        np.errstate(over="ignore", invalid="ignore"),
+        progress_line() as tell,
+    ):
+        options.measure = options.measure or (Request.measure if deck is None else deck.measure)
+        how = named(options, "measure", "contact", "newton", "model", "steps")
+        given = pairs(options.settings)
+        kept = options.out / MEMBERS
+        found = sweep(options.scene, given, over, error, options.of, kept, tell, options.mesh, **how)
+    from reports.figures.sweeps import draw_sweep
+
+    found.write(options.out, draw_sweep(options.out, *found.picture))
+    print("\n".join(lines(found)))
+    sys.stdout.flush()
+    if any(member.verdict == WRONG for member in found.failed):
+        return FAILED
+    return OK if (not found.failed and error is None) or found.within == len(found.members) else NOT_CONVERGED
+
+
+def ranges(words: Sequence[str]) -> dict[str, str]:
+    """Texts A:B:N by setting, of ``--over``; raises UsageError."""
+    found: dict[str, str] = {}
+    for word in words:
+        key, separator, text = word.partition("=")
+        if not separator or key in found:
+            raise UsageError(f"--over {word!r} must be KEY=A:B:N, a setting once")
+        found[key] = text
+    return found
+
+
+def lines(found: Sweep) -> Iterator[str]:
+    """The answer for a terminal."""
+    over = ", ".join(f"{each.key} {each.values[0]:g} to {each.values[-1]:g}" for each in found.ranges)
+    counts = " x ".join(str(len(each.values)) for each in found.ranges)
+    yield f"{found.name}, {counts} members on {found.middle.mesh_text}: {over}"
+    members, name, lost = list(found.members.values()), found.quantity, found.failed
+    valued = [(value, member) for member in members if (value := member.quantities.get(name)) is not None]
+    if valued:
+        ends = (end(valued, key=lambda each: each[0]) for end in (min, max))
+        yield f"{name} from " + " to ".join(f"{value:.6g} at {_at(member)}" for value, member in ends)
+    unstable = sum(member.verdict == UNSTABLE for member in members)
+    yield f"{len(members) - len(lost)} solved, {unstable} of them unstable, {len(lost)} without an answer"
+    if found.error is not None:
+        errors = [error for member in members if (error := member.error(name)) is not None]
+        most = f", the largest known is {100 * max(errors):.2g} %" if errors else ""
+        yield f"error of {name} within {100 * found.error:g} %: {found.within} of {len(members)}{most}"
+    cold = found.cold
+    price = f"; one from rest {cold:.3g} s, {len(members) * cold / found.seconds:.2g} for its price" if cold else ""
+    yield f"{found.seconds:.3g} CPU s{price}"
+    yield from (f"{each.verdict} at {_at(each)}: {each.reason}" for each in lost[:SHOWN])
+    if len(lost) > SHOWN:
+        yield f"and {len(lost) - SHOWN} more without an answer"
+
+
+def _at(member: Member) -> str:
+    return ", ".join(f"{key} {value:g}" for key, value in member.settings.items())
