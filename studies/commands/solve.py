@@ -34,7 +34,7 @@ from studies.solving.result import UNSTABLE, WRONG, Result, Step
 from studies.solving.solve import Interrupted
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
-GRADIENT_HELP = "what settings do to a quantity: its derivatives, by default with all that are continuous"
+GRADIENT_HELP = "derivatives of a quantity, as force_N or force_N:p0_MPa,gamma_deg; by default with all settings"
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
@@ -57,7 +57,7 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start", choices=mesh_error.STARTS, default=mesh_error.NESTED, metavar="HOW", help=START_HELP)
     parser.add_argument("--no-error", action="store_true", help="do not state what coarser grids say of the error")
     parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
-    parser.add_argument("--gradient", metavar="QUANTITY[:KEY,KEY]", action="append", default=[], help=GRADIENT_HELP)
+    parser.add_argument("--gradient", metavar="J[:KEYS]", action="append", default=[], help=GRADIENT_HELP)
     parser.add_argument("--check-gradient", action="store_true", help="compare derivatives with solutions beside it")
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
 

@@ -283,4 +283,10 @@ def begin_inflation(body: Body, previous: ContactSolution | None) -> Begun:
     """From rest, or from what a column has found."""
     n = body.discretisation.n_free
     start = ContactSolution.at_rest(n, 0) if previous is None else previous
-    return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
+
+    def at(t: float) -> ContactProblem:
+        loaded = body.scaled(t)
+        residual = loaded.residual if isinstance(loaded, ShellModel) else None
+        return replace(without_contact(loaded.linearise, n, ordered=body.ordered), residual=residual)
+
+    return at, start
