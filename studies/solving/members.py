@@ -24,7 +24,7 @@ from studies.ask.settings import Setting, settings_of
 from studies.output.atomic import SCHEMA, as_text, plain, write_json
 from studies.output.provenance import provenance
 from studies.scenes import SCENES
-from studies.scenes.plugins import modules
+from studies.scenes.plugins import modules_of
 from studies.solving.result import CLASSES, SOLVED
 
 FEWEST, LONGEST, MOST = 2, 1000, 10_000  # values of a range, and members
@@ -182,7 +182,10 @@ class Kept:
 
     def identity(self, request: Request) -> str:
         """Hash of all that decides a member: neither date nor machine."""
-        return _sum(plain([SCHEMA, sources(self.scene), request.data, self.beside]))
+        outside = sorted(
+            modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
+        )
+        return _sum(plain([SCHEMA, sources(self.scene, *outside), request.data, self.beside]))
 
 
 def _sum(data: Any) -> str:
@@ -190,13 +193,13 @@ def _sum(data: Any) -> str:
 
 
 @cache
-def sources(scene: str) -> str:
-    """Hash of all our source files, of those of parts from outside, and of the deck that a scene is of."""
+def sources(scene: str, *outside: str) -> str:
+    """Hash of all our source files, of the modules from outside, and of the deck that a scene is of."""
     own = sorted(path for package in SOURCES for path in (ROOT / package).rglob("*.py"))
-    outside = [Path(str(sys.modules[name].__file__)) for name in sorted(modules())]
+    loaded = [Path(str(sys.modules[name].__file__)) for name in outside if name in sys.modules]
     deck = Path(scene), Path(scene).with_suffix(".toml")
     digest = hashlib.sha256()
-    for path in (*own, *outside, *deck):
+    for path in (*own, *loaded, *deck):
         if path.is_file():
             digest.update(path.read_bytes())
     return digest.hexdigest()
