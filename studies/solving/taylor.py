@@ -32,7 +32,7 @@ LADDERS = 4
 EXACT = 1e-12  # residual of the solutions, relative to the forces in balance
 ENOUGH = 1e-6  # relative
 SEEN = 1e-4  # doubt up to which differences that agree within it confirm
-NOTHING = 1e-8  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
+NOTHING = 1e-6  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
 SOLVED_TO = 1e-11  # relative digits of a quantity of such a solution
 CONFIRMED, WRONG, UNDECIDED = "confirmed", "wrong", "not decided"
 
