@@ -120,11 +120,11 @@ class Run:
         pressure.  relative: per cent for a per cent.  check: judge them by solutions beside, which costs six solves a
         setting.  Raises UsageError for what is not there or has no derivative.
         """
-        from studies.solving import gradient, taylor  # loaded with derivatives alone
+        from studies.solving import beside, gradient, taylor  # loaded with derivatives alone
 
         request = self.result.request
         scene = SCENES[request.scene]
-        keys = gradient.differentiable(scene, request, settings)
+        keys = beside.differentiable(scene, request, settings)
         found = gradient.of_quantities(scene, self.result, [(quantity, keys)])
         gradient.record(self.result, found)
         if check:

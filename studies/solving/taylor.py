@@ -20,7 +20,9 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene
 from studies.output.atomic import Table
 from studies.scenes.walk import Visited
-from studies.solving.gradient import Derivative, Values, changed, frozen, values_of, width_of
+from studies.solving.beside import changed, frozen, width_of
+from studies.solving.gradient import Derivative, values_of
+from studies.solving.path_derivatives import Values
 from studies.solving.result import Result, unit_of
 from studies.solving.solve import solve
 

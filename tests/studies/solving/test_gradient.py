@@ -15,8 +15,9 @@ from studies import solve as solve_here
 from studies.ask.request import UsageError
 from studies.cli import main
 from studies.scenes.complete import complete
-from studies.solving import gradient, taylor
-from studies.solving.gradient import Derivative, Side
+from studies.solving import beside, gradient, path_derivatives, taylor
+from studies.solving.gradient import Derivative
+from studies.solving.path_derivatives import Passed, Side
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -35,7 +36,7 @@ def solved(name: str, mesh: str, given: tuple[tuple[str, str], ...], model: str 
 def of(name: str, given: Mapping[str, str], mesh: str, *keys: str) -> list[Derivative]:
     scene, result = solved(name, mesh, tuple(given.items()))
     assert result.outcome.converged
-    return gradient.gradients(scene, result, keys or gradient.differentiable(scene, result.request))
+    return gradient.gradients(scene, result, keys or beside.differentiable(scene, result.request))
 
 
 def last(found: list[Derivative], quantity: str) -> dict[str, Derivative]:
@@ -129,7 +130,7 @@ def test_what_cannot_be_differentiated_is_a_remark(monkeypatch) -> None:
     def refused(*_: object) -> None:
         raise ValueError("nothing can be built there")
 
-    monkeypatch.setattr(gradient, "changed", refused)
+    monkeypatch.setattr(path_derivatives, "changed", refused)
     assert gradient.gradients(scene, result, ("p0_MPa",)) == []
     assert result.remarks == ["no derivative with p0_MPa: nothing can be built there"]
 
@@ -179,7 +180,7 @@ def _unmoved_stage(patch: pytest.MonkeyPatch) -> None:
     """The foundation touches first where it did."""
     right = Side.posed
 
-    def wrong(self: Side, passed: gradient.Passed) -> Any:
+    def wrong(self: Side, passed: Passed) -> Any:
         if passed.stage is not self.of and self.last is not None:
             self.last = self.held
         found = right(self, passed)
@@ -193,7 +194,7 @@ def _unmoved_anchors(patch: pytest.MonkeyPatch) -> None:
     """Slips are counted from where the candidates were."""
     right = Side.posed
 
-    def wrong(self: Side, passed: gradient.Passed) -> Any:
+    def wrong(self: Side, passed: Passed) -> Any:
         problem, epsilon = right(self, passed)
         if problem.coulomb is not None:
             assert passed.problem.coulomb is not None
@@ -224,16 +225,16 @@ PLANTED = {
 
 
 @cache
-def beside(key: str) -> tuple[list[taylor.Rung], Result, dict[str, float], float]:
+def rungs_of(key: str) -> tuple[list[taylor.Rung], Result, dict[str, float], float]:
     scene, result = solved("tyre", "12x14", tuple(RUBBED.items()))
-    unit = gradient.width_of(scene, result.request, key, 1.0)
+    unit = beside.width_of(scene, result.request, key, 1.0)
     rungs, why = taylor._rungs(scene, result, key, taylor.LARGEST / 8 * unit)
     assert not why
     return rungs, result, taylor._sizes(result), unit
 
 
 def words(key: str) -> set[str]:
-    rungs, result, sizes, unit = beside(key)
+    rungs, result, sizes, unit = rungs_of(key)
     found = of("tyre", RUBBED, "12x14", key)
     assert found
     return {taylor._checked(each, gradient.values_of(result), sizes, unit, rungs, "").word for each in found}
