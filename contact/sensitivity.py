@@ -70,9 +70,6 @@ class Rates:
     pressure: np.ndarray
     friction: np.ndarray | None = None
 
-    def __neg__(self) -> Rates:
-        return Rates(-self.u, -self.pressure, None if self.friction is None else -self.friction)
-
     def moved(self, state: ContactSolution, by: float) -> ContactSolution:
         """The state after ``by`` of the parameter, to first order; anchors stay."""
         friction = state.friction
@@ -102,7 +99,8 @@ class Sensitivity:
                 Response(run, state.u, K, np.flatnonzero(certain))
             )
         else:
-            self._respond = self._with_friction(run, lin, Laws(state.friction.state, *_no_directions(problem)))
+            laws = replace(Laws.none(len(problem.weights)), state=state.friction.state)
+            self._respond = self._with_friction(run, lin, laws)
 
     @property
     def one_sided(self) -> bool:
@@ -118,7 +116,7 @@ class Sensitivity:
             found = self._respond(change)
             return found, found
         grows, shrinks = (self._on_side(change, sign) for sign in (1.0, -1.0))
-        return grows, -shrinks
+        return grows, Rates(-shrinks.u, -shrinks.pressure)
 
     def _without_friction(self, response: Response) -> Callable[[Change], Rates]:
         self._response = response
@@ -181,7 +179,7 @@ class Fold:
         dt/ds = -(phi.R'_s - f.g'_s)/(phi.R'_t - f.g'_t)
 
     A path knows its limit point to five digits or so; two states beside it, along the mode, are weighed by their
-    eigenvalues so that theirs is zero. What the state there does asks for second derivatives and is not told.
+    eigenvalues so that theirs is zero. How the state moves there needs second derivatives and is left out.
     """
 
     def __init__(
@@ -259,8 +257,3 @@ def _touching(problem: ContactProblem, lin: Linearised, state: ContactSolution) 
     large = length(problem, Stiffness.of(problem, lin, state.u), state.u, lin.scale)
     pressed = forces > WEAK * max(lin.scale, float(np.max(forces)))
     return np.flatnonzero(~pressed & (state.active | (np.abs(problem.gap(state.u)) <= WEAK * large)))
-
-
-def _no_directions(problem: ContactProblem) -> tuple[np.ndarray, np.ndarray]:
-    m = len(problem.weights)
-    return np.zeros((m, 2)), np.zeros(m)

@@ -22,7 +22,6 @@ from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
 from studies.solving import choose as choosing
-from studies.solving import sweep as sweeping
 from studies.solving.choice import Choice
 from studies.solving.choose import BUDGET, ERROR
 from studies.solving.refinement.cascade import parse_budget
@@ -30,6 +29,7 @@ from studies.solving.refinement.error_control import parse_error
 from studies.solving.refinement.mesh_error import NESTED, STARTS, solve_with_error
 from studies.solving.result import Result
 from studies.solving.variants import ELEMENT, MEASURE, REFERENCE, SURFACES
+from studies.sweeps import sweep as sweeping
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -120,7 +120,7 @@ class Run:
         pressure.  relative: per cent for a per cent.  check: judge them by solutions beside, which costs six solves a
         setting.  Raises UsageError for what is not there or has no derivative.
         """
-        from studies.solving import beside, gradient, taylor  # loaded with derivatives alone
+        from studies.solving.derivatives import beside, gradient, taylor  # loaded with derivatives alone
 
         request = self.result.request
         scene = SCENES[request.scene]

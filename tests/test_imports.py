@@ -152,7 +152,20 @@ def test_a_circle_is_seen_even_a_lazy_one() -> None:
 
 
 ROOMS = (  # of studies, each imports those before it
-    *("output", "ask", "scenes", "solving", "run", "experiments", "catalogue", "exchange", "bench", "analysis", "fuzz"),
+    *(
+        "output",
+        "ask",
+        "scenes",
+        "solving",
+        "run",
+        "sweeps",
+        "experiments",
+        "catalogue",
+        "exchange",
+        "bench",
+        "analysis",
+        "fuzz",
+    ),
     *("arena", "gate", "notebook", "commands", "cli"),
 )
 

@@ -186,7 +186,7 @@ def _gradients(options: argparse.Namespace, scene: Scene, result: Result, tell: 
         if options.check_gradient:
             raise UsageError("--check-gradient judges --gradient: give both")
         return []
-    from studies.solving import gradient  # loaded with derivatives alone
+    from studies.solving.derivatives import gradient  # loaded with derivatives alone
 
     if not result.outcome.converged:
         return []
@@ -195,7 +195,7 @@ def _gradients(options: argparse.Namespace, scene: Scene, result: Result, tell: 
     gradient.record(result, found)
     said = [line for quantity, _ in asked for line in gradient.lines(found, quantity)]
     if options.check_gradient:
-        from studies.solving import taylor
+        from studies.solving.derivatives import taylor
 
         checked = taylor.check(scene, result, found, tell)
         taylor.record(result, checked)

@@ -20,10 +20,10 @@ from studies.commands.options import (
     pairs,
     progress_line,
 )
-from studies.solving.members import LONGEST, MOST, Member
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.result import UNSTABLE, WRONG
-from studies.solving.sweep import MEMBERS, Sweep, sweep
+from studies.sweeps.members import LONGEST, MOST, Member
+from studies.sweeps.sweep import MEMBERS, Sweep, sweep
 
 OVER = f"from A to B in N values, 2 to {LONGEST}; once or twice, {MOST} members in all"
 SHOWN = 5  # members without an answer, that are named

@@ -58,8 +58,11 @@ def plan(campaign: Campaign) -> list[Row]:
     return [planned(cell) for cell in campaign.cells]
 
 
-def _identity(request: Request) -> str:
-    """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine."""
+def identity(request: Request, *beside: str) -> str:
+    """Hash of all that decides the result: request, schema, sources of what solves it; neither date nor machine.
+
+    beside: other modules that decide it.
+    """
     interpolation = request.settings.get("interpolation")  # of shells alone
     unused = (
         (not rubbing(request.settings), FRICTION),
@@ -70,7 +73,7 @@ def _identity(request: Request) -> str:
     without = (*BESIDE_A_CELL, *(name for never, names in unused if never for name in names))
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
-    sources = sources_hash((*SOLVERS, *parts, *outside), without=without)
+    sources = sources_hash((*SOLVERS, *beside, *parts, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
@@ -84,7 +87,7 @@ def planned(cell: Cell) -> Row:
             raise
         return Row(cell, None, None, str(error))
     reason = _refusal(request)
-    return Row(cell, None if reason else _identity(request), request, reason)
+    return Row(cell, None if reason else identity(request), request, reason)
 
 
 def _refusal(request: Request) -> str:

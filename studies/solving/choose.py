@@ -17,7 +17,7 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, has_contact
 from studies.solving.choice import Choice, Offer, offers_of, recommended
 from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
-from studies.solving.refinement.grids import AdaptedScene, element_size, first_grid, near
+from studies.solving.refinement.grids import element_size, first_grid, near, on_one_grid
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.records import no_limit
 from studies.solving.trials import FROM_REST, Clock, Question, race
@@ -49,7 +49,7 @@ from studies.solving.verdict import (
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
 OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
-OF_WALLS = 0.3  # what two faces miss, where it is told soon
+OF_WALLS = 0.3  # what two faces miss, where a few grids show it
 BUDGET = 60.0
 ERROR = "1%"
 CHOOSING = 0.92  # of the budget; the rest is for loading, drawing and writing
@@ -75,8 +75,7 @@ def choose(
     """
     clock = Clock(CHOOSING * budget)
     scene, request = first_grid(name, given, mesh, measure=REFERENCE, **options)
-    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
-        scene = scene.adapted(request)  # once: all variants on the same grids
+    scene = on_one_grid(scene, request)  # of all variants
     lines = {key: value for key, value in request.settings.items() if key == "grading"}
     question = Question(name, scene, {**lines, **given}, options, error)
     cascade = Cascade(scene, error, quantity)

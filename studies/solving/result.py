@@ -101,7 +101,7 @@ class Result:
     included.  remarks: further notes.
     epsilon [MPa/mm]: of the contact law by which states are judged.
     errors: {quantity: {low, high}} of those whose error is estimated.
-    gradients: {quantity: {setting: its derivative}} where they were asked for, :mod:`studies.solving.gradient`.
+    gradients: {quantity: {setting: its derivative}} where asked for, :mod:`studies.solving.derivatives.gradient`.
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
 

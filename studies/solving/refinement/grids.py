@@ -44,6 +44,13 @@ class AdaptedScene(Protocol):
         """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
 
 
+def on_one_grid(scene: Scene, request: Request) -> Scene:
+    """The scene whose lines, where they follow an estimate of the error, follow that of this request ever after."""
+    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
+        return scene.adapted(request)
+    return scene
+
+
 @dataclass(frozen=True, eq=False)
 class Family:
     """Grids of a request: its mesh, halved ``times``, or the leaves of a tree over it.

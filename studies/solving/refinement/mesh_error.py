@@ -15,7 +15,7 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
-from studies.solving.refinement.grids import FEWEST, AdaptedScene, element_size, near, quarter, ways
+from studies.solving.refinement.grids import FEWEST, element_size, near, on_one_grid, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of, order_shown
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
@@ -71,8 +71,7 @@ def solve_with_error(
     """
     if start == COLD and not error:
         return solve_from(scene, request, None, progress)
-    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
-        scene = scene.adapted(request)  # once for all grids
+    scene = on_one_grid(scene, request)
     asked = coarser_grids(scene, request)
     grids = list[Sketch]()
     for each in reversed(asked):

@@ -48,6 +48,6 @@ def test_json_knows_no_negative_zero() -> None:
 def test_another_schema_is_another_cell(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plan, "sources_hash", lambda *_, **__: "sources")
     _, request = complete("ring", {})
-    before = plan._identity(request)
+    before = plan.identity(request)
     monkeypatch.setattr(plan, "SCHEMA", 0)
-    assert plan._identity(request) != before
+    assert plan.identity(request) != before

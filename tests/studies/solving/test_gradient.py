@@ -15,9 +15,9 @@ from studies import solve as solve_here
 from studies.ask.request import UsageError
 from studies.cli import main
 from studies.scenes.complete import complete
-from studies.solving import beside, gradient, path_derivatives, taylor
-from studies.solving.gradient import Derivative
-from studies.solving.path_derivatives import Passed, Side
+from studies.solving.derivatives import beside, gradient, sides, taylor
+from studies.solving.derivatives.gradient import Derivative
+from studies.solving.derivatives.sides import Passed, Side
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -130,7 +130,7 @@ def test_what_cannot_be_differentiated_is_a_remark(monkeypatch) -> None:
     def refused(*_: object) -> None:
         raise ValueError("nothing can be built there")
 
-    monkeypatch.setattr(path_derivatives, "changed", refused)
+    monkeypatch.setattr(sides, "changed", refused)
     assert gradient.gradients(scene, result, ("p0_MPa",)) == []
     assert result.remarks == ["no derivative with p0_MPa: nothing can be built there"]
 

@@ -25,14 +25,14 @@ from studies.output.atomic import Table, write_json
 from studies.output.provenance import provenance
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.members import DIRECTIONS, REST, Kept, Member, Place, Range, order, places, ranges_of, settings_at
-from studies.solving.neighbours import Followed, Neighbours, predicted
-from studies.solving.refinement.grids import AdaptedScene
+from studies.solving.refinement.grids import on_one_grid
 from studies.solving.refinement.mesh_error import TWICE, coarser_grids, enough, state_error
 from studies.solving.refinement.nested import Sketch, sketch, starts_of
 from studies.solving.refinement.records import default_quantity
 from studies.solving.result import CONVERGED, SOLVED, UNSUPPORTED, Result
 from studies.solving.solve import solve
+from studies.sweeps.members import DIRECTIONS, REST, Kept, Member, Place, Range, order, places, ranges_of, settings_at
+from studies.sweeps.neighbours import Followed, Neighbours, predicted
 
 SWEEP, TABLE, MEMBERS = "sweep.json", "sweep.csv", "members"  # the answer, which comes last
 COARSER = "a coarser grid"
@@ -194,10 +194,8 @@ def _asked(
     request, scene = requests[middle], SCENES[name]
     if isinstance(request, str):
         raise UsageError(request)
-    adapted = isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted"
-    if isinstance(scene, AdaptedScene) and adapted:
-        scene = scene.adapted(request)
-    found = Sweep(name, scene, ranges, requests, request, adapted, error=error)
+    scene = on_one_grid(scene, request)
+    found = Sweep(name, scene, ranges, requests, request, scene is not SCENES[name], error=error)
     if error is not None:
         found.coarser = [each.mesh for each in coarser_grids(scene, request)]
         if len(found.coarser) < TWICE:

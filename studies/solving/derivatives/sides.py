@@ -2,7 +2,7 @@
 
 A side is never solved: its states are those of the path, moved by their rates (:mod:`contact.sensitivity`). What a
 stage takes from the one before, as the first touch of an inflated body, and the anchors that friction remembers from
-step to step, move with them. What is differentiated, and how it is told, does not enter here.
+step to step, move with them. What is differentiated, and how it is reported, does not enter here.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, Stage
 from studies.ask.settings import configured
 from studies.scenes.walk import Visited
-from studies.solving.beside import changed, width_of
+from studies.solving.derivatives.beside import changed, width_of
 from studies.solving.result import COUNTS, Result
 from studies.solving.solve import stages_of
 
@@ -102,7 +102,7 @@ class Path:
         return {k: Fold(end.problem_at, each.factor, each.state, eps) for k, each in limits.items()}
 
     def _of_limits(self, low: Side, high: Side, width: float) -> Values:
-        """Of the headline values of a curve that are told by its limit points' loads alone."""
+        """Of the headline values of a curve that depend on the loads of its limit points alone."""
         end = self.result.end
         if not self._folds or end is None or end.trace is None:
             return {}
@@ -115,7 +115,7 @@ class Path:
             sides = low.at(at.factor), high.at(at.factor)
             changes = [Change.between(*sides, mode.state, width) for mode in fold.modes]
             moved[k] = replace(at, factor=at.factor + width * fold.rate(changes))
-            turned[k] = replace(at, u=1.5 * at.u)
+            turned[k] = replace(at, u=2 * at.u)  # a value that changes with the state is not of the load alone
         by_state = _measured(stage.summarise(turned))
         after = _measured(stage.summarise(moved))
         return {

@@ -1,4 +1,4 @@
-"""Sweeps of small scenes: every member is the cold one, what was finished is read again, and what fails is told."""
+"""Sweeps of small scenes: every member is the cold one, what was finished is read again, and what fails is recorded."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from studies.cli import FAILED, NOT_CONVERGED, OK, WRONG_USE, main
 from studies.commands import INTERRUPTED
 from studies.scenes.complete import complete
 from studies.scenes.tyre.grid_lines import TyreSizes
-from studies.solving import sweep as sweeping
-from studies.solving.members import Member, Range, order, places
-from studies.solving.neighbours import Followed, Neighbours, predicted
 from studies.solving.refinement.mesh_error import solve_with_error
 from studies.solving.solve import solve
-from studies.solving.sweep import sweep
+from studies.sweeps import sweep as sweeping
+from studies.sweeps.members import Member, Range, order, places
+from studies.sweeps.neighbours import Followed, Neighbours, predicted
+from studies.sweeps.sweep import sweep
 
 PANEL = ["sweep", "panel", "--mesh", "4x4"]
 RING = ["sweep", "ring", "--mesh", "1x16", "--set", "delta_mm=20", "--over", "h_mm=1:4:4"]
@@ -223,7 +223,7 @@ def test_a_member_that_is_damaged_or_of_others_is_solved_anew(tmp_path: Path, so
     capsys.readouterr()
 
 
-def test_a_member_that_fails_is_told_and_the_others_go_on(tmp_path: Path, capsys) -> None:
+def test_a_member_that_fails_is_recorded_and_the_others_go_on(tmp_path: Path, capsys) -> None:
     words = [*PANEL, "--over", "h_over_R=1e-8:0.02:3", "--out", str(tmp_path)]
     assert main(words) == NOT_CONVERGED
     rows = table(tmp_path)
@@ -237,7 +237,7 @@ def test_a_member_that_fails_is_told_and_the_others_go_on(tmp_path: Path, capsys
     assert (tmp_path / "figures" / "sweep.svg").read_text().startswith("<?xml")
 
 
-def test_a_member_that_cannot_be_is_told_and_the_others_go_on(tmp_path: Path) -> None:
+def test_a_member_that_cannot_be_is_recorded_and_the_others_go_on(tmp_path: Path) -> None:
     words = ["sweep", "tyre", "--mesh", "8x8", "--set", "delta_mm=5", "--set", "plies=40", "--over", "R1_mm=40:60:3"]
     assert main([*words, "--out", str(tmp_path)]) == NOT_CONVERGED
     rows = table(tmp_path)

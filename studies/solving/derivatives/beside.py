@@ -12,7 +12,6 @@ from dataclasses import replace
 from studies.ask.request import Request, UsageError, Value
 from studies.ask.scene import Scene, Setting, SettlingScene, settings_beside
 from studies.ask.settings import TOLERANCE
-from studies.solving.refinement.grids import AdaptedScene
 
 STEP = 2.0**-19  # of a setting, to each side: truncation 1e-11, rounding 1e-10, the least of both (measured)
 TURN = 30.0  # deg: an angle near zero is no small one
@@ -62,10 +61,3 @@ def changed(scene: Scene, request: Request, key: str, by: float) -> Request:
     moved: Value = tuple(each + by for each in value) if isinstance(value, tuple) else float(value) + by
     beside = replace(request, settings=request.settings.with_values(**{key: moved}))
     return scene.settle(beside) if isinstance(scene, SettlingScene) else beside
-
-
-def frozen(scene: Scene, request: Request) -> Scene:
-    """The scene with the grid of the request, whatever its settings come to."""
-    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
-        return scene.adapted(request)
-    return scene

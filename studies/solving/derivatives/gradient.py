@@ -2,8 +2,8 @@
 
 The scene is built with the setting a little less and a little more, on the same grid; what that changes of residuals,
 gaps and slips at the states of the path, while these are held, is the load of one linear solve each
-(:mod:`studies.solving.path_derivatives`). No solution is differenced. Derivatives are of the answer on its grid, the
-other settings held. That they are right is the business of :mod:`studies.solving.taylor`.
+(:mod:`studies.solving.derivatives.sides`). No solution is differenced. Derivatives are of the answer on its grid, the
+other settings held. That they are right is the business of :mod:`studies.solving.derivatives.taylor`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene
 from studies.output.atomic import Table
 from studies.output.terminal import columns
-from studies.solving.beside import differentiable, frozen, numbers_of
-from studies.solving.path_derivatives import Path, Values
+from studies.solving.derivatives.beside import differentiable, numbers_of
+from studies.solving.derivatives.sides import Path, Values
+from studies.solving.refinement.grids import on_one_grid
 from studies.solving.result import Result
 
 TABLE = "gradients"
@@ -102,7 +103,7 @@ def gradients(
     """
     if not result.outcome.converged:
         raise UsageError(f"no derivatives without a converged answer: {result.reason or result.outcome.value}")
-    scene, path, found = frozen(scene, result.request), Path(result), list[Derivative]()
+    scene, path, found = on_one_grid(scene, result.request), Path(result), list[Derivative]()
     seen = values_of(result)
     for key in keys:
         progress(f"derivatives with {key}")

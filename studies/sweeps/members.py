@@ -8,10 +8,8 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -21,18 +19,17 @@ import numpy as np
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import has_contact, settings_beside
 from studies.ask.settings import Setting, settings_of
-from studies.output.atomic import SCHEMA, as_text, plain, write_json
+from studies.output.atomic import as_text, plain, write_json
 from studies.output.provenance import provenance
+from studies.run.plan import identity
 from studies.scenes import SCENES
-from studies.scenes.plugins import modules_of
 from studies.solving.result import CLASSES, SOLVED
 
 FEWEST, LONGEST, MOST = 2, 1000, 10_000  # values of a range, and members
 DIRECTIONS = 2
 UNEVEN = 1e-6  # of a step of a range
 DIGITS = 13  # of the largest value of a range, that the others have
-ROOT = Path(__file__).parents[2]
-SOURCES = ("formulations", "contact", "studies")
+SWEEP = "studies.sweeps.sweep"  # what solves it
 REST = "rest"
 Place = tuple[int, ...]  # of a member: the index of its value in each range
 
@@ -182,24 +179,14 @@ class Kept:
 
     def identity(self, request: Request) -> str:
         """Hash of all that decides a member: neither date nor machine."""
-        outside = sorted(
-            modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
-        )
-        return _sum(plain([SCHEMA, sources(self.scene, *outside), request.data, self.beside]))
+        deck = [path.read_text(errors="replace") for path in _deck(self.scene) if path.is_file()]
+        return _sum([identity(request, SWEEP), plain(self.beside), deck])
 
 
 def _sum(data: Any) -> str:
     return hashlib.sha256(as_text({"": data}).encode()).hexdigest()
 
 
-@cache
-def sources(scene: str, *outside: str) -> str:
-    """Hash of all our source files, of the modules from outside, and of the deck that a scene is of."""
-    own = sorted(path for package in SOURCES for path in (ROOT / package).rglob("*.py"))
-    loaded = [Path(str(sys.modules[name].__file__)) for name in outside if name in sys.modules]
-    deck = Path(scene), Path(scene).with_suffix(".toml")
-    digest = hashlib.sha256()
-    for path in (*own, *loaded, *deck):
-        if path.is_file():
-            digest.update(path.read_bytes())
-    return digest.hexdigest()
+def _deck(scene: str) -> tuple[Path, Path]:
+    """Where the files of a scene are that is a deck."""
+    return Path(scene), Path(scene).with_suffix(".toml")

@@ -19,8 +19,8 @@ from studies.ask.request import Request
 from studies.ask.scene import SceneModel, Stage
 from studies.ask.settings import rubbing
 from studies.scenes.walk import Visited
-from studies.solving.members import Place
 from studies.solving.solve import StartsOf
+from studies.sweeps.members import Place
 
 
 @dataclass(frozen=True, eq=False)

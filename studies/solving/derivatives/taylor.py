@@ -20,9 +20,10 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene
 from studies.output.atomic import Table
 from studies.scenes.walk import Visited
-from studies.solving.beside import changed, frozen, width_of
-from studies.solving.gradient import Derivative, values_of
-from studies.solving.path_derivatives import Values
+from studies.solving.derivatives.beside import changed, width_of
+from studies.solving.derivatives.gradient import Derivative, values_of
+from studies.solving.derivatives.sides import Values
+from studies.solving.refinement.grids import on_one_grid
 from studies.solving.result import Result, unit_of
 from studies.solving.solve import solve
 
@@ -34,7 +35,7 @@ LADDERS = 4
 EXACT = 1e-12  # residual of the solutions, relative to the forces in balance
 ENOUGH = 1e-6  # relative
 SEEN = 1e-4  # doubt up to which differences that agree within it confirm
-NOTHING = 1e-6  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
+NOTHING = 1e-9  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
 SOLVED_TO = 1e-11  # relative digits of a quantity of such a solution
 CONFIRMED, WRONG, UNDECIDED = "confirmed", "wrong", "not decided"
 
@@ -89,7 +90,7 @@ def check(
     scene: Scene, result: Result, found: Sequence[Derivative], progress: Callable[[str], None] = lambda text: None
 ) -> list[Check]:
     """Of all derivatives of a result, setting by setting."""
-    scene = frozen(scene, result.request)
+    scene = on_one_grid(scene, result.request)
     exact = _exact(scene, result.request)
     checked, sizes = list[Check](), _sizes(exact)
     for key in dict.fromkeys(each.setting for each in found):
