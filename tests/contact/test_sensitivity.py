@@ -10,7 +10,7 @@ from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
 from contact.problem import ContactProblem, ContactSolution, Outcome, linear_mechanics
-from contact.sensitivity import Change, Sensitivity
+from contact.sensitivity import OFFSETS, Change, Sensitivity
 
 K = sparse.csc_matrix(np.array([[3.0, -1.0, 0.0], [-1.0, 3.0, -1.0], [0.0, -1.0, 3.0]]))
 WEIGHTS = np.array([0.5, 2.0, 1.0])
@@ -28,8 +28,7 @@ def pressed(s: float, ways: np.ndarray, force: np.ndarray, coupling: sparse.csr_
 def change(
     ways: np.ndarray, force: np.ndarray, state: ContactSolution, epsilon: float = np.inf, **how: object
 ) -> Change:
-    low, high = ((pressed(s, ways, force, **how), epsilon) for s in (-H, H))
-    return Change.between(low, high, state, 2 * H)
+    return Change.between([(pressed(k * H, ways, force, **how), epsilon) for k in OFFSETS], state, H)
 
 
 def test_bodies_that_touch_without_pressure_have_a_rate_on_each_side() -> None:

@@ -9,11 +9,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from contact.sensitivity import STEP
 from studies.ask.request import Request, UsageError, Value
 from studies.ask.scene import Scene, Setting, SettlingScene, settings_beside
 from studies.ask.settings import TOLERANCE
 
-STEP = 2.0**-19  # of a setting, to each side: truncation 1e-11, rounding 1e-10, the least of both (measured)
 TURN = 30.0  # deg: an angle near zero is no small one
 CONTINUOUS = ("float", "floats", "path")
 
@@ -48,7 +48,7 @@ def width_of(scene: Scene, request: Request, key: str, share: float = STEP) -> f
     setting = next(each for each in (*scene.settings, *settings_beside(scene)) if each.key == key)
     limits = [end for end, is_open in ((setting.low, setting.open_low), (setting.high, setting.open_high)) if is_open]
     ways = [abs(value - end) for value in values for end in limits if math.isfinite(end)]
-    return share * math.sqrt(size * min([size, *ways]))
+    return share * min([size, *ways])
 
 
 def changed(scene: Scene, request: Request, key: str, by: float) -> Request:

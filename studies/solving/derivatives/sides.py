@@ -7,7 +7,7 @@ step to step, move with them. What is differentiated, and how it is reported, do
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -17,7 +17,7 @@ import numpy as np
 
 from contact.continuation.critical_points import State
 from contact.problem import ContactProblem, ContactSolution
-from contact.sensitivity import Change, Fold, Rates, Sensitivity
+from contact.sensitivity import OFFSETS, Change, Fold, Rates, Sensitivity, slope
 from contact.slip import anchors_left, stretched
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, Stage
@@ -82,14 +82,14 @@ class Path:
         """Of all that is read off with a setting, of rates on this side of it."""
         request = self.result.request
         by = width_of(scene, request, key)
-        low, high = (Side(scene, changed(scene, request, key, sign * by)) for sign in (-1, 1))
+        sides = [Side(scene, changed(scene, request, key, k * by)) for k in OFFSETS]
         found: Values = {}
         for passed, sensitivity in zip(self.states, self.sensitivities, strict=True):
-            change = Change.between(low.posed(passed), high.posed(passed), passed.state, 2 * by)
+            change = Change.between([each.posed(passed) for each in sides], passed.state, by)
             rates = sensitivity.rates(change)[side]
-            seen = [each.seen(passed, rates, move) for each, move in ((low, -by), (high, by))]
-            found |= {name: (value - seen[0][name]) / (2 * by) for name, value in seen[1].items()}
-        return found | self._of_limits(low, high, 2 * by)
+            seen = [each.seen(passed, rates, k * by) for k, each in zip(OFFSETS, sides, strict=True)]
+            found |= {name: slope([each[name] for each in seen], by) for name in seen[0]}
+        return found | self._of_limits(sides, by)
 
     @cached_property
     def _folds(self) -> dict[int, Fold]:
@@ -101,7 +101,7 @@ class Path:
         eps = self.result.epsilon
         return {k: Fold(end.problem_at, each.factor, each.state, eps) for k, each in limits.items()}
 
-    def _of_limits(self, low: Side, high: Side, width: float) -> Values:
+    def _of_limits(self, sides: Sequence[Side], step: float) -> Values:
         """Of the headline values of a curve that depend on the loads of its limit points alone."""
         end = self.result.end
         if not self._folds or end is None or end.trace is None:
@@ -112,15 +112,13 @@ class Path:
         moved, turned = list(points), list(points)
         for k, fold in self._folds.items():
             at = points[k]
-            sides = low.at(at.factor), high.at(at.factor)
-            changes = [Change.between(*sides, mode.state, width) for mode in fold.modes]
-            moved[k] = replace(at, factor=at.factor + width * fold.rate(changes))
+            beside = [each.at(at.factor) for each in sides]
+            changes = [Change.between(beside, mode.state, step) for mode in fold.modes]
+            moved[k] = replace(at, factor=at.factor + step * fold.rate(changes))
             turned[k] = replace(at, u=2 * at.u)  # a value that changes with the state is not of the load alone
         by_state = _measured(stage.summarise(turned))
         after = _measured(stage.summarise(moved))
-        return {
-            (None, name): (after[name] - value) / width for name, value in before.items() if by_state[name] == value
-        }
+        return {(None, name): (after[name] - value) / step for name, value in before.items() if by_state[name] == value}
 
 
 def _states(visited: Visited, index: int, load: int, epsilon: float) -> Iterator[Passed]:
