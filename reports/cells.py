@@ -35,7 +35,7 @@ TABLE_COLUMNS = {
     "mode": ("psi_deg", "phi_deg", "x", "y", "z"),
     "curve": ("newton_iterations", "limit_point"),
     "grid": ("a1_low", "a1_high", "a2_low", "a2_high", "level"),
-    "gradients": ("load", "quantity", "setting", "relative"),
+    "gradients": ("quantity", "setting", "relative"),
 }
 
 

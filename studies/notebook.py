@@ -114,7 +114,7 @@ class Run:
         return dict(self.result.errors)
 
     def gradient(self, quantity: str, *settings: str, check: bool = False) -> pd.DataFrame:
-        """Derivatives of a quantity with settings, by default all that are continuous: a row a load and a setting.
+        """Derivatives of a quantity with settings, by default all that are continuous: a row a setting.
 
         above and below: dJ/ds of a setting that grows and shrinks, the same but where candidates touch without
         pressure.  relative: per cent for a per cent.  check: judge them by solutions beside, which costs six solves a

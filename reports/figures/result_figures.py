@@ -57,7 +57,7 @@ def _gradient_picture(cell: Cell) -> dict[str, Picture]:
     if not (cell.directory / "gradients.csv").exists():
         return {}
     table = cell.table("gradients")
-    last = table[(table["load"] == table["load"].max()) & table["relative"].notna()]
+    last = table[table["relative"].notna()]
     return {"gradients.svg": tornado(last, len(cell.steps))} if len(last) else {}
 
 

@@ -3,7 +3,7 @@
 The scene is built with the setting a little less and a little more, on the same grid; what that changes of residuals,
 gaps and slips at the states of the path, while these are held, is the load of one linear solve each
 (:mod:`studies.solving.derivatives.sides`). No solution is differenced. Derivatives are of the answer on its grid, the
-other settings held. That they are right is the business of :mod:`studies.solving.derivatives.taylor`.
+other settings held, and at the end of its path: at another load they are those of a path that ends there. That they are right is the business of :mod:`studies.solving.derivatives.taylor`.
 """
 
 from __future__ import annotations
@@ -29,12 +29,11 @@ GROWS, SHRINKS = 0, 1  # the side of a setting that one-sided derivatives are of
 
 @dataclass(frozen=True)
 class Derivative:
-    """dJ/ds of a quantity J at a requested load, None for a headline of an earlier stage.
+    """dJ/ds of a quantity J.
 
     below, above: of a setting that shrinks and grows; they differ where candidates touch without pressure.
     """
 
-    load: int | None
     quantity: str
     setting: str
     value: float
@@ -52,7 +51,7 @@ class Derivative:
     @property
     def row(self) -> dict[str, Any]:
         """As plain data."""
-        named = {"load": self.load, "quantity": self.quantity, "setting": self.setting, "value": self.value}
+        named = {"quantity": self.quantity, "setting": self.setting, "value": self.value}
         return {**named, "below": self.below, "above": self.above, "relative": self.relative}
 
 
@@ -68,13 +67,8 @@ def parse_gradient(text: str, scene: Scene, request: Request) -> tuple[str, tupl
 
 
 def values_of(result: Result) -> Values:
-    """What is differentiated."""
-    steps, end = result.loads, result.end
-    if end is not None and end.trace is not None:  # of a curve what was asked for, as many as it had points in between
-        steps = [step for step in steps if next(iter(step.load.values())) in end.stage.targets]
-    loads = ((i, step.quantities) for i, step in enumerate(steps))
-    found: Values = {(i, name): value for i, seen in loads for name, value in seen.items()}
-    return found | {(None, name): value for name, value in result.quantities.items()}
+    """What is differentiated: what is read off at the last load, and the headline values."""
+    return (result.loads[-1].quantities if result.loads else {}) | result.quantities
 
 
 def of_quantities(
@@ -84,7 +78,7 @@ def of_quantities(
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Derivative]:
     """Those of each quantity with its settings; raises UsageError for a quantity that is not there, too."""
-    has = {name for _, name in values_of(result)}
+    has = values_of(result)
     for quantity, _ in asked:
         if quantity not in has:
             raise UsageError(f"--gradient {quantity}: there is no such quantity; there are {', '.join(sorted(has))}")
@@ -114,27 +108,25 @@ def gradients(
             result.remarks.append(f"no derivative with {key}: {error}")
             continue
         at = numbers_of(result.request.settings[key])[-1]
-        found += [Derivative(*name, key, seen[name], at, below[name], above[name]) for name in above if name in seen]
+        found += [Derivative(name, key, seen[name], at, below[name], above[name]) for name in above if name in seen]
     return found
 
 
 def record(result: Result, found: Sequence[Derivative]) -> None:
-    """Into the result: of its headline values, and a table of all loads."""
+    """Into the result: of its headline values, and a table of all."""
     result.tables[TABLE] = [Table.of_rows([each.row for each in found])]
     for each in found:
-        if each.quantity in result.quantities and each.load in (None, len(result.loads) - 1):
+        if each.quantity in result.quantities:
             sides = {"value": each.above} if each.above == each.below else {"below": each.below, "above": each.above}
             of_settings = result.gradients.setdefault(each.quantity, {})
             of_settings[each.setting] = {**sides, "relative": each.relative}
 
 
 def lines(found: Sequence[Derivative], quantity: str) -> list[str]:
-    """For people: a line a setting of this quantity at the last load, the strongest first."""
+    """For people: a line a setting of this quantity, the strongest first."""
     mine = [each for each in found if each.quantity == quantity]
-    loads = [each.load for each in mine if each.load is not None]
-    last = [each for each in mine if each.load == max(loads, default=None)]
     rows = [["setting", "value", f"d {quantity} / d setting", "% for 1 %"]]
-    for each in sorted(last, key=lambda each: -abs(each.relative or 0.0)):
+    for each in sorted(mine, key=lambda each: -abs(each.relative or 0.0)):
         sides = f"{each.above:.6g}" if each.above == each.below else f"{each.below:.6g} below, {each.above:.6g} above"
         relative = "-" if each.relative is None else f"{each.relative:.4g}"
         rows.append([each.setting, f"{each.setting_value:.6g}", sides, relative])

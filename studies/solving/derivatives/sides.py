@@ -27,15 +27,14 @@ from studies.solving.derivatives.beside import changed, width_of
 from studies.solving.result import COUNTS, Result
 from studies.solving.solve import stages_of
 
-Values = dict[tuple[int | None, str], float]  # {(load, or None of the whole path; quantity): value or derivative}
+Values = dict[str, float]  # {quantity: value or derivative} at the end of a path
 
 
 @dataclass(frozen=True, eq=False)
 class Passed:
     """A state of a path that is differentiated: at the parameter t, with the state before it and its parameter.
 
-    load: the requested load that it is, None on the way to one.  share: of the way from target to target, by which t
-    moves with them.
+    share: of the way from target to target, by which t moves with them.  ends: whether its stage ends here.
     """
 
     stage: Stage
@@ -45,28 +44,19 @@ class Passed:
     before: State
     index: int
     share: float
-    load: int | None
+    ends: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """The states of a result: of every requested point; with friction those on the way, too."""
+    """The states of a result: where its stages end; with friction, which remembers, those on the way, too."""
 
     result: Result
 
     @cached_property
     def states(self) -> list[Passed]:
         """In their order."""
-        found, count, index = list[Passed](), 0, 0
-        for visited in self.result.visits:
-            index = index + 1 if found and found[-1].stage is visited.stage else 0
-            there = list(_states(visited, index, count, self.result.epsilon))
-            found += there
-            if visited.trace is not None:
-                count += len(visited.stage.targets)
-            elif visited.stage.observe(there[-1].problem, there[-1].state, there[-1].t).step is not None:
-                count += 1
-        return found
+        return [each for visited in self.result.visits for each in _states(visited, self.result.epsilon)]
 
     @cached_property
     def sensitivities(self) -> list[Sensitivity]:
@@ -118,36 +108,37 @@ class Path:
             turned[k] = replace(at, u=2 * at.u)  # a value that changes with the state is not of the load alone
         by_state = _measured(stage.summarise(turned))
         after = _measured(stage.summarise(moved))
-        return {(None, name): (after[name] - value) / step for name, value in before.items() if by_state[name] == value}
+        return {name: (after[name] - value) / step for name, value in before.items() if by_state[name] == value}
 
 
-def _states(visited: Visited, index: int, load: int, epsilon: float) -> Iterator[Passed]:
-    """Those of a visit, whose first requested load this is; the targets of a traced curve are all in one."""
+def _states(visited: Visited, epsilon: float) -> Iterator[Passed]:
+    """Those of a visit that matter to the end of the path."""
     stage, targets = visited.stage, visited.stage.targets
     if visited.trace is not None:
-        points = visited.trace.points
-        for k, target in enumerate(targets):
-            at = min(range(1, len(points)), key=lambda i: abs(points[i].factor - target))
-            here = points[at].state, target, (0.0, visited.before), k, 1.0, load + k
-            yield Passed(stage, visited.problem_at(target), *here)
+        end = min(visited.trace.points[1:], key=lambda point: abs(point.factor - targets[-1]))
+        here = visited.problem_at(targets[-1]), end.state, targets[-1], (0.0, visited.before)
+        yield Passed(stage, *here, len(targets) - 1, 1.0, ends=True)
         return
-    way, begun, end = visited.point.way, targets[index - 1] if index else 0.0, targets[index]
+    rubs = visited.problem.coulomb is not None
+    if not (rubs or visited.ends_stage):
+        return
+    index, way = targets.index(visited.point.requested), visited.point.way
+    begun, end = targets[index - 1] if index else 0.0, targets[index]
     pairs = list(pairwise(way)) or [(way[0], way[0])]
-    if visited.problem.coulomb is None:
-        pairs = pairs[-1:]
-    for (t0, before), (t, state) in pairs:
-        problem, last = visited.problem_at(t), t == end
+    for (t0, before), (t, state) in pairs if rubs else pairs[-1:]:
+        problem = visited.problem_at(t)
         if problem.coulomb is not None:
             problem = problem.since(anchors_left(problem, visited.problem_at(t0), before, epsilon))
         share = (t - begun) / (end - begun) if end != begun else 1.0
-        yield Passed(stage, problem, state, t, (t0, before), index, share, load if last else None)
+        yield Passed(stage, problem, state, t, (t0, before), index, share, visited.ends_stage and t == end)
 
 
 @dataclass
 class Side:
     """The path of the same scene a little aside: its states are those of the path, moved by their rates.
 
-    last: the state before the next one, in the unknowns of its stage, and the problem that it solves.
+    last: the state before the next one, in the unknowns of its stage, and the problem that it solves.  headlines: of
+    the stages so far, which no later load has a say in.
     """
 
     scene: Scene
@@ -157,6 +148,7 @@ class Side:
     last: ContactSolution | None = None
     problem: ContactProblem | None = None
     of: Stage | None = None
+    headlines: Values = field(default_factory=dict)
     _stages: Iterator[Stage] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -190,12 +182,11 @@ class Side:
         assert problem is not None
         assert stage is not None
         self.last = state = self._remembered(problem, state)
-        if passed.share != 1.0:
+        if not passed.ends:
             return {}
         seen = stage.observe(problem, state, self._parameter(passed))
-        found: Values = {(None, name): value for name, value in _measured(seen.quantities).items()}
-        step = dict(list((seen.step or {}).items())[1:])
-        return found | {(passed.load, name): value for name, value in _measured(step).items()}
+        self.headlines |= _measured(seen.quantities)
+        return _measured(dict(list((seen.step or {}).items())[1:])) | self.headlines
 
     def _remembered(self, problem: ContactProblem, state: ContactSolution) -> ContactSolution:
         """With the anchors and the dissipation of the path here."""

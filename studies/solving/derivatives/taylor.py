@@ -81,7 +81,7 @@ class Check:
     @property
     def row(self) -> dict[str, Any]:
         """As plain data."""
-        named = {key: getattr(self.derivative, key) for key in ("load", "quantity", "setting", "above")}
+        named = {key: getattr(self.derivative, key) for key in ("quantity", "setting", "above")}
         found = {"differences": self.differences, "error": self.error, "doubt": self.doubt, "order": self.order}
         return {**named, **found, "verdict": self.word, "why": self.why}
 
@@ -156,8 +156,8 @@ def _rungs(scene: Scene, exact: Result, key: str, first: float) -> tuple[list[Ru
 
 
 def _states(visits: Sequence[Visited]) -> list[np.ndarray]:
-    """Of all candidates at the requested points: who touches, and how."""
-    found = [visited.point.solution for visited in visits]
+    """Of all candidates where stages end, with friction at all requested points: who touches, and how."""
+    found = [each.point.solution for each in visits if each.ends_stage or each.point.solution.friction is not None]
     return [each.active if each.friction is None else each.friction.state for each in found]
 
 
@@ -168,7 +168,7 @@ def _same(these: Sequence[np.ndarray], those: Sequence[np.ndarray]) -> bool:
 def _sizes(exact: Result) -> dict[str, float]:
     """The largest value of each unit: of what is nothing beside it rounding is left alone."""
     found = dict[str, float]()
-    for (_, name), value in values_of(exact).items():
+    for name, value in values_of(exact).items():
         unit = unit_of(name)
         found[unit] = max(found.get(unit, 1.0 if unit == name else 0.0), abs(value))
     return found
@@ -178,7 +178,7 @@ def _checked(
     derivative: Derivative, values: Values, sizes: Mapping[str, float], width: float, ladder: Sequence[Rung], why: str
 ) -> Check:
     """Extrapolated central differences, and how much of them is truncation and rounding."""
-    name, slope = (derivative.load, derivative.quantity), derivative.above
+    name, slope = derivative.quantity, derivative.above
     if slope != derivative.below:
         why = "a candidate touches without pressure: sides differ"
     if why or any(name not in end for rung in ladder for end in (rung.low, rung.high)):
@@ -201,9 +201,8 @@ def lines(checked: Sequence[Check]) -> list[str]:
     for each in checked:
         if each.word != CONFIRMED:
             one, other = each.derivative, "" if each.differences is None else f", by differences {each.differences:.6g}"
-            at = "" if one.load is None else f" at load {one.load + 1}"
             said.append(
-                f"{each.word}: d {one.quantity} / d {one.setting}{at} {one.above:.6g}{other}"
+                f"{each.word}: d {one.quantity} / d {one.setting} {one.above:.6g}{other}"
                 + (f"; {each.why}" if each.why else "")
             )
     return said

@@ -40,8 +40,7 @@ def of(name: str, given: Mapping[str, str], mesh: str, *keys: str) -> list[Deriv
 
 
 def last(found: list[Derivative], quantity: str) -> dict[str, Derivative]:
-    loads = [each.load for each in found if each.load is not None]
-    return {each.setting: each for each in found if each.quantity == quantity and each.load == max(loads)}
+    return {each.setting: each for each in found if each.quantity == quantity}
 
 
 def test_forces_scale_with_moduli_and_with_lengths_squared() -> None:
