@@ -12,7 +12,7 @@ import ast
 import hashlib
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
@@ -145,29 +145,32 @@ class _Source(NamedTuple):
 def _read(source: bytes, package: str) -> _Source:
     """What a module does."""
     tree = ast.parse(source)
-    named = tuple(_named(tree, package))
-    documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-    for node in ast.walk(tree):
+    nodes = list(ast.walk(tree))
+    named, beside = tuple(_named(nodes, package)), tuple(_data(nodes))
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    for node in nodes:
         if isinstance(node, documented) and ast.get_docstring(node):
             node.body[:1] = [] if len(node.body) > 1 or isinstance(node, ast.Module) else [ast.Pass()]
     said = ast.unparse(tree).removeprefix("from __future__ import annotations")
-    return _Source(hashlib.sha256(said.encode()).hexdigest() if said.strip() else "", named, tuple(_data(tree)))
+    return _Source(hashlib.sha256(said.encode()).hexdigest() if said.strip() else "", named, beside)
 
 
-def _data(tree: ast.Module) -> Iterator[str]:
+def _data(nodes: Sequence[ast.AST]) -> Iterator[str]:
     """Names of files beside a module, those that it spells out."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Call) and ast.unparse(node.func) == "Path(__file__).with_name":
+    for node in nodes:
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute) or node.func.attr != "with_name":
+            continue
+        if ast.unparse(node.func) == "Path(__file__).with_name":
             values = (each.value for each in node.args if isinstance(each, ast.Constant))
             yield from (
                 name for name in values if isinstance(name, str) and "\0" not in name and Path(name).name == name
             )
 
 
-def _named(tree: ast.Module, package: str = "") -> Iterator[str]:
+def _named(nodes: Sequence[ast.AST], package: str = "") -> Iterator[str]:
     """What is imported to be executed: modules, and names that may be modules; relative ones in a package."""
-    annotating = _only_annotating(tree)
-    for node in ast.walk(tree):
+    annotating = _only_annotating(nodes)
+    for node in nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.Constant) and MODULE.fullmatch(name := str(node.value)):
@@ -181,16 +184,16 @@ def _named(tree: ast.Module, package: str = "") -> Iterator[str]:
                 yield from (f"{module}.{name}" for name in names)
 
 
-def _only_annotating(tree: ast.Module) -> set[str]:
+def _only_annotating(nodes: Sequence[ast.AST]) -> set[str]:
     """Names that stand in annotations and nowhere else, in no list of what is exported either; none where annotations
     are evaluated.
     """
-    if not any(isinstance(node, ast.ImportFrom) and node.module == "__future__" for node in tree.body):
+    if not any(isinstance(node, ast.ImportFrom) and node.module == "__future__" for node in nodes):
         return set()
-    annotations = [getattr(node, name, None) for node in ast.walk(tree) for name in ("annotation", "returns")]
+    annotations = [getattr(node, name, None) for node in nodes for name in ("annotation", "returns")]
     inside = {id(part) for each in annotations if each is not None for part in ast.walk(each)}
-    names = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
-    texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+    names = [node for node in nodes if isinstance(node, ast.Name)]
+    texts = {node.value for node in nodes if isinstance(node, ast.Constant)}
     used = {node.id for node in names if id(node) not in inside} | texts
     return {node.id for node in names if id(node) in inside} - used
 
