@@ -23,10 +23,11 @@ from reports.chapters import (
     programs,
     shell_limits,
     tyre,
+    what_if,
 )
 
 GROUPS = {
-    "Answers": (measures, shell_limits, claims),
+    "Answers": (measures, shell_limits, what_if, claims),
     "Verification": (tyre, convergence, invariance),
     "Contact": (algorithms, friction, extremes),
     "Cost": (cost, programs),

@@ -58,7 +58,7 @@ def _gradient_picture(cell: Cell) -> dict[str, Picture]:
         return {}
     table = cell.table("gradients")
     last = table[table["relative"].notna()]
-    return {"gradients.svg": tornado(last, len(cell.steps))} if len(last) else {}
+    return {"gradients.svg": tornado(last, f"load {len(cell.steps)}")} if len(last) else {}
 
 
 def _mode_picture(cell: Cell) -> dict[str, Picture]:
@@ -124,10 +124,10 @@ def load_displacement(scene: str, curve: pd.DataFrame, names: Mapping[str, str],
 
 
 @svg
-def tornado(gradients: pd.DataFrame, load: int) -> Figure:
+def tornado(gradients: pd.DataFrame, at: str) -> Figure:
     """A panel a quantity, a bar a setting, the strongest on top: per cent of the quantity for one per cent of it.
 
-    gradients: quantity, setting, relative.
+    gradients: quantity, setting, relative.  at: where they were taken.
     """
     names = list(dict.fromkeys(gradients["quantity"]))
     longest = int(gradients.groupby("quantity").size().max())
@@ -137,7 +137,7 @@ def tornado(gradients: pd.DataFrame, load: int) -> Figure:
         own = own.iloc[own["relative"].abs().argsort(kind="stable")]
         axes.barh(own["setting"], own["relative"], color=[BLUE if each > 0 else VERMILION for each in own["relative"]])
         axes.axvline(0.0, color="black", linewidth=0.8)
-        axes.set(xlabel=f"% of {_words(name).partition(' [')[0]} for 1 %", title=f"{name}, load {load}")
+        axes.set(xlabel=f"% of {_words(name).partition(' [')[0]} for 1 %", title=f"{name}, {at}")
         axes.grid(visible=False, axis="y")
     return figure
 

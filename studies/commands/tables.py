@@ -25,6 +25,7 @@ from studies.experiments import (
     rotations,
     solid_laws,
     symmetry,
+    what_if,
     work_precision,
 )
 from studies.experiments.friction import bars, brush, greco, klarbring, public_problems, scenes, trusses
@@ -55,6 +56,9 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes_check": extremes.check_table,
     "extremes_limits": extreme_limits.limits_table,
     "shell_limits": ladder.shell_limits,
+    "what_if": what_if.what_if,
+    "even_footprint": what_if.even_footprint,
+    "every_footprint": what_if.every_footprint,
     "choices": choices.choices,
     "work_precision": work_precision.work_precision_study,
     "error_coverage": error_coverage.error_coverage,

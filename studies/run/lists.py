@@ -225,6 +225,10 @@ LISTS: dict[str, CellList] = {
         "Meshes that follow no coordinates: what moved nodes cost (tables)", tables=("distortion", "distorted_shells")
     ),
     "limits": CellList("Where a shell is not enough (a table)", tables=("shell_limits",)),
+    "what-if": CellList(
+        "What a change of its data does to the tyre, and its most even footprint (tables)",
+        tables=("what_if", "even_footprint", "every_footprint"),
+    ),
     "faults": CellList("After how many random cases planted faults are found (a table)", tables=("fuzz_faults",)),
     "arena": CellList("The collection of frozen contact problems (tables)", tables=("problems", "problems_left_out")),
     "friction": CellList(

@@ -311,6 +311,27 @@ def made_up_point(cell: Cell, smallest: float) -> extremes.Found:
     )
 
 
+def made_up_what_if() -> dict[str, pd.DataFrame]:
+    """Two settings on two meshes and travels; a goal of p0/0.75 that only the force, 1e4 p0, keeps up."""
+    both = product(("42x40", "84x80"), (5.0, 20.0), ("force_N", "inflated_equator_outer_mm"))
+    rates = [
+        {
+            **{"mesh": mesh, "delta_mm": travel, "quantity": quantity, "value": 2000.0, "setting": setting},
+            **{"printed": 50.0, "half_a_unit": 0.5, "relative": 1.0 + (mesh == "42x40"), "rounding": 0.01},
+        }
+        for mesh, travel, quantity in both
+        for setting in ("p0_MPa", "R1_mm")
+    ]
+    names = {"force_N": "centre_pressure_MPa", "inflated_equator_outer_mm": "half_length_mm"}
+    rates += [{**row, "quantity": names[str(row["quantity"])]} for row in rates]
+    every = pd.DataFrame(product((40.0, 45.0, 50.0), (0.1, 0.2, 0.3)), columns=["gamma_deg", "p0_MPa"])
+    read = {"mean_pressure_MPa": every["p0_MPa"] / 0.75, "inflated_equator_outer_mm": 44.0 - every["gamma_deg"]}
+    every = every.assign(**read, force_N=1e4 * every["p0_MPa"], verdict="converged")
+    posed = {"delta_mm": 20.0, "least_inflated_equator_outer_mm": -0.5, "least_force_N": 1900.0}
+    asked = every.iloc[[8, 1]].assign(mesh="28x26", **posed, optimum=[False, True])
+    return {"what_if": pd.DataFrame(rates), "even_footprint": asked, "every_footprint": every}
+
+
 def write_tables(directory: Path) -> None:
     tables = {
         "rigid_body": rigid_body.rigid_body_table(),
@@ -339,6 +360,7 @@ def write_tables(directory: Path) -> None:
         "fuzz": random_cases(),
         "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
         **made_up_arena(),
+        **made_up_what_if(),
         **made_up_friction(),
         "symmetry": symmetry_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

@@ -232,10 +232,11 @@ class PressedTyre:
         read = pressure if self.rim_by_pressure else None
         along, across = (None, None) if read is None else (read[row], read[:, column])
         assert problem.directions is not None
-        inwards = -(problem.directions(state.u) @ NORMAL)
+        inwards, forces = -(problem.directions(state.u) @ NORMAL), problem.nodal_forces(state.pressure)
         headline = {
-            "force_N": wall.part.copies * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
+            "force_N": wall.part.copies * float(np.sum(inwards * forces)),
             "centre_pressure_MPa": float(pressure[row, column]),
+            "mean_pressure_MPa": float(forces @ state.pressure) / (float(np.sum(forces)) or 1.0),
             "contact_nodes": int(active.sum()),
             "half_length_mm": half_extent(x[:, 1].reshape(shape)[row], share[row], along),
             "half_width_mm": half_extent(x[:, 2].reshape(shape)[:, column], share[:, column], across),

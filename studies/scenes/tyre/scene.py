@@ -132,6 +132,7 @@ class Tyre:
     references: tuple[Reference, ...] = _references()
     quantities: ClassVar[Mapping[str, str]] = {
         "centre_pressure_MPa": "contact pressure at the centre of the patch, psi = phi = 0",
+        "mean_pressure_MPa": "mean of the contact pressure over its own force: int p^2 dA/int p dA",
         "half_length_mm": "from the centre of the patch to its rim around the axis, along the deformed outer face",
         "half_width_mm": "from the centre of the patch to its rim along the meridian, on the deformed outer face",
         "patch_to_clamp_mm": "from the rim of the patch to the nearest clamped edge, along the meridian",

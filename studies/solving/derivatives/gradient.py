@@ -2,8 +2,9 @@
 
 The scene is built with the setting a little less and a little more, on the same grid; what that changes of residuals,
 gaps and slips at the states of the path, while these are held, is the load of one linear solve each
-(:mod:`studies.solving.derivatives.sides`). No solution is differenced. Derivatives are of the answer on its grid, the
-other settings held, and at the end of its path: at another load they are those of a path that ends there. That they are right is the business of :mod:`studies.solving.derivatives.taylor`.
+(:mod:`studies.solving.derivatives.sides`). No solution is differenced. Derivatives are of the answer on its grid at the
+end of its path, the other settings held. That they are right is the business of
+:mod:`studies.solving.derivatives.taylor`.
 """
 
 from __future__ import annotations

@@ -115,8 +115,8 @@ def _states(visited: Visited, epsilon: float) -> Iterator[Passed]:
     """Those of a visit that matter to the end of the path."""
     stage, targets = visited.stage, visited.stage.targets
     if visited.trace is not None:
-        end = min(visited.trace.points[1:], key=lambda point: abs(point.factor - targets[-1]))
-        here = visited.problem_at(targets[-1]), end.state, targets[-1], (0.0, visited.before)
+        last = min(visited.trace.points[1:], key=lambda point: abs(point.factor - targets[-1]))
+        here = visited.problem_at(targets[-1]), last.state, targets[-1], (0.0, visited.before)
         yield Passed(stage, *here, len(targets) - 1, 1.0, ends=True)
         return
     rubs = visited.problem.coulomb is not None
