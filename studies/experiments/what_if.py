@@ -28,7 +28,6 @@ from studies.scenes.complete import complete
 from studies.solving.derivatives.gradient import gradients
 from studies.solving.result import Result
 from studies.solving.solve import solve
-from studies.sweeps.sweep import sweep
 
 PRINTED = {
     "gamma_deg": "52",
@@ -54,7 +53,7 @@ GOAL, LEAST = "mean_pressure_MPa", {"inflated_equator_outer_mm": -0.5, "force_N"
 TRAVEL, MESHES = "20", ("28x26", "42x40", "56x52")
 SIZES = np.abs([1.0, *LEAST.values()])
 COUNT = 17  # values of each setting on the grid
-DIGITS = 1e-9  # of the goal, to which the optimiser goes
+DIGITS, CLOSE = 9, 1e-9  # of these values; of the goal, to which the optimiser goes
 
 
 def half_a_unit(printed: str) -> float:
@@ -127,7 +126,7 @@ class Design:
         least = np.sign([*LEAST.values()])
         kept = NonlinearConstraint(lambda x: self.values(x)[1:], least, math.inf, jac=lambda x: self.slopes(x)[1:])
         inside = [(0.0, 1.0)] * len(BOUNDS)
-        found = minimize(goal, np.array(start), jac=slope, method="SLSQP", bounds=inside, constraints=kept, tol=DIGITS)
+        found = minimize(goal, np.array(start), jac=slope, method="SLSQP", bounds=inside, constraints=kept, tol=CLOSE)
         return tuple(self.settings(found.x)) if found.success else None
 
 
@@ -146,7 +145,11 @@ def _asked_for(design: Design) -> Iterator[dict[str, object]]:
 
 def every_footprint() -> pd.DataFrame:
     """All combinations of COUNT values of both settings, on the first mesh."""
-    over = {key: f"{low}:{high}:{COUNT}" for key, (low, high) in BOUNDS.items()}
-    found = sweep("tyre", {"delta_mm": TRAVEL}, over, mesh=MESHES[0])
-    kept = (*BOUNDS, "verdict", GOAL, *LEAST)
-    return pd.DataFrame([{key: row.get(key) for key in kept} for row in found.rows])
+    rows = []
+    for values in product(*(np.linspace(*ends, COUNT).round(DIGITS) for ends in BOUNDS.values())):
+        given = dict(zip(BOUNDS, map(float, values), strict=True))
+        result = solve(*complete("tyre", {"delta_mm": TRAVEL, **given}, MESHES[0]))
+        rows.append(
+            {**given, "verdict": result.verdict, **{name: result.quantities.get(name) for name in (GOAL, *LEAST)}}
+        )
+    return pd.DataFrame(rows)
