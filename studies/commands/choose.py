@@ -46,7 +46,7 @@ def run_choose(options: argparse.Namespace) -> int:
         with (
             of_file(options.scene, options.settings),
             np.errstate(over="ignore", invalid="ignore"),
-            progress_line() as tell,
+            progress_line(budget) as tell,
         ):
             found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **how)
     except KeyboardInterrupt:

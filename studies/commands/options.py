@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -139,13 +141,22 @@ def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
 
 
 @contextmanager
-def progress_line() -> Iterator[Callable[[str], None]]:
-    """Say on the terminal what has been reached; where there is none, nothing, and nothing is loaded for it."""
+def progress_line(whole: float = math.inf) -> Iterator[Callable[[str], None]]:
+    """Say on the terminal what has been reached, and the seconds so far, of the ``whole`` if there is a bound.
+
+    Where there is no terminal, nothing, and nothing is loaded for it.
+    """
     if not sys.stderr.isatty():
         yield lambda text: None
         return
-    terminal = behind(sys.stderr)
+    bound = f" of {whole:g} s" if math.isfinite(whole) else " s so far"
+    terminal, start = behind(sys.stderr), time.perf_counter()
+
+    def tell(text: str) -> None:
+        spent = time.perf_counter() - start
+        print(f"{SAME_LINE}{printable(text)}; {spent:.1f}{bound}", end="", file=terminal, flush=True)
+
     try:
-        yield lambda text: print(f"{SAME_LINE}reached {printable(text)}", end="", file=terminal, flush=True)
+        yield tell
     finally:
         print(SAME_LINE, end="", file=terminal, flush=True)

@@ -14,6 +14,7 @@ from studies.ask.request import Request, UsageError
 from studies.ask.scene import CutScene, Scene, ShellSceneModel, has_contact
 from studies.ask.settings import rubbing
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
+from studies.commands.limits import OutOfTimeError, add_limits, bound_of, limited, look_ahead
 from studies.commands.options import (
     add_settings,
     add_solving,
@@ -31,7 +32,7 @@ from studies.scenes.references import STEP_KEYS, closest
 from studies.solving import branching
 from studies.solving.refinement import mesh_error
 from studies.solving.result import UNSTABLE, WRONG, Result, Step
-from studies.solving.solve import Interrupted
+from studies.solving.solve import Interrupted, word
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 GRADIENT_HELP = "derivatives of a quantity, as force_N or force_N:p0_MPa,gamma_deg; by default with all settings"
@@ -50,6 +51,7 @@ def add_solve(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
     parser.add_argument("--of", metavar="QUANTITY", help="the quantity of --error; by default the force, or the first")
     parser.add_argument("--budget", metavar="SECONDS", help="of --error: the best answer in that time, e.g. 5s")
+    add_limits(parser)
     add_settings(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the result goes")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
@@ -74,13 +76,20 @@ def run_solve(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     scene, request, wanted = _asked(options)
     _check_places(options, scene)
-    with progress_line() as tell:
+    look_ahead(options, scene, request)
+    stop: BaseException | None = None
+    with progress_line(bound_of(options)) as tell, limited(options):
         try:
             result, enough = _solved(options, scene, request, wanted, tell)
-            step_lines = _step_error(result, tell) if not options.no_step_error else []
-            step_lines += _gradients(options, scene, result, tell)
         except Interrupted as stopped:
-            result, enough, step_lines = stopped.result, False, []
+            result, enough, stop = stopped.result, False, stopped.__cause__
+        except KeyboardInterrupt as stopped:
+            print(f"footprint: {word(stopped)} before the grid that is asked for; nothing is written", file=sys.stderr)
+            return _code(stopped)
+        try:
+            step_lines = _beside(options, scene, result, tell) if stop is None else []
+        except KeyboardInterrupt as stopped:
+            step_lines, stop = [f"{word(stopped)}: no error of load steps, no derivatives"], stopped
     if result.unsupported:
         raise UsageError(result.unsupported)
     if isinstance(scene, CutScene) and isinstance(result.model, ShellSceneModel):
@@ -102,18 +111,25 @@ def _run(options: argparse.Namespace) -> int:
     if options.plot:
         result.name(options.out, [*files, *_drawn(options.out)])
     if not result.outcome.converged:
-        return _say_why(result)
+        return _say_why(result, stop)
     if wanted is not None and "refinement" in result.tables:
         _print_rounds(result)
+    if stop is not None:
+        return _code(stop)
     return OK if enough else NOT_CONVERGED
 
 
-def _say_why(result: Result) -> int:
+def _code(stop: BaseException | None) -> int:
+    """Of what was stopped: by its limit of time, or by somebody."""
+    return NOT_CONVERGED if isinstance(stop, OutOfTimeError) else INTERRUPTED
+
+
+def _say_why(result: Result, stop: BaseException | None) -> int:
     """The last line: which condition the judge finds failed, or why the path ends; its exit code."""
     sys.stdout.flush()  # whoever reads both streams as one reads this last
     if result.outcome is Outcome.INTERRUPTED:
         print(f"footprint: {result.reason}; they are written", file=sys.stderr)
-        return INTERRUPTED
+        return _code(stop)
     wrong = result.verdict == WRONG
     print(f"footprint: {'judged wrong' if wrong else 'did not converge'}: {result.reason}", file=sys.stderr)
     return FAILED if wrong else NOT_CONVERGED
@@ -168,6 +184,12 @@ def _solved(
         return answer(scene, request, wanted, options.of, tell, parse_budget(options.budget))
     asked_for = not options.no_error
     return mesh_error.solve_with_error(scene, request, tell, start=options.start, error=asked_for), True
+
+
+def _beside(options: argparse.Namespace, scene: Scene, result: Result, tell: Callable[[str], None]) -> list[str]:
+    """The error of load steps and derivatives, as far as they are asked for; what there is to print of them."""
+    said = [] if options.no_step_error else _step_error(result, tell)
+    return said + _gradients(options, scene, result, tell)
 
 
 def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:

@@ -33,6 +33,11 @@ class Interrupted(KeyboardInterrupt):
         self.result = result
 
 
+def word(stop: BaseException) -> str:
+    """What has stopped a solve, in words."""
+    return str(stop) or "interrupted"
+
+
 def solve(
     scene: Scene,
     request: Request,
@@ -48,7 +53,7 @@ def solve(
     def tell(stage: str, at: float) -> None:
         progress(f"{stage} {at:g}")
 
-    start, spent = time.perf_counter(), time.process_time()
+    start, spent, stop = time.perf_counter(), time.process_time(), KeyboardInterrupt()
     with counted() as work, blamed(request.contact, request.measure, scene):
         model = scene.build(request)
         result = Result(request, model, work=work)
@@ -66,16 +71,17 @@ def solve(
                     record(visited, result)
                     if result.outcome is Outcome.WRONG:
                         break  # no equilibrium leads further
-            except KeyboardInterrupt:
+            except KeyboardInterrupt as error:
+                stop = error
                 result.outcome = result.cause = Outcome.INTERRUPTED
-                result.reason = f"interrupted with {len(result.loads)} loads finished"
+                result.reason = f"{word(stop)} with {len(result.loads)} loads finished"
     result.counters["operations"] = sum(work.values())
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
     result.timing = {**clocks, "build": built - start, **times}
     result.counters = {key: int(value) for key, value in result.counters.items()}
     if result.outcome is Outcome.INTERRUPTED:
-        raise Interrupted(result)
+        raise Interrupted(result) from stop
     return result
 
 

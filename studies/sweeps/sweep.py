@@ -154,6 +154,7 @@ def sweep(
     kept = None if keep is None else Kept(keep, name, [found.coarser, found.adapted])
     across = min(len(each.values) for each in found.ranges) if len(found.ranges) > 1 else 1
     grids = [Neighbours(DIRECTIONS * (across + 1)) for _ in (*found.coarser, None)]
+    begun = time.perf_counter()
     for place in order(found.ranges):
         request = found.requests[place]
         read = None if kept is None or isinstance(request, str) else kept.read(request)
@@ -165,7 +166,9 @@ def sweep(
         if read is None and kept is not None and not isinstance(request, str) and member.verdict != UNSUPPORTED:
             kept.write(request, member)
         found.members[place] = member
-        progress(f"{len(found.members)} of {len(found.requests)} members")
+        done, planned = len(found.members), len(found.requests)
+        left = (time.perf_counter() - begun) / done * (planned - done)
+        progress(f"{done} of {planned} members, about {left:.2g} s left")
     if all(member.verdict == UNSUPPORTED for member in found.members.values()):
         raise UsageError(next(iter(found.members.values())).reason)
     return found

@@ -18,6 +18,7 @@ import numpy as np
 from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
 from studies.solving.refinement.error_control import solve_to_error
+from studies.solving.refinement.foresight import headed, round_of
 from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
 from studies.solving.refinement.limits import FEW, Estimate, Seen, estimate_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
@@ -119,8 +120,8 @@ class Cascade:
         return estimate_of(seen, touching=touches(self.last.end))
 
 
-def parse_budget(text: str | None) -> float:
-    """Seconds of "5s" or "5"; raises UsageError unless they are above 0."""
+def parse_budget(text: str | None, name: str = "budget") -> float:
+    """Seconds of "5s" or "5", inf of None; raises UsageError unless they are above 0."""
     if text is None:
         return math.inf
     try:
@@ -128,7 +129,7 @@ def parse_budget(text: str | None) -> float:
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise UsageError(f"budget {text!r} must be a number of seconds above 0, as 5s")
+        raise UsageError(f"{name} {text!r} must be a number of seconds above 0, as 5s")
     return value
 
 
@@ -155,9 +156,10 @@ def answer(
     widths: list[tuple[float, float]] = []
     judged: Result | None = None  # on the last grid
     while asked is not None and not late:
-        progress(asked.mesh_text)
+        head = round_of(len(cascade.grids) + 1, asked, cascade.grids)
+        progress(head)
         if widths and _more(widths, error, ways(request)) <= ALMOST * FINER ** ways(request):
-            answered = cascade.solved(asked, progress)  # what is foreseen to be the last is solved once
+            answered = cascade.solved(asked, headed(progress, head))  # what is foreseen to be the last is solved once
             if answered is None:
                 break
             judged = answered

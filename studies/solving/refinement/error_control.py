@@ -27,8 +27,9 @@ import numpy as np
 from contact.problem import Outcome
 from studies.ask.request import Request
 from studies.ask.scene import Scene, UsageError
+from studies.solving.refinement.foresight import headed
 from studies.solving.refinement.goal import indicators, on_grid
-from studies.solving.refinement.grids import Family
+from studies.solving.refinement.grids import GROWTH, Family
 from studies.solving.refinement.limits import SAFETY, Estimate
 from studies.solving.refinement.records import (
     default_quantity,
@@ -107,8 +108,11 @@ def solve_to_error(
     family, rounds, seen_at = Family.of(scene, request), list[Round](), list[list[Round]]()
     known, too_coarse = None, 0
     for _ in range(MOST_ROUNDS):
-        start = time.process_time()
-        coarse = known or solve(scene, family.asked, progress)
+        start, head = time.process_time(), f"round {len(rounds) + 1}"
+        if rounds:
+            head += f", about {GROWTH * rounds[-1].seconds:.2g} s"
+        tell = headed(progress, head)
+        coarse = known or solve(scene, family.asked, tell)
         if coarse.unsupported:
             return coarse, False
         if not coarse.outcome.converged:
@@ -123,7 +127,7 @@ def solve_to_error(
                 raise UsageError(f"{scene.name} has no quantity {quantity!r}; it has {', '.join(coarse.quantities)}")
             family, too_coarse = finer, too_coarse + 1
             continue
-        fine = solve(scene, finer.asked, progress)
+        fine = solve(scene, finer.asked, tell)
         if not fine.outcome.converged:
             return fine, False
         if quantity not in fine.quantities:

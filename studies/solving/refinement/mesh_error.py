@@ -15,6 +15,7 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
+from studies.solving.refinement.foresight import GROWS, headed, round_of
 from studies.solving.refinement.grids import FEWEST, element_size, near, on_one_grid, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of, order_shown
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
@@ -25,7 +26,6 @@ TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the ta
 NESTED, COLD = "nested", "cold"
 STARTS = (NESTED, COLD)
 TWICE = 2  # grids below that of the request
-GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly, and of the factorisation
 NOISE = 1e-7  # of the largest quantity in a unit: what is smaller is 0
 POINT_LOAD = "it grows by {:.2g} % with every halving of the elements under a point load"
 NO_GRIDS = "not known: grids of half and a quarter of the elements need {} or more"
@@ -74,13 +74,14 @@ def solve_with_error(
     scene = on_one_grid(scene, request)
     asked = coarser_grids(scene, request)
     grids = list[Sketch]()
-    for each in reversed(asked):
-        progress(each.mesh_text)
+    for number, each in enumerate(reversed(asked), 1):
+        progress(round_of(number, each, grids))
         found = sketch(scene, each, grids[-1] if grids else None)
         if found is not None:
             grids.append(found)
     known = grids[-1] if grids and start == NESTED else None
-    result = solve_from(scene, request, known, progress)
+    last = round_of(len(asked) + 1, request, grids)
+    result = solve_from(scene, request, known, headed(progress, last))
     if error:
         state_error(scene, result, asked, grids)
         if result.verdict in SOLVED and isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:

@@ -1,0 +1,145 @@
+"""What a solve will take, before it begins: unknowns, seconds and memory, from the same path on two small grids.
+
+On each of them the path is solved, and the fronts of its tangent are analysed. Per unknown, what an iteration costs
+grows with the square root of the number of unknowns n (elimination by nested dissection takes O(n^3/2) operations),
+entries of the factors with its logarithm (O(n log n)); iterations, seconds per operation and all other memory per
+unknown are those of the finer of the two. Source: George, SIAM J. Numer. Anal. 10 (1973) 345-363. Nothing is refused
+here, and no limit is set.
+"""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from contact.solvers.analysis import analysed, clear
+from contact.solvers.sparse import symmetric
+from studies.ask.request import Request
+from studies.ask.scene import Scene, ShellSceneModel
+from studies.solving.refinement.grids import element_size, near, ways
+from studies.solving.refinement.nested import Sketch
+from studies.solving.solve import solve
+
+LARGE = 3000  # elements, from which on a solve is worth a look ahead
+GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly, and of the factorisation
+ELEMENTS = (100, 400)  # of the two grids, nearly
+HELD = (
+    1.2  # memory that a process holds over what it has allocated: 1.19 to 1.23 on shells of 16 to 155 thousand unknowns
+)
+MB = 2**20
+FLOAT = 8
+
+
+@dataclass(frozen=True)
+class Foresight:
+    """unknowns: of the grid.  seconds: of CPU time, None where the path does not get there on a small grid.
+
+    memory_MB: the largest at a time, beyond that of a process at rest.
+    """
+
+    unknowns: int
+    seconds: float | None
+    memory_MB: float
+
+    def __str__(self) -> str:
+        seconds = "" if self.seconds is None else f" {_rounded(self.seconds):,} s,"
+        return f"about {_rounded(self.unknowns):,} unknowns,{seconds} {_rounded(self.memory_MB):,} MB"
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Of one small grid: unknowns, entries of the factors, peak of memory, and what the path has cost if it has ended.
+
+    cost: CPU seconds, operations and iterations.
+    """
+
+    unknowns: int
+    entries: int
+    peak_MB: float
+    cost: tuple[float, float, float] | None
+
+
+def round_of(number: int, asked: Request, grids: Sequence[Sketch]) -> str:
+    """Which grid it is, and the seconds that are foreseen for it from the last one before, if there is one."""
+    said = f"round {number}, {asked.mesh_text}"
+    if not grids:
+        return said
+    more = (grids[-1].size / element_size(asked)) ** ways(asked)
+    return f"{said}, about {_rounded(grids[-1].seconds * more ** (sum(GROWS) / len(GROWS))):,} s"
+
+
+def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
+    """What is told of a round, with the round before it."""
+    return lambda text: progress(f"{head}: {text}")
+
+
+def foresee(scene: Scene, request: Request) -> Foresight | None:
+    """None where there are no two coarser grids, or the body is none of shells."""
+    many = max(ways(request), 1)
+    grids = [near(scene, request, (wanted / math.prod(request.mesh)) ** (1 / many)) for wanted in ELEMENTS]
+    small_grid, large_grid = grids
+    if small_grid is None or large_grid is None or element_size(large_grid) <= element_size(request):
+        return None
+    small, large = _look(scene, small_grid), _look(scene, large_grid)
+    if small is None or large is None:
+        return None
+    times = (element_size(large_grid) / element_size(request)) ** many
+    n, more = large.unknowns * times, large.unknowns / small.unknowns
+    if more <= 1:
+        return None
+    fill = [each.entries / each.unknowns for each in (small, large)]
+    filled = max(fill[1] - fill[0], 0.0) / math.log(more) * math.log(times)
+    memory = large.peak_MB * times + FLOAT * filled * n / MB
+    return Foresight(int(n), _seconds(small, large, times), memory)
+
+
+def _seconds(small: _Seen, large: _Seen, times: float) -> float | None:
+    """Of so many times the unknowns of the larger grid."""
+    if small.cost is None or large.cost is None:
+        return None
+    seconds, operations, iterations = large.cost
+    each = [seen.cost[1] / max(seen.cost[2], 1) / seen.unknowns for seen in (small, large) if seen.cost is not None]
+    root = math.sqrt(large.unknowns / small.unknowns)
+    slope = max(each[1] - each[0], 0.0) / (root - 1) * root  # a + b sqrt(n): b sqrt(n) on the larger grid
+    grown = each[1] + slope * (math.sqrt(times) - 1)
+    return seconds / max(operations, 1.0) * iterations * large.unknowns * times * grown
+
+
+def _look(scene: Scene, request: Request) -> _Seen | None:
+    """One small grid, solved from rest and judged; the second time, which is not traced, shows the seconds."""
+    if not isinstance(scene.build(request), ShellSceneModel):
+        return None
+    clear()  # an analysis that is kept from before would not be counted
+    tracing = tracemalloc.is_tracing()
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        tracemalloc.reset_peak()
+        solve(scene, request)
+        peak = HELD * (tracemalloc.get_traced_memory()[1] - before) / MB
+    finally:
+        if not tracing:
+            tracemalloc.stop()
+    result, model = solve(scene, request), scene.build(request)
+    assert isinstance(model, ShellSceneModel)
+    cost = (result.timing["cpu"], result.counters["operations"], result.counters.get("newton_iterations", 0))
+    return _Seen(model.n_unknowns, _entries(model), peak, cost if result.outcome.converged else None)
+
+
+def _entries(model: ShellSceneModel) -> int:
+    """Of the factors of the tangent at rest: m (m + 1)/2 + m b of every front, of all if it is not symmetric."""
+    K = sparse.csc_matrix(model.shell.linearise(np.zeros(model.n_unknowns)).tangent)
+    K, found = analysed(K)
+    sizes = [(front.stop - front.start, len(front.boundary)) for front in found.fronts]
+    half = sum(m * (m + 1) // 2 + m * b for m, b in sizes)
+    return half if symmetric(K) else 2 * half
+
+
+def _rounded(value: float) -> float:
+    """To two digits."""
+    return int(float(f"{value:.2g}")) if value >= 10 else float(f"{value:.2g}")
