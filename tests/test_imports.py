@@ -270,7 +270,7 @@ def test_a_solve_starts_nothing_but_git_once_and_only_in_a_work_tree(found: dict
 
 
 def test_a_solve_writes_each_file_once(found: dict[str, Any]) -> None:
-    assert found["files"] == {"result.json", "fields.vtu", "history.csv"}
+    assert found["files"] == {"result.json", "fields.vtu", "history.csv", "nodes.csv"}
     assert sorted(found["renamed"]) == sorted(found["files"])
 
 

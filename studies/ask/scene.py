@@ -144,6 +144,11 @@ class ShellSceneModel:
         """(N,) the contact candidate that each node of the grid is or mirrors, -1 for none."""
         return np.full(self.shell.discretisation.grid.n_nodes, -1)
 
+    @property
+    def touching_face(self) -> int:
+        """0 or 1: the inner or the outer face, at which candidates are."""
+        return 1
+
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the grid's nodes; zero where nothing is touched, and before the first contact."""
         return self.shell.discretisation.grid.carried(nodal_pressure(solution, self.candidate_of_node))

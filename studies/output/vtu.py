@@ -13,6 +13,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -25,7 +26,7 @@ FAST = 1  # of the compression: the last bits of a float are noise, more effort 
 HEAD = 44  # letters of the head of a block: four whole numbers of 8 bytes in base 64
 ARRAY = re.compile(
     rb'<DataArray type="(Float64|Int64)" Name="([^"\n]{1,60})"(?: NumberOfComponents="(\d{1,9})")?[^>\n]{0,200}>\n'
-    rb"([A-Za-z0-9+/=]*)\n</DataArray>"
+    rb"([A-Za-z0-9+/=]*)\n(?:<InformationKey[^\n]{0,200}\n)?</DataArray>"
 )
 # where the nodes of a hexahedron lie along its axes, 0, 1 or 2, in VTK's order: corners, edges, faces, centre
 CORNERS_8 = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
@@ -38,12 +39,24 @@ PLACES_27 = (
 Data = Mapping[str, np.ndarray]
 
 
-def write_vtu(path: Path, points: np.ndarray, cells: np.ndarray, point_data: Data, cell_data: Data) -> None:
-    """points (N, 3); cells (e, 8) or (e, 27): their nodes in VTK's order; data (N,), (N, 3) and (e,) by name."""
-    path.write_text("\n".join(_lines(points, cells, point_data, cell_data)) + "\n", encoding="ascii")
+def write_vtu(
+    path: Path,
+    points: np.ndarray,
+    cells: np.ndarray,
+    point_data: Data,
+    cell_data: Data,
+    units: Mapping[str, str] = MappingProxyType({}),
+) -> None:
+    """points (N, 3); cells (e, 8) or (e, 27): their nodes in VTK's order; data (N,), (N, 3) and (e,) by name.
+
+    units: of arrays by name, "Points" among them, as VTK's own key UNITS_LABEL.
+    """
+    path.write_text("\n".join(_lines(points, cells, point_data, cell_data, units)) + "\n", encoding="ascii")
 
 
-def _lines(points: np.ndarray, cells: np.ndarray, point_data: Data, cell_data: Data) -> Iterator[str]:
+def _lines(
+    points: np.ndarray, cells: np.ndarray, point_data: Data, cell_data: Data, units: Mapping[str, str]
+) -> Iterator[str]:
     count, nodes = cells.shape
     topology = {
         "connectivity": cells.astype(np.int64).ravel(),
@@ -57,12 +70,12 @@ def _lines(points: np.ndarray, cells: np.ndarray, point_data: Data, cell_data: D
     for part, arrays in parts.items():
         yield f"<{part}>"
         for name, values in arrays.items():
-            yield from _array(name, values)
+            yield from _array(name, values, units.get(name, ""))
         yield f"</{part}>"
     yield "</Piece>\n</UnstructuredGrid>\n</VTKFile>"
 
 
-def _array(name: str, values: np.ndarray) -> Iterator[str]:
+def _array(name: str, values: np.ndarray, unit: str) -> Iterator[str]:
     """One block: the count of blocks, their size, that of the last one, the compressed size, then the data."""
     data = np.ascontiguousarray(values).tobytes()
     packed = zlib.compress(data, FAST)
@@ -71,6 +84,8 @@ def _array(name: str, values: np.ndarray) -> Iterator[str]:
     components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim > 1 else ""
     yield f'<DataArray type="{kind}" Name="{name}"{components} format="binary">'
     yield (base64.b64encode(head) + base64.b64encode(packed)).decode("ascii")
+    if unit:  # behind the data: readers take these from where the element begins
+        yield f'<InformationKey name="UNITS_LABEL" location="vtkDataArray">{unit}</InformationKey>'
     yield "</DataArray>"
 
 

@@ -18,6 +18,7 @@ from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageErr
 from studies.output.atomic import Table, plain
 from studies.scenes.walk import Visited
 from studies.solving.certificate import certificate, refusal
+from studies.solving.fields import Seen
 from studies.solving.result import UNSTABLE, Frozen, Result, Step
 
 DRAWN = 8  # points of a curve that every piece of it has in its table
@@ -102,6 +103,8 @@ def _judge(reached: Reached, visited: Visited, result: Result) -> None:
     if seen.step is not None:
         result.loads.append(Step(seen.step, judged, reached.spent))
         load, value = next(iter(seen.step.items()))
+        if visited.stage.whole is None:
+            result.states.append(Seen((load, float(value)), reached.at, visited.problem_at, state))
         where = f"at {load} {value:g}"
     _keep(seen, result)
     if judged["failures"]:

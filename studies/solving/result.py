@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, Protocol
@@ -22,10 +23,12 @@ from contact.events import EventKind, events
 from contact.problem import ContactSolution, Outcome
 from contact.swept import between_nodes
 from studies.ask.request import Request
-from studies.ask.scene import SceneModel, moved
+from studies.ask.scene import SceneModel
 from studies.output.atomic import Table, write_by, write_json
 from studies.output.provenance import provenance
 from studies.scenes.walk import Visited
+from studies.solving import fields
+from studies.solving.fields import FIELDS, Seen
 
 CERTIFICATE = ("failures", "exceeded", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
 UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in
@@ -33,7 +36,7 @@ UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in
 COUNTS = ("contact_nodes", "sticking", "slipping", "limit_points")
 OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm counts
 RESULT = "result.json"
-OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu)")  # what a result may have written beside it
+OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu|pvd)")  # what a result may have written beside it
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
@@ -130,6 +133,7 @@ class Result:
     epsilon: float = math.inf
     frozen: Callable[[], Frozen] | None = None
     visits: list[Visited] = field(default_factory=list)
+    states: list[Seen] = field(default_factory=list)
 
     @property
     def end(self) -> Visited | None:
@@ -225,7 +229,10 @@ class Result:
         result.json names the files, those ``beside`` included, which are there already; what the result that was there
         before has named, and this one does not, is removed. Returns the names.
         """
-        files = [*self.write_artefacts(directory), *beside]
+        assert self.model is not None  # what was refused has no artefacts
+        own = self._write_tables(directory)
+        made = fields.write(directory, self.model, self.states, self._shown, own)
+        files = [*own, *made, *beside]
         for name in _named_before(directory) - {*files}:
             (directory / name).unlink(missing_ok=True)
         self.name(directory, files)
@@ -236,15 +243,24 @@ class Result:
         write_json(directory / RESULT, self.as_json() | {"files": files})
 
     def write_artefacts(self, directory: Path) -> list[str]:
-        """fields.vtu and the tables, each whole or not at all; returns their names."""
+        """fields.vtu and the tables, each whole or not at all; returns their names: what a store keeps."""
+        assert self.model is not None
+        model, state = fields.shown(self.model, self._shown), fields.state_of(self.model, self._shown)
+        write_by(directory / FIELDS, partial(model.write_fields, state=state))
+        return [*self._write_tables(directory), FIELDS]
+
+    @property
+    def _shown(self) -> Seen | None:
+        """The state of fields.vtu, with its supports where the path has ended; None at rest."""
+        if self.end is None or self.last is None:
+            return None
+        return Seen(("", math.nan), self.end.point.reached, self.end.problem_at, self.last)
+
+    def _write_tables(self, directory: Path) -> list[str]:
         tables = {name: self.table(name) for name in self.tables}
         for name, table in {**tables, "history": Table.of_rows(self.history, HISTORY)}.items():
             table.write(directory / f"{name}.csv")
-        assert self.model is not None  # what was refused has no artefacts
-        state = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0)
-        model = self.model if self.end is None or self.last is None else moved(self.model, self.end.point.reached)
-        write_by(directory / "fields.vtu", lambda path: model.write_fields(path, state))
-        return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
+        return [*(f"{name}.csv" for name in tables), "history.csv"]
 
 
 def _named_before(directory: Path) -> set[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
+from xml.etree import ElementTree
 
 import meshio
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 
 from studies.cli import main
 from studies.output.atomic import Table
-from studies.output.vtu import write_vtu
+from studies.output.vtu import read_vtu, write_vtu
 from studies.scenes.complete import complete
 from studies.scenes.contact.heavy_strip import LIFT
 from studies.scenes.manufactured.scene import carrying
@@ -102,6 +103,86 @@ def test_fields_of_a_manufactured_solution_are_the_solution_at_its_held_edges(tm
     )
     held = np.tile(body.discretisation.map.held.any(axis=1), 2)
     assert np.linalg.norm(told[held], axis=1).max() > 1.0
+
+
+def test_strains_are_those_of_the_displacements_beside_them(tmp_path: Path) -> None:
+    """Of a sphere under pressure: (l^2 - 1)/2 with the stretches l of both faces and of the wall, from the points."""
+    found = solve(*complete("pressurised-sphere", {}, "8x1"))
+    found.write(tmp_path)
+    fields = meshio.read(tmp_path / "fields.vtu")
+    faces = np.split(fields.points, 2), np.split(fields.points + fields.point_data["displacement"], 2)
+    (before, after), cells = ([np.linalg.norm(face, axis=1) for face in pair] for pair in faces), fields.cell_data
+    for face, side in enumerate("-+"):
+        stretch = np.mean(after[face] / before[face])
+        for name in ("E11", "E22"):
+            assert cells[name + side][0] == pytest.approx((stretch**2 - 1) / 2, rel=2e-3)
+    wall = [np.linalg.norm(outer - inner, axis=1) for inner, outer in faces]
+    assert cells["E33"][0] == pytest.approx(np.mean(((wall[1] / wall[0]) ** 2 - 1) / 2), rel=2e-3)
+
+
+def test_gaps_and_contact_are_those_of_the_points_beside_them(tmp_path: Path) -> None:
+    """The foundation of the tyre and of the ring is a plane across x: a gap and x make its place, at every load."""
+    for words in (RING, ["solve", "tyre", "--mesh", "12x12", "--set", "delta_mm=5,10", "--no-error"]):
+        out = tmp_path / words[1]
+        assert main([*words, "--out", str(out)]) == 0
+        table = pd.read_csv(out / "contact.csv")
+        place = {delta: rows["gap_mm"] + rows["x_mm"] for delta, rows in table.groupby("delta_mm")}
+        assert place[5.0].to_numpy() == pytest.approx(np.full(len(place[5.0]), place[5.0].iloc[0]), abs=1e-9)
+        assert place[10.0].mean() == pytest.approx(place[5.0].mean() - 5, abs=1e-9)
+        told = json.loads((out / "result.json").read_text())
+        fields = meshio.read(out / "fields.vtu")
+        x = fields.points + fields.point_data["displacement"]
+        gap, touches = fields.point_data["gap"], fields.point_data["in_contact"]
+        known = np.isfinite(gap)
+        assert (gap + x[:, 0])[known] == pytest.approx(np.full(known.sum(), place[10.0].mean()), abs=1e-9)
+        assert np.all(fields.point_data["face"][known] == 1)
+        assert np.array_equal(touches[known] == 1, fields.point_data["pressure"][known] > 0)
+        assert np.all(touches[~known] == 0)
+        assert {"contact.csv", "nodes.csv", "fields_1.vtu", "fields.pvd"} <= {*told["files"]}
+    ring = pd.read_csv(tmp_path / "ring" / "contact.csv")
+    told = json.loads((tmp_path / "ring" / "result.json").read_text())
+    assert ring.groupby("delta_mm")["active"].sum().tolist() == [step["contact_nodes"] for step in told["steps"]]
+
+
+def test_a_series_has_the_state_of_every_load_and_its_nodes_the_last(tmp_path: Path) -> None:
+    assert main([*RING, "--out", str(tmp_path / "both")]) == 0
+    series = ElementTree.parse(tmp_path / "both" / "fields.pvd").getroot().iter("DataSet")
+    files = {float(each.attrib["timestep"]): each.attrib["file"] for each in series}
+    assert files == {5.0: "fields_1.vtu", 10.0: "fields.vtu"}
+    for delta, name in files.items():
+        alone = tmp_path / f"{delta:g}"
+        loads = f"delta_mm={','.join(f'{each:g}' for each in files if each <= delta)}"
+        assert main(["solve", "ring", "--mesh", "1x8", "--set", loads, "--out", str(alone)]) == 0
+        ours, theirs = (
+            meshio.read(path).point_data["displacement"] for path in (tmp_path / "both" / name, alone / "fields.vtu")
+        )
+        assert np.array_equal(ours, theirs)
+    nodes = pd.read_csv(tmp_path / "both" / "nodes.csv")
+    fields = meshio.read(tmp_path / "both" / "fields.vtu")
+    assert nodes[["ux_mm", "uy_mm", "uz_mm"]].to_numpy() == pytest.approx(fields.point_data["displacement"], abs=0)
+    assert nodes[["x_mm", "y_mm", "z_mm"]].to_numpy() == pytest.approx(fields.points, abs=0)
+    assert main(["solve", "ring", "--mesh", "1x8", "--set", "delta_mm=5", "--out", str(tmp_path / "both")]) == 0
+    assert not {"fields.pvd", "fields_1.vtu"} & names(tmp_path / "both")
+
+
+def test_every_array_of_a_solve_has_its_unit(tmp_path: Path) -> None:
+    assert main([*RING, "--out", str(tmp_path)]) == 0
+    arrays = ElementTree.parse(tmp_path / "fields.vtu").getroot().iter("DataArray")
+    units = {each.attrib["Name"]: each.findtext("InformationKey[@name='UNITS_LABEL']") for each in arrays}
+    expected = {"Points": "mm", "displacement": "mm", "gap": "mm", "pressure": "MPa", "H_11-": "N/mm", "E11+": "1"}
+    expected |= {"2E12-": "1", "S_LL1-": "MPa"}
+    assert expected.items() <= units.items()
+    without = {"face", "in_contact", "connectivity", "offsets", "types"}
+    assert {name for name, unit in units.items() if unit is None} == without
+    assert read_vtu(tmp_path / "fields.vtu").data.keys() >= {"gap", "E33"}
+
+
+def test_a_curve_that_comes_back_is_in_its_order(tmp_path: Path) -> None:
+    assert main(["solve", "roof-b", "--mesh", "4x4", "--no-error", "--out", str(tmp_path)]) == 0
+    sets = [each.attrib for each in ElementTree.parse(tmp_path / "fields.pvd").getroot().iter("DataSet")]
+    assert [float(each["timestep"]) for each in sets] == list(range(1, len(sets) + 1))
+    assert len(sets) == len(json.loads((tmp_path / "result.json").read_text())["steps"])
+    assert all((tmp_path / each["file"]).exists() for each in sets)
 
 
 def test_files_are_those_of_pandas_to_the_byte(rng: np.random.Generator, tmp_path: Path) -> None:

@@ -127,6 +127,11 @@ class ContactModel(ShellSceneModel):
         write_fields(path, self.shell, state.u, self.outer_pressure(state), self.face)
 
     @property
+    def touching_face(self) -> int:
+        """That of the candidates."""
+        return self.face
+
+    @property
     def candidate_of_node(self) -> np.ndarray:
         """(N,) the contact candidate that each node of the grid is, -1 for none."""
         return candidates_at(self.nodes, self.shell.discretisation.grid.n_nodes)

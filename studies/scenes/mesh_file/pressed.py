@@ -128,6 +128,11 @@ class PressedModel(ShellSceneModel):
                 yield replace(stage, name=part.key, observe=stage.observe if part is self.parts[-1] else _unseen)
 
     @property
+    def touching_face(self) -> int:
+        """That of the candidates."""
+        return self.parts[-1].touching_face
+
+    @property
     def candidate_of_node(self) -> np.ndarray:
         """(N,) the contact candidate that each node of the grid is, -1 for none."""
         return self.parts[-1].candidate_of_node

@@ -1,0 +1,178 @@
+"""States as people look at them: a file for ParaView a requested load, with units, and tables of nodes and candidates.
+
+What a model writes of a state is kept; gap, contact and strains are added to it. Of a model from outside that writes a
+file of its own kind, that file is all. What a store keeps of a cell does not enter here, nor what a state is worth.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from contact.problem import ContactProblem, ContactSolution
+from formulations.solid.body import SolidDiscretisation
+from formulations.strains.quantities import STRAINS
+from studies.ask.scene import SceneModel, ShellSceneModel, candidates_at, moved
+from studies.output.atomic import Table, write_by, write_text
+from studies.output.vtu import Grid, read_vtu, write_vtu
+
+FIELDS, SERIES = "fields.vtu", "fields.pvd"
+UNITS = {"Points": "mm", "displacement": "mm", "pressure": "MPa", "gap": "mm"}
+UNITS_OF = {"H_": "N/mm", "S_": "MPa", "E": "1", "2E": "1"}  # by how a name begins
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A state at a requested load, in the unknowns of the model: name and size of the load, t of its stage."""
+
+    load: tuple[str, float]
+    t: float
+    problem_at: Callable[[float], ContactProblem]
+    state: ContactSolution
+
+    def gap(self) -> np.ndarray:
+        """Of the candidates (m,) [mm]."""
+        problem = self.problem_at(self.t)
+        return problem.gap(self.state.u) if len(problem.weights) else np.zeros(0)
+
+
+def write(
+    directory: Path, model: SceneModel, loads: Sequence[Seen], last: Seen | None, known: Collection[str]
+) -> list[str]:
+    """fields.vtu of the last state, at rest where there is none, and of several loads a file each and fields.pvd.
+
+    nodes.csv has the last state, contact.csv every load, where something may touch and it is not ``known`` already.
+    Returns the names.
+    """
+    at_end = next((seen for seen in loads if last is not None and seen.state is last.state), last)
+    series = {f"fields_{number}.vtu": seen for number, seen in enumerate(loads, 1)} if len(loads) > 1 else {}
+    named = {FIELDS if seen is at_end else name: seen for name, seen in series.items()}
+    tables: dict[str, list[Table]] = {"nodes.csv": [], "contact.csv": []}
+    for name, seen in {**named, FIELDS: at_end}.items():
+        points = _Points.of(model, seen)
+        if points is None:
+            write_by(directory / name, partial(shown(model, seen).write_fields, state=state_of(model, seen)))
+            continue
+        write_by(directory / name, points.write)
+        if name == FIELDS:
+            tables["nodes.csv"] = [points.table()]
+        if seen is not None and seen in loads and np.any(points.candidate >= 0):
+            tables["contact.csv"].append(points.touching(seen.load))
+    made = [*named] if at_end in named.values() else [*named, FIELDS]
+    if series:
+        write_text(directory / SERIES, _collection([seen.load[1] for seen in loads], list(named)))
+        made.append(SERIES)
+    for name, parts in tables.items():
+        if parts and name not in known:
+            Table.stacked(parts).write(directory / name)
+            made.append(name)
+    return made
+
+
+def shown(model: SceneModel, seen: Seen | None) -> SceneModel:
+    """The model with its supports where they are in a state."""
+    return model if seen is None else moved(model, seen.t)
+
+
+def state_of(model: SceneModel, seen: Seen | None) -> ContactSolution:
+    """A state, or that at rest."""
+    return ContactSolution.at_rest(model.n_unknowns, 0) if seen is None else seen.state
+
+
+@dataclass(frozen=True, eq=False)
+class _Points:
+    """What a model writes of a state, and what is added to it.
+
+    candidate, node, gap, active (P,): of its points, -1 for no candidate.  cells: mean strains of elements.
+    """
+
+    grid: Grid
+    candidate: np.ndarray
+    node: np.ndarray
+    gap: np.ndarray
+    active: np.ndarray
+    cells: dict[str, np.ndarray]
+
+    @classmethod
+    def of(cls, model: SceneModel, seen: Seen | None) -> _Points | None:
+        """None of a model from outside that is neither a shell nor a solid of ours."""
+        there, state = shown(model, seen), state_of(model, seen)
+        of_node = _candidates(there)
+        if of_node is None:
+            return None
+        candidate, node = of_node
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / FIELDS
+            there.write_fields(path, state)
+            grid = read_vtu(path)
+        m = int(candidate.max(initial=-1)) + 1
+        gaps = np.zeros(0) if seen is None else seen.gap()
+        if m == 0 or len(gaps) != m or len(state.active) != m:  # before the first contact
+            candidate = np.full(len(candidate), -1)
+        gap = np.append(gaps, np.nan)[candidate]
+        active = np.append(state.active, False)[candidate]
+        strains = there.shell.mean_strains(state.u).T if isinstance(there, ShellSceneModel) else ()
+        return cls(grid, candidate, node, gap, active.astype(np.int64), dict(zip(STRAINS, strains, strict=False)))
+
+    def write(self, path: Path) -> None:
+        """As a file of VTK."""
+        of_cells = {name for name in self.grid.data if name.startswith(tuple(UNITS_OF)) or name == "ply"}
+        points = {name: values for name, values in self.grid.data.items() if name not in of_cells}
+        cells = {name: self.grid.data[name] for name in self.grid.data if name in of_cells}
+        if np.any(self.candidate >= 0):
+            points |= {"gap": self.gap, "in_contact": self.active}
+        names = [*points, *cells, *self.cells, "Points"]
+        units = {name: unit for name in names if (unit := unit_of(name))}
+        write_vtu(path, self.grid.points, self.grid.cells, points, {**cells, **self.cells}, units)
+
+    def table(self) -> Table:
+        """Every node: where it was, and how it has moved."""
+        axes, data = "xyz", self.grid.data
+        columns = {"node": self.node, **({"face": data["face"].astype(int)} if "face" in data else {})}
+        columns |= {f"{axis}_mm": self.grid.points[:, i] for i, axis in enumerate(axes)}
+        columns |= {f"u{axis}_mm": data["displacement"][:, i] for i, axis in enumerate(axes)}
+        if np.any(self.candidate >= 0):
+            columns |= {"pressure_MPa": data["pressure"], "gap_mm": self.gap, "active": self.active}
+        return Table.of(columns)
+
+    def touching(self, load: tuple[str, float]) -> Table:
+        """Every candidate at a load: where it is, pressure, gap and whether it touches."""
+        at = self.candidate >= 0
+        x = self.grid.points + self.grid.data["displacement"]
+        columns = {load[0]: load[1], "node": self.node[at], "pressure_MPa": self.grid.data["pressure"][at]}
+        columns |= {"gap_mm": self.gap[at], "active": self.active[at]}
+        return Table.of(columns | {f"{axis}_mm": x[at, i] for i, axis in enumerate("xyz")})
+
+
+def unit_of(name: str) -> str:
+    """Of an array of a file; empty for numbers without one."""
+    return UNITS.get(name) or next((unit for begin, unit in UNITS_OF.items() if name.startswith(begin)), "")
+
+
+def _candidates(model: SceneModel) -> tuple[np.ndarray, np.ndarray] | None:
+    """The candidate (P,) that each point of a model's file is, -1 for none, and the node that it is."""
+    if isinstance(model, ShellSceneModel):
+        of_node = model.candidate_of_node
+        none = np.full(len(of_node), -1)
+        faces = [none, of_node] if model.touching_face else [of_node, none]
+        return np.concatenate(faces), np.tile(np.arange(len(of_node)), 2)
+    body = getattr(getattr(model, "body", None), "discretisation", None)
+    if not isinstance(body, SolidDiscretisation):
+        return None
+    n = len(body.mesh.x)
+    return candidates_at(getattr(model, "nodes", np.zeros(0, int)), n), np.arange(n)
+
+
+def _collection(times: Sequence[float], files: Sequence[str]) -> str:
+    """A series as ParaView reads it; a load that comes again has its place in the order for a time."""
+    if any(b <= a for a, b in pairwise(times)):
+        times = range(1, len(files) + 1)
+    sets = [f'<DataSet timestep="{t:.12g}" part="0" file="{name}"/>' for t, name in zip(times, files, strict=True)]
+    head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>'
+    return "\n".join([head, *sets, "</Collection>\n</VTKFile>"]) + "\n"
