@@ -49,12 +49,32 @@ ENOUGH = 141  # as the shell has it of a process that a closed pipe ends
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
 
 
+class _Help(argparse.HelpFormatter):
+    """Every default is told, and examples stand as they are written."""
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        told, usual = action.help or "", action.default
+        if usual is None or usual is argparse.SUPPRESS or usual in (False, "", []) or "default" in told:
+            return told
+        return f"{told}; default %(default)s"
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if text.startswith("examples:") else super()._fill_text(text, width, indent)
+
+
 class _Parser(argparse.ArgumentParser):
     """argparse, but an error is one line, and a minus before a digit begins a value: -8x8 and -1% are looked at."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
-        super().__init__(*args, **kwargs)
+        super().__init__(*args, **{"formatter_class": _Help, **kwargs})
         self._negative_number_matcher = re.compile(r"-\.?\d")
+
+    def format_help(self) -> str:
+        """With the examples of the command."""
+        from studies.commands.examples import examples
+
+        self.epilog = examples(self.prog)
+        return super().format_help()
 
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {message}", file=sys.stderr)

@@ -18,6 +18,7 @@ from studies.ask.scene import UsageError
 from studies.ask.settings import rubbing
 from studies.catalogue import descriptions
 from studies.catalogue.descriptions import Description
+from studies.output.shown import Shown
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
@@ -34,15 +35,30 @@ from studies.sweeps import sweep as sweeping
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+HEADLINE = 4  # quantities, or reasons, that are shown
 AS_ASKED = "as asked for"  # of the element of the reference
 FIGURES = {MEASURE: "measures.svg", SURFACES: "surfaces.svg", ELEMENT: "elements.svg"}
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(Shown):
     """A solved request; where it did not converge, everything up to the last converged step."""
 
     result: Result
+
+    @property
+    def line(self) -> str:
+        """Request, verdict, and the quantities at the end."""
+        asked = self.result.request
+        found = ", ".join(f"{name} {value:.6g}" for name, value in list(self.quantities.items())[:HEADLINE])
+        how = f"{asked.scene} {asked.mesh_text}, {asked.measure}, {asked.contact}"
+        return f"{how}: {self.verdict}{f'; {found}' if found else ''}; {self.result.timing['total']:.3g} s"
+
+    def shown(self) -> tuple[pd.DataFrame, list[str]]:
+        """Its loads, limits of what has an error, and notes."""
+        errors = [f"{name} within {each['low']:.6g} to {each['high']:.6g}" for name, each in self.errors.items()]
+        reason = [] if self.result.outcome.converged else [self.reason]
+        return self.steps, [*reason, *errors, *self.notes]
 
     @property
     def outcome(self) -> str:
@@ -149,11 +165,21 @@ class Run:
         self.result.write(Path(directory))
 
 
-@dataclass(frozen=True, eq=False)
-class Chosen:
+@dataclass(frozen=True, eq=False, repr=False)
+class Chosen(Shown):
     """An answer of :func:`choose`; where nothing is enough, what is known all the same."""
 
     choice: Choice
+
+    @property
+    def line(self) -> str:
+        """The recommended command, or why there is none."""
+        found = self.recommended
+        return f"no recommendation: {self.choice.reason}" if found is None else str(found["command"])
+
+    def shown(self) -> tuple[pd.DataFrame, list[str]]:
+        """Variants, and what is uncertain."""
+        return self.variants, self.uncertain
 
     @property
     def recommended(self) -> dict[str, Any] | None:
@@ -190,11 +216,22 @@ class Chosen:
         write_choice(self.choice, Path(directory))
 
 
-@dataclass(frozen=True, eq=False)
-class Swept:
+@dataclass(frozen=True, eq=False, repr=False)
+class Swept(Shown):
     """An answer of :func:`sweep`; found: its ranges and members."""
 
     found: sweeping.Sweep
+
+    @property
+    def line(self) -> str:
+        """How many members there are of which ranges, and how many have an answer."""
+        over = " x ".join(f"{each.key} ({len(each.values)})" for each in self.found.ranges)
+        count = len(self.found.members)
+        return f"{self.found.name} over {over}: {count - len(self.found.failed)} of {count} solved"
+
+    def shown(self) -> tuple[pd.DataFrame, list[str]]:
+        """Members, and the reasons of those without an answer."""
+        return self.members, [f"{each.verdict}: {each.reason}" for each in self.found.failed[:HEADLINE]]
 
     @property
     def members(self) -> pd.DataFrame:

@@ -18,6 +18,7 @@ from formulations.strains.measure import RigidBodyLaw, StrainMeasure
 from studies.ask.request import text_of
 from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError, settings_beside
 from studies.ask.settings import parameters_of
+from studies.output.shown import Shown
 from studies.output.terminal import columns
 from studies.scenes import SCENES
 
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 COLUMNS = ("name", "meaning", "unit", "range", "default")
 
 
-@dataclass(frozen=True, eq=False)
-class Description:
+@dataclass(frozen=True, eq=False, repr=False)
+class Description(Shown):
     """A part of the catalogues.
 
     kind: "scene", "measure" or "algorithm".  meaning: one line.  text: what ``footprint show`` prints.
@@ -40,6 +41,15 @@ class Description:
     meaning: str
     text: str
     rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def line(self) -> str:
+        """Name, kind and meaning."""
+        return f"{self.name} ({self.kind}): {self.meaning}"
+
+    def shown(self) -> tuple[pd.DataFrame, list[str]]:
+        """Its settings."""
+        return self.settings, []
 
     @property
     def settings(self) -> pd.DataFrame:

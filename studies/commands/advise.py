@@ -25,12 +25,12 @@ SHIPPED = "standard"
 
 def add_advise(parser: argparse.ArgumentParser) -> None:
     """The question and the campaign that answers it."""
-    parser.add_argument("scene")
+    parser.add_argument("scene", help="of footprint list scenes")
     parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
     parser.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
-    told = f"default {STORE} where it has the campaign, else the campaign {SHIPPED} as it is shipped"
+    told = f"of its cells; default {STORE} where it has the campaign, else the campaign {SHIPPED} as it is shipped"
     parser.add_argument("--store", type=Path, metavar="DIR", help=told)
-    parser.add_argument("--campaign", default=SHIPPED, help=f"default {SHIPPED}")
+    parser.add_argument("--campaign", default=SHIPPED, help="whose cells are asked")
     parser.add_argument("--cost", default="seconds", help="dofs, seconds or operations; default seconds")
     add_settings(parser)
 

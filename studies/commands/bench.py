@@ -28,15 +28,15 @@ MESH, REPEATS, ROUNDS = "42x40", 9, 3
 def add_bench(parser: argparse.ArgumentParser) -> None:
     """One subcommand a table; without one, the costs of all that a solve does, with their bars."""
     parser.set_defaults(bench=_costs)
-    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="interleaved rounds, of which medians are taken")
     parser.add_argument("--largest", action="store_true", help="factorise 250,000 unknowns, too")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     names = "newton|scaling|overhead|peers|programs|solvers"
     tables = parser.add_subparsers(metavar=names, parser_class=type(parser))
 
     newton = tables.add_parser("newton", help="cost of one Newton iteration, as ratios")
-    newton.add_argument("--mesh", default=MESH, metavar="N1xN2", help=f"default {MESH}")
-    newton.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
+    newton.add_argument("--mesh", default=MESH, metavar="N1xN2", help="of the tyre")
+    newton.add_argument("--repeats", type=int, default=REPEATS, help="of everything that is timed")
     newton.set_defaults(bench=_newton)
 
     scaling = tables.add_parser("scaling", help="one Newton step from 2,000 to 250,000 unknowns")
@@ -46,18 +46,20 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     scaling.set_defaults(bench=_scaling)
 
     overhead = tables.add_parser("overhead", help="what running and reading cost beside solving")
-    overhead.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
+    overhead.add_argument("--repeats", type=int, default=REPEATS, help="of everything that is timed")
     overhead.set_defaults(bench=_overhead)
 
     peers = tables.add_parser("peers", help="other programs beside shells")
     peers.add_argument("--only", metavar="PROBLEM", help="one problem, e.g. hemisphere")
-    peers.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
+    peers.add_argument("--rounds", type=int, default=ROUNDS, help="interleaved rounds, of which medians are taken")
     peers.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     peers.set_defaults(bench=_peers)
 
     programs = tables.add_parser("programs", help="CalculiX on decks of ours, scene by scene; resumes")
     programs.add_argument("--only", metavar="CASE", help="one case, e.g. hemisphere")
-    programs.add_argument("--store", "--out", type=Path, default=STORE, metavar="STORE", help=f"default {STORE}")
+    programs.add_argument(
+        "--store", "--out", type=Path, default=STORE, metavar="STORE", help="where results and tables go"
+    )
     programs.set_defaults(bench=_programs)
 
     _add_solvers(tables.add_parser("solvers", help="who solves frozen contact problems, and how well"))
@@ -168,11 +170,11 @@ SOLVER_ROUNDS, LIMIT_S, TOLERANCES = 3, 20.0, "1e-4,1e-6,1e-8"
 def _add_solvers(parser: argparse.ArgumentParser) -> None:
     """A run, a comparison of two, or both."""
     parser.add_argument("--problems", type=Path, metavar="DIR", help="frozen steps (*.npz); without it nothing is run")
-    parser.add_argument("--out", type=Path, default=STORE, metavar="STORE", help=f"default {STORE}")
-    parser.add_argument("--rounds", type=int, default=SOLVER_ROUNDS, help=f"default {SOLVER_ROUNDS}")
+    parser.add_argument("--out", type=Path, default=STORE, metavar="STORE", help="where results and tables go")
+    parser.add_argument("--rounds", type=int, default=SOLVER_ROUNDS, help="solves of each problem")
     limit = f"processor time of a solve, default {LIMIT_S:g}"
     parser.add_argument("--limit", type=float, default=LIMIT_S, metavar="SECONDS", help=limit)
-    parser.add_argument("--tolerance", default=TOLERANCES, metavar="T,...", help=f"default {TOLERANCES}")
+    parser.add_argument("--tolerance", default=TOLERANCES, metavar="T,...", help="that solvers are asked for")
     parser.add_argument("--only", action="append", default=[], metavar="SOLVER", help="one solver; as often as wanted")
     parser.add_argument("--ablation", action="store_true", help="the settings of OSQP, one at a time, instead")
     parser.add_argument("--against", type=Path, metavar="STORE", help="another run: do solvers rank alike?")

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from studies.run.task import Limits
 
 
+CAMPAIGN = "of footprint list campaigns, or a .toml file that was run"
+
+
 def add_run(parser: argparse.ArgumentParser) -> None:
     """The campaign, its store, the engine and the limits of a cell."""
     from studies.fuzz import examine as fuzz
@@ -113,7 +116,7 @@ def _seeds(options: argparse.Namespace, usual: int) -> range:
 
 def add_table(parser: argparse.ArgumentParser) -> None:
     """The campaign and which of its rows."""
-    parser.add_argument("campaign")
+    parser.add_argument("campaign", help=CAMPAIGN)
     add_store(parser)
     parser.add_argument("--where", action="append", default=[], metavar="COLUMN=VALUE", help="only these rows")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="write all columns as CSV")
@@ -149,7 +152,7 @@ def _compared_number(pair: str, value: str) -> float:
 
 def add_time(parser: argparse.ArgumentParser) -> None:
     """The campaign, which cells and how often."""
-    parser.add_argument("campaign")
+    parser.add_argument("campaign", help=CAMPAIGN)
     add_store(parser)
     add_trust(parser)
     parser.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
@@ -215,7 +218,7 @@ def _how_many(text: str) -> int:
 
 def add_analyse(parser: argparse.ArgumentParser) -> None:
     """The campaign and its store."""
-    parser.add_argument("campaign")
+    parser.add_argument("campaign", help=CAMPAIGN)
     add_store(parser)
 
 
@@ -237,7 +240,9 @@ def add_report(parser: argparse.ArgumentParser) -> None:
     """The store, which campaign of it, and where the pages lie."""
     add_store(parser)
     parser.add_argument("--campaign", metavar="NAME", help="which, where the store has several")
-    parser.add_argument("--out", type=Path, metavar="DIR", help=f"default {PAGES}, or the campaign's folder there")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help=f"where pages lie; default {PAGES}, or the campaign's folder there"
+    )
     parser.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
 
 

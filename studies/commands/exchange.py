@@ -33,7 +33,7 @@ ALIGNED = np.deg2rad(1.0)  # cords of 500 MPa in rubber of G = 2 MPa are 6 % sof
 
 def add_problem(parser: argparse.ArgumentParser) -> None:
     """The scene and how it is cut into bricks; the same for what is written and for what comes back."""
-    parser.add_argument("scene")
+    parser.add_argument("scene", help="of footprint list scenes")
     parser.add_argument("--measure", default="exact", help="linear: small displacements; all others: large ones")
     parser.add_argument("--mesh", help="N1xN2 bricks along a1 and a2; default that of the scene")
     parser.add_argument("--through", type=int, default=1, metavar="N", help="bricks through each ply of a shell")
@@ -53,7 +53,7 @@ def add_export(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", required=True, help="inp: a deck of CalculiX; vtu; json: a neutral sheet")
     parser.add_argument("--integration", default=AUTO, help=f"of the deck's bricks: {', '.join(INTEGRATIONS)}")
     parser.add_argument("--stiffness", type=float, help="of the deck's contact, MPa/mm; default by modulus and wall")
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="where it goes")
 
 
 def run_export(options: argparse.Namespace) -> int:

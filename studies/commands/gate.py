@@ -38,9 +38,9 @@ from studies.solving.result import CONVERGED
 def add_check(parser: argparse.ArgumentParser) -> None:
     """What is compared, and the update of the baseline."""
     parser.add_argument("--store", type=Path, metavar="DIR", help="one that has the campaign; default: solve it now")
-    parser.add_argument("--campaign", default="quick", help="default quick")
+    parser.add_argument("--campaign", default="quick", help="which")
     parser.add_argument("--engine", default="serial", help="as of run, where it is solved now")
-    parser.add_argument("--baseline", type=Path, metavar="FILE", help="default: the committed one")
+    parser.add_argument("--baseline", type=Path, metavar="FILE", help="to compare with; default the committed one")
     parser.add_argument("--update", action="store_true", help="replace the baseline; with --owner and --reason")
     parser.add_argument("--owner", default="", metavar="NAME", help="who answers for an update")
     parser.add_argument("--reason", default="", metavar="TEXT", help="why the baseline is replaced")
@@ -130,9 +130,9 @@ TIMES = ("cell", "A [s]", "B [s]", "change", "floor", "adjusted p")
 
 def add_compare(parser: argparse.ArgumentParser) -> None:
     """Two stores and the campaign."""
-    parser.add_argument("before", type=Path, metavar="A")
-    parser.add_argument("now", type=Path, metavar="B")
-    parser.add_argument("--campaign", default="quick", help="default quick")
+    parser.add_argument("before", type=Path, metavar="A", help="the store before")
+    parser.add_argument("now", type=Path, metavar="B", help="the store of now")
+    parser.add_argument("--campaign", default="quick", help="which")
 
 
 def run_compare(options: argparse.Namespace) -> int:

@@ -27,7 +27,7 @@ SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 
 def add_store(parser: argparse.ArgumentParser) -> None:
     """``--store DIR``."""
-    parser.add_argument("--store", type=Path, default=STORE, metavar="DIR", help=f"default {STORE}")
+    parser.add_argument("--store", type=Path, default=STORE, metavar="DIR", help="where cells and tables are kept")
 
 
 def add_trust(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +38,7 @@ def add_trust(parser: argparse.ArgumentParser) -> None:
 def add_solving(parser: argparse.ArgumentParser, contact: str, mesh: str) -> None:
     """How a scene is solved; contact, mesh: the help of these two."""
     parser.add_argument("--contact", default="semismooth", help=contact)
-    parser.add_argument("--newton", default="mixed", help="plain or mixed, the default")
+    parser.add_argument("--newton", default="mixed", help="plain, or mixed, which extrapolates resultants")
     parser.add_argument("--mesh", help=mesh)
     add_model(parser)
     parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")

@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 
 def add_list(parser: argparse.ArgumentParser) -> None:
     """Which catalogue."""
-    parser.add_argument("what", nargs="?", choices=("scenes", "measures", "algorithms", "campaigns"))
+    parser.add_argument(
+        "what",
+        nargs="?",
+        choices=("scenes", "measures", "algorithms", "campaigns"),
+        help="one of them; left out: all",
+    )
 
 
 def run_list(options: argparse.Namespace) -> int:
@@ -45,7 +50,7 @@ def run_list(options: argparse.Namespace) -> int:
 
 def add_show(parser: argparse.ArgumentParser) -> None:
     """The name."""
-    parser.add_argument("name", metavar="SCENE|MEASURE|ALGORITHM")
+    parser.add_argument("name", metavar="SCENE|MEASURE|ALGORITHM", help="a name of footprint list")
 
 
 def run_show(options: argparse.Namespace) -> int:
@@ -58,7 +63,9 @@ def add_card(parser: argparse.ArgumentParser) -> None:
     """The file, or a part of ours, and where its page goes."""
     parser.add_argument("part", nargs="?", metavar="FILE.py", help="a file with parts, or the name of a part of ours")
     parser.add_argument("--of", metavar="NAME", help="a part of ours by its name")
-    parser.add_argument("--out", type=Path, default=Path(), metavar="DIR|FILE.md", help="default card-NAME.md here")
+    parser.add_argument(
+        "--out", type=Path, default=Path(), metavar="DIR|FILE.md", help="where the page goes; default card-NAME.md here"
+    )
     parser.add_argument("--check", action="store_true", help="exit 1 where a law, an answer or a claim is wrong")
     parser.add_argument("--template", type=Path, metavar="DIR", help="write the layout of a repository that has one")
 

@@ -32,31 +32,33 @@ def add_problems(parser: argparse.ArgumentParser) -> None:
     listing.set_defaults(part=_list)
 
     making = parts.add_parser("make", help="make the files, or those that are missing")
-    making.add_argument("--out", type=Path, default=PROBLEMS, metavar="DIR", help=f"default {PROBLEMS}")
+    making.add_argument("--out", type=Path, default=PROBLEMS, metavar="DIR", help="where the files go")
     making.add_argument("--family", help="of one scene or source alone")
     making.add_argument("--choose", action="store_true", help="apply the rule anew: another manifest, about an hour")
     making.set_defaults(part=_make)
 
     checking = parts.add_parser("check", help="files against the manifest of the suite")
-    checking.add_argument("directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR")
+    checking.add_argument(
+        "directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR", help=f"of the files, default {PROBLEMS}"
+    )
     checking.add_argument("--keep", type=Path, metavar="TO", help="write the manifest of what agrees")
     checking.set_defaults(part=_check)
 
     exporting = parts.add_parser("export", help="one problem in a format of other programs")
-    exporting.add_argument("problem", type=Path, metavar="PROBLEM.npz")
+    exporting.add_argument("problem", type=Path, metavar="PROBLEM.npz", help="a frozen problem")
     exporting.add_argument(
         "--format", required=True, help="mat, qpsolvers, mps, mtx, siconos; with friction mtx, fclib"
     )
-    exporting.add_argument("--out", type=Path, required=True, metavar="FILE")
+    exporting.add_argument("--out", type=Path, required=True, metavar="FILE", help="where it goes")
     exporting.set_defaults(part=_export)
 
     importing = parts.add_parser("import", help="a linear complementarity problem of Siconos as a frozen problem")
-    importing.add_argument("source", type=Path, metavar="FILE.dat")
-    importing.add_argument("--out", type=Path, required=True, metavar="PROBLEM.npz")
+    importing.add_argument("source", type=Path, metavar="FILE.dat", help="n, format, M and q as Siconos writes them")
+    importing.add_argument("--out", type=Path, required=True, metavar="PROBLEM.npz", help="where it goes")
     importing.set_defaults(part=_import)
 
     judging = parts.add_parser("judge", help="recompute what an answer claims")
-    judging.add_argument("problem", type=Path, metavar="PROBLEM.npz")
+    judging.add_argument("problem", type=Path, metavar="PROBLEM.npz", help="a frozen problem")
     judging.add_argument(
         "answer", type=Path, metavar="ANSWER", help=".npz or .json with du and pressure, or du, normal and friction"
     )
@@ -193,8 +195,8 @@ def _judge(options: argparse.Namespace) -> int:
 
 def add_resolve(parser: argparse.ArgumentParser) -> None:
     """The file and how it is solved."""
-    parser.add_argument("file", type=Path, metavar="FILE")
-    parser.add_argument("--contact", default="semismooth")
+    parser.add_argument("file", type=Path, metavar="FILE", help="a frozen problem, as solve --freeze writes it")
+    parser.add_argument("--contact", default="semismooth", help="the algorithm, of footprint list algorithms")
     parser.add_argument("--epsilon", type=float, help="regularisation, MPa/mm; default that of the algorithm")
     parser.add_argument("--oracle", action="store_true", help="compare with a quadratic programme by cvxpy")
 

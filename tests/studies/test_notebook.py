@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from studies import Run, UsageError, describe, solve
+from studies import Run, UsageError, describe, solve, sweep
 from studies.cli import main
 
 
@@ -104,3 +106,34 @@ def test_the_error_of_the_mesh_is_stated_unless_it_is_left_out() -> None:
     assert not solve("ring", mesh="1x64", mesh_error=False).errors
     with pytest.raises(UsageError, match="start = 'warm' must be one of nested, cold"):
         solve("ring", start="warm")
+
+
+def table_of(html: str) -> pd.DataFrame:
+    """The one table, its cells as text."""
+    assert html.count("<table") == 1
+    table = ElementTree.fromstring(html[html.index("<table") : html.index("</table>") + len("</table>")])
+    head, *rows = [[cell.text or "" for cell in row] for row in table.iter("tr")]
+    return pd.DataFrame(rows, columns=head)
+
+
+def test_an_answer_shows_itself_in_a_line_and_as_a_table(run: Run) -> None:
+    assert repr(run).startswith("<Run tyre 12x12, exact, semismooth: converged; ")
+    assert f"force_N {run.quantities['force_N']:.6g}" in repr(run)
+    assert len(repr(run)) < 200
+    table = table_of(run._repr_html_())
+    assert table["force_N"].astype(float).to_numpy() == pytest.approx(run.steps["force_N"].to_numpy(), rel=1e-5)
+
+
+def test_meanings_are_shown_whole_and_no_text_is_taken_for_markup() -> None:
+    told = describe("tyre")
+    assert repr(told) == f"<Description tyre (scene): {told.meaning}>"
+    table = table_of(told._repr_html_())
+    assert table["meaning"].tolist()[:10] == told.settings["meaning"].tolist()[:10]
+    assert "<script>" not in replace(told, meaning="<script>alert(1)</script>")._repr_html_()
+
+
+def test_a_sweep_and_a_choice_show_themselves() -> None:
+    swept = sweep("panel", {"delta_mm": "0.1:0.2:2"}, mesh="4x4")
+    assert repr(swept) == "<Swept panel over delta_mm (2): 2 of 2 solved>"
+    table = table_of(swept._repr_html_())
+    assert table["delta_mm"].astype(float).tolist() == [0.1, 0.2]
