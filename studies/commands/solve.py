@@ -36,6 +36,7 @@ from studies.solving.solve import Interrupted, word
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 GRADIENT_HELP = "derivatives of a quantity, as force_N or force_N:p0_MPa,gamma_deg; by default with all settings"
+MANY = 10**6
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
@@ -234,12 +235,19 @@ def _print_table(result: Result) -> None:
         _print_columns(Table.of_rows(rows))
     if result.request.model_reason:
         print(f"model {result.request.model}: {result.request.model_reason}")
-    spent = [f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items()]
-    counters = ", ".join([*spent, f"{result.timing['total']:.3g} s"])
+    spent = [f"{_count(value)} {name.replace('_', ' ')}" for name, value in result.counters.items()]
+    coarser = result.timing.get(mesh_error.COARSER)
+    more = "" if coarser is None else f" and {coarser:.2g} s on coarser grids"
+    counters = ", ".join([*spent, f"{result.timing['total']:.3g} s{more}"])
     unstable = ", unstable" if result.verdict == UNSTABLE else ""
     print(f"{result.as_json()['outcome']}{unstable}: {counters}")
     for sentence in (*result.unstable, *result.notes):
         print(sentence)
+
+
+def _count(value: float) -> str:
+    """Whole, or to three digits where nobody reads the others."""
+    return f"{value:.3g}" if value >= MANY else str(value)
 
 
 def _references(result: Result) -> Iterator[str]:

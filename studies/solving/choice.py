@@ -15,6 +15,7 @@ import numpy as np
 from studies.ask.request import Request
 from studies.ask.settings import rubbing
 from studies.output.atomic import Table, write_json
+from studies.output.listed import forget
 from studies.output.provenance import provenance
 from studies.scenes.element import surfaces_of
 from studies.solving.refinement.limits import Estimate
@@ -306,4 +307,5 @@ class Choice:
         kept = {f"{name}.csv": rows for name, rows in tables.items() if rows}
         for name, rows in kept.items():
             Table.of_rows(rows).write(directory / name)
+        forget(directory, CHOICE, [*kept, *beside])
         write_json(directory / CHOICE, self.as_json() | {"files": [*kept, *beside]})

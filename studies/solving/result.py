@@ -6,9 +6,7 @@ How it is found does not enter here (:mod:`studies.solving.solve`), nor what mak
 
 from __future__ import annotations
 
-import json
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -25,6 +23,7 @@ from contact.swept import between_nodes
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel
 from studies.output.atomic import Table, write_by, write_json
+from studies.output.listed import forget
 from studies.output.provenance import provenance
 from studies.scenes.walk import Visited
 from studies.solving import fields
@@ -36,7 +35,6 @@ UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in
 COUNTS = ("contact_nodes", "sticking", "slipping", "limit_points")
 OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm counts
 RESULT = "result.json"
-OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu|pvd)")  # what a result may have written beside it
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
@@ -233,8 +231,7 @@ class Result:
         own = self._write_tables(directory)
         made = fields.write(directory, self.model, self.states, self._shown, own)
         files = [*own, *made, *beside]
-        for name in _named_before(directory) - {*files}:
-            (directory / name).unlink(missing_ok=True)
+        forget(directory, RESULT, files)
         self.name(directory, files)
         return files
 
@@ -261,15 +258,6 @@ class Result:
         for name, table in {**tables, "history": Table.of_rows(self.history, HISTORY)}.items():
             table.write(directory / f"{name}.csv")
         return [*(f"{name}.csv" for name in tables), "history.csv"]
-
-
-def _named_before(directory: Path) -> set[str]:
-    """The files that the result in a directory says to have written beside it; none elsewhere, whatever it says."""
-    try:
-        told = json.loads((directory / RESULT).read_text(encoding="utf-8"))["files"]
-        return {name for name in told if OWN.fullmatch(name)}
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
-        return set()
 
 
 def _of_elements(request: Request, loads: Sequence[Step]) -> list[str]:

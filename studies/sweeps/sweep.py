@@ -22,6 +22,7 @@ from typing import Any
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene
 from studies.output.atomic import Table, write_json
+from studies.output.listed import forget
 from studies.output.provenance import provenance
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
@@ -130,6 +131,7 @@ class Sweep:
     def write(self, directory: Path, beside: Sequence[str] = ()) -> None:
         """The table, and sweep.json, which names it and what is ``beside``; each whole, sweep.json last."""
         Table.of_rows(self.rows).write(directory / TABLE)
+        forget(directory, SWEEP, [TABLE, *beside])
         write_json(directory / SWEEP, self.as_json() | {"files": [TABLE, *beside]})
 
 

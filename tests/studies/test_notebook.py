@@ -117,7 +117,7 @@ def table_of(html: str) -> pd.DataFrame:
 
 
 def test_an_answer_shows_itself_in_a_line_and_as_a_table(run: Run) -> None:
-    assert repr(run).startswith("<Run tyre 12x12, exact, semismooth: converged; ")
+    assert repr(run).startswith(f"<Run tyre 12x12, exact, semismooth: {run.verdict}; ")
     assert f"force_N {run.quantities['force_N']:.6g}" in repr(run)
     assert len(repr(run)) < 200
     table = table_of(run._repr_html_())

@@ -14,6 +14,7 @@ import pytest
 
 from studies.cli import main
 from studies.output.atomic import Table
+from studies.output.listed import forget
 from studies.output.vtu import read_vtu, write_vtu
 from studies.scenes.complete import complete
 from studies.scenes.contact.heavy_strip import LIFT
@@ -40,6 +41,28 @@ def test_what_a_former_result_has_left_goes_and_what_is_of_others_stays(tmp_path
     second = names(tmp_path)
     assert not {"refinement.csv", "grid.csv", "figures/grid.svg", "figures/load-displacement.svg"} & second
     assert {*json.loads((tmp_path / "result.json").read_text())["files"]} == second - foreign - {"result.json"}
+
+
+@pytest.mark.parametrize("record", ["result.json", "choice.json", "sweep.json"])
+def test_only_what_a_record_names_and_is_not_kept_is_forgotten(record: str, tmp_path: Path) -> None:
+    (tmp_path / "figures").mkdir()
+    for name in ("a.csv", "b.csv", "figures/a.svg", "mine.csv", "notes.txt", "fields.pvd"):
+        (tmp_path / name).write_text("x")
+    (tmp_path / record).write_text(
+        json.dumps({"files": ["a.csv", "b.csv", "figures/a.svg", "notes.txt", "fields.pvd"]})
+    )
+    forget(tmp_path, record, ["b.csv"])
+    assert names(tmp_path) == {"b.csv", "mine.csv", "notes.txt", record}
+    forget(tmp_path / "nowhere", record, [])
+
+
+@pytest.mark.slow
+def test_a_second_choice_leaves_nothing_of_the_first(tmp_path: Path) -> None:
+    (tmp_path / "mine.csv").write_text("mine")
+    for scene in ("panel", "hemisphere"):  # the second has no contact, and no table of algorithms
+        main(["choose", scene, "--mesh", "4x4", "--error", "20%", "--budget", "5s", "--out", str(tmp_path)])
+        told = json.loads((tmp_path / "choice.json").read_text())
+        assert {*told["files"]} == names(tmp_path) - {"choice.json", "mine.csv"}
 
 
 def test_a_result_that_lies_about_its_files_deletes_nothing_elsewhere(tmp_path: Path) -> None:
