@@ -16,12 +16,10 @@ from typing import NoReturn
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene
 from studies.commands.options import positive
-from studies.run.task import limit
-from studies.solving.refinement.cascade import parse_budget
-from studies.solving.refinement.foresight import LARGE, foresee
 
 TIME_HELP = "of wall time: refused if it will surely take twice as long, stopped then, its finished loads written"
 MEMORY_HELP = "beyond a process at rest: refused if it will take more, stopped where it does"
+LARGE = 3000  # elements, from which on a solve is worth a look ahead
 TWICE = 2.0  # what seconds that are foreseen may be off by
 
 
@@ -35,16 +33,26 @@ def add_limits(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--memory-limit", type=float, metavar="MB", help=MEMORY_HELP)
 
 
+def _seconds(text: str | None, name: str) -> float:
+    if text is None:
+        return math.inf
+    from studies.solving.refinement.cascade import parse_budget  # loaded with a bound alone
+
+    return parse_budget(text, name)
+
+
 def look_ahead(options: argparse.Namespace, scene: Scene, request: Request) -> None:
     """Print what a large solve will take; raises UsageError where that is more than a limit."""
     if options.time_limit is not None and options.error is not None:
         raise UsageError("--budget bounds the time of --error: give no --time-limit")
-    time_s, memory_MB = parse_budget(options.time_limit, "time-limit"), math.inf
+    time_s, memory_MB = _seconds(options.time_limit, "time-limit"), math.inf
     if options.memory_limit is not None:
         memory_MB = positive("memory-limit", options.memory_limit)
     large = math.prod(request.mesh) >= LARGE
     if options.error is not None or not (large or math.isfinite(time_s) or math.isfinite(memory_MB)):
         return
+    from studies.solving.refinement.foresight import foresee  # loaded where there is something to foresee
+
     ahead = foresee(scene, request)
     if ahead is None:
         return
@@ -59,19 +67,18 @@ def look_ahead(options: argparse.Namespace, scene: Scene, request: Request) -> N
 
 def bound_of(options: argparse.Namespace) -> float:
     """Seconds that a solve may take, inf where it may take any."""
-    return min(parse_budget(options.time_limit, "time-limit"), parse_budget(options.budget))
+    return min(_seconds(options.time_limit, "time-limit"), _seconds(options.budget, "budget"))
 
 
 @contextmanager
 def limited(options: argparse.Namespace) -> Iterator[None]:
     """Raises OutOfTimeError at the end of the time, between two steps of compiled code, and MemoryError."""
-    time_s = parse_budget(options.time_limit, "time-limit")
+    time_s = _seconds(options.time_limit, "time-limit")
 
     def stop(*_: object) -> NoReturn:
         raise OutOfTimeError(f"stopped at the limit of {time_s:g} s")
 
-    if options.memory_limit is not None:
-        limit(None, options.memory_limit)
+    _limit_memory(options.memory_limit, options.memory_limit)
     before = signal.signal(signal.SIGALRM, stop) if math.isfinite(time_s) else None
     if before is not None:
         signal.setitimer(signal.ITIMER_REAL, time_s)
@@ -81,5 +88,12 @@ def limited(options: argparse.Namespace) -> Iterator[None]:
         if before is not None:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, before)
-        if options.memory_limit is not None:
-            limit(None, None)
+        _limit_memory(options.memory_limit, None)
+
+
+def _limit_memory(asked: float | None, memory_MB: float | None) -> None:
+    """Where one is asked for: set it, or take it away again."""
+    if asked is not None:
+        from studies.run.task import limit  # loaded with a limit alone
+
+        limit(None, memory_MB)

@@ -29,7 +29,6 @@ from studies.output.atomic import Table, write_by
 from studies.output.terminal import columns
 from studies.scenes.complete import complete
 from studies.scenes.references import STEP_KEYS, closest
-from studies.solving import branching
 from studies.solving.refinement import mesh_error
 from studies.solving.result import UNSTABLE, WRONG, Result, Step
 from studies.solving.solve import Interrupted, word
@@ -97,9 +96,7 @@ def _run(options: argparse.Namespace) -> int:
         count = len(result.model.shell.discretisation.grid.elements)
         result.remarks.insert(0, f"values of mesh {result.request.mesh_text}, {count} elements")
     asked = options.branch and result.outcome.converged
-    if asked:
-        branching.branches_of(result)
-    files = result.write(options.out, branching.write(result, options.out))
+    files, branched = _written(options, result, asked)
     if options.freeze is not None:
         if result.frozen is None:
             raise UsageError(f"{options.scene} has no contact to freeze")
@@ -107,8 +104,8 @@ def _run(options: argparse.Namespace) -> int:
     _print_table(result)
     for line in (*mesh_error.lines(result), *_references(result), *step_lines):
         print(line)
-    if asked:
-        print("\n".join(branching.lines(result)))
+    for line in branched:
+        print(line)
     if options.plot:
         result.name(options.out, [*files, *_drawn(options.out)])
     if not result.outcome.converged:
@@ -118,6 +115,16 @@ def _run(options: argparse.Namespace) -> int:
     if stop is not None:
         return _code(stop)
     return OK if enough else NOT_CONVERGED
+
+
+def _written(options: argparse.Namespace, result: Result, branches: bool) -> tuple[list[str], list[str]]:
+    """The names of the files of a result, and what there is to print of stable branches, if they are asked for."""
+    if not branches:
+        return result.write(options.out), []
+    from studies.solving import branching  # loaded with branches alone
+
+    branching.branches_of(result)
+    return result.write(options.out, branching.write(result, options.out)), branching.lines(result)
 
 
 def _code(stop: BaseException | None) -> int:

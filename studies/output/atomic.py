@@ -9,6 +9,7 @@ import csv
 import json
 import math
 import os
+import re
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SCHEMA = 2
+OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu|pvd)")  # what an answer may have written beside its record
 PART = ".part-"  # how a file begins that is being written
 
 
@@ -79,6 +81,24 @@ def write_by(path: Path, writer: Callable[[Path], object]) -> None:
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def forget(directory: Path, record: str, kept: Iterable[str]) -> None:
+    """Remove what the record in a directory says to have written beside it, but for what is ``kept``.
+
+    What it does not name, or by a name that no answer gives, is somebody else's: that is never touched.
+    """
+    for name in _named(directory / record) - {*kept}:
+        (directory / name).unlink(missing_ok=True)
+
+
+def _named(record: Path) -> set[str]:
+    """None elsewhere, whatever it says."""
+    try:
+        told = json.loads(record.read_text(encoding="utf-8"))["files"]
+        return {name for name in told if OWN.fullmatch(name)}
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return set()
 
 
 def plain(data: Any) -> Any:

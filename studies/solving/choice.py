@@ -14,8 +14,7 @@ import numpy as np
 
 from studies.ask.request import Request
 from studies.ask.settings import rubbing
-from studies.output.atomic import Table, write_json
-from studies.output.listed import forget
+from studies.output.atomic import Table, forget, write_json
 from studies.output.provenance import provenance
 from studies.scenes.element import surfaces_of
 from studies.solving.refinement.limits import Estimate

@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from contact.continuation.branches import Branch
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
 from contact.events import EventKind, events
@@ -22,12 +21,14 @@ from contact.problem import ContactSolution, Outcome
 from contact.swept import between_nodes
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel
-from studies.output.atomic import Table, write_by, write_json
-from studies.output.listed import forget
+from studies.output.atomic import Table, forget, write_by, write_json
 from studies.output.provenance import provenance
 from studies.scenes.walk import Visited
 from studies.solving import fields
 from studies.solving.fields import FIELDS, Seen
+
+if TYPE_CHECKING:
+    from contact.continuation.branches import Branch
 
 CERTIFICATE = ("failures", "exceeded", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
 UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in

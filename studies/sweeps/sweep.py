@@ -21,8 +21,7 @@ from typing import Any
 
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene
-from studies.output.atomic import Table, write_json
-from studies.output.listed import forget
+from studies.output.atomic import Table, forget, write_json
 from studies.output.provenance import provenance
 from studies.scenes import SCENES
 from studies.scenes.complete import complete

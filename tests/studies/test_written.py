@@ -13,8 +13,7 @@ import pandas as pd
 import pytest
 
 from studies.cli import main
-from studies.output.atomic import Table
-from studies.output.listed import forget
+from studies.output.atomic import Table, forget
 from studies.output.vtu import read_vtu, write_vtu
 from studies.scenes.complete import complete
 from studies.scenes.contact.heavy_strip import LIFT

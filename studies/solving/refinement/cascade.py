@@ -18,9 +18,9 @@ import numpy as np
 from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
 from studies.solving.refinement.error_control import solve_to_error
-from studies.solving.refinement.foresight import headed, round_of
 from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
 from studies.solving.refinement.limits import FEW, Estimate, Seen, estimate_of
+from studies.solving.refinement.mesh_error import headed, round_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
 from studies.solving.result import Result

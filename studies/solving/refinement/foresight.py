@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 import tracemalloc
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +21,8 @@ from contact.solvers.sparse import symmetric
 from studies.ask.request import Request
 from studies.ask.scene import Scene, ShellSceneModel
 from studies.solving.refinement.grids import element_size, near, ways
-from studies.solving.refinement.nested import Sketch
 from studies.solving.solve import solve
 
-LARGE = 3000  # elements, from which on a solve is worth a look ahead
-GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly, and of the factorisation
 ELEMENTS = (100, 400)  # of the two grids, nearly
 HELD = (
     1.2  # memory that a process holds over what it has allocated: 1.19 to 1.23 on shells of 16 to 155 thousand unknowns
@@ -62,20 +58,6 @@ class _Seen:
     entries: int
     peak_MB: float
     cost: tuple[float, float, float] | None
-
-
-def round_of(number: int, asked: Request, grids: Sequence[Sketch]) -> str:
-    """Which grid it is, and the seconds that are foreseen for it from the last one before, if there is one."""
-    said = f"round {number}, {asked.mesh_text}"
-    if not grids:
-        return said
-    more = (grids[-1].size / element_size(asked)) ** ways(asked)
-    return f"{said}, about {_rounded(grids[-1].seconds * more ** (sum(GROWS) / len(GROWS))):,} s"
-
-
-def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
-    """What is told of a round, with the round before it."""
-    return lambda text: progress(f"{head}: {text}")
 
 
 def foresee(scene: Scene, request: Request) -> Foresight | None:

@@ -15,7 +15,6 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
-from studies.solving.refinement.foresight import GROWS, headed, round_of
 from studies.solving.refinement.grids import FEWEST, element_size, near, on_one_grid, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of, order_shown
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
@@ -26,6 +25,7 @@ TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the ta
 NESTED, COLD = "nested", "cold"
 STARTS = (NESTED, COLD)
 TWICE = 2  # grids below that of the request
+GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly, and of the factorisation
 NOISE = 1e-7  # of the largest quantity in a unit: what is smaller is 0
 POINT_LOAD = "it grows by {:.2g} % with every halving of the elements under a point load"
 NO_GRIDS = "not known: grids of half and a quarter of the elements need {} or more"
@@ -87,6 +87,20 @@ def solve_with_error(
         if result.verdict in SOLVED and isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:
             result.remarks.append(_as_it_stands(grids[0]))
     return result
+
+
+def round_of(number: int, asked: Request, grids: Sequence[Sketch]) -> str:
+    """Which grid it is, and the seconds that are foreseen for it from the last one before, if there is one."""
+    said = f"round {number}, {asked.mesh_text}"
+    if not grids:
+        return said
+    more = (grids[-1].size / element_size(asked)) ** ways(asked)
+    return f"{said}, about {grids[-1].seconds * more ** (sum(GROWS) / len(GROWS)):.2g} s"
+
+
+def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
+    """What is told of a round, with the round before it."""
+    return lambda text: progress(f"{head}: {text}")
 
 
 def state_error(scene: Scene, result: Result, asked: Sequence[Request], grids: Sequence[Sketch]) -> None:

@@ -17,8 +17,8 @@ from studies.cli import main
 from studies.commands import solve as command
 from studies.commands.options import progress_line
 from studies.scenes.complete import complete
-from studies.solving.refinement.foresight import foresee, round_of
-from studies.solving.refinement.mesh_error import solve_with_error
+from studies.solving.refinement.foresight import foresee
+from studies.solving.refinement.mesh_error import round_of, solve_with_error
 
 WITHIN = 0.25  # of the memory that a process has taken; half a tyre is foreseen 23 % too large, the others within 10 %
 MEASURED = """
