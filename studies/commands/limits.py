@@ -15,6 +15,7 @@ from typing import NoReturn
 
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene
+from studies.commands import INTERRUPTED, NOT_CONVERGED
 from studies.commands.options import positive
 
 TIME_HELP = "of wall time: refused if it will surely take twice as long, stopped then, its finished loads written"
@@ -89,6 +90,11 @@ def limited(options: argparse.Namespace) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, before)
         _limit_memory(options.memory_limit, None)
+
+
+def code_of(stop: BaseException | None) -> int:
+    """The exit code of what was stopped: by its limit of time, or by somebody."""
+    return NOT_CONVERGED if isinstance(stop, OutOfTimeError) else INTERRUPTED
 
 
 def _limit_memory(asked: float | None, memory_MB: float | None) -> None:

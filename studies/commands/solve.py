@@ -13,8 +13,8 @@ from contact.problem import Outcome
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import CutScene, Scene, ShellSceneModel, has_contact
 from studies.ask.settings import rubbing
-from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.limits import OutOfTimeError, add_limits, bound_of, limited, look_ahead
+from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.commands.limits import add_limits, bound_of, code_of, limited, look_ahead
 from studies.commands.options import (
     add_settings,
     add_solving,
@@ -85,7 +85,7 @@ def _run(options: argparse.Namespace) -> int:
             result, enough, stop = stopped.result, False, stopped.__cause__
         except KeyboardInterrupt as stopped:
             print(f"footprint: {word(stopped)} before the grid that is asked for; nothing is written", file=sys.stderr)
-            return _code(stopped)
+            return code_of(stopped)
         try:
             step_lines = _beside(options, scene, result, tell) if stop is None else []
         except KeyboardInterrupt as stopped:
@@ -113,7 +113,7 @@ def _run(options: argparse.Namespace) -> int:
     if wanted is not None and "refinement" in result.tables:
         _print_rounds(result)
     if stop is not None:
-        return _code(stop)
+        return code_of(stop)
     return OK if enough else NOT_CONVERGED
 
 
@@ -127,17 +127,12 @@ def _written(options: argparse.Namespace, result: Result, branches: bool) -> tup
     return result.write(options.out, branching.write(result, options.out)), branching.lines(result)
 
 
-def _code(stop: BaseException | None) -> int:
-    """Of what was stopped: by its limit of time, or by somebody."""
-    return NOT_CONVERGED if isinstance(stop, OutOfTimeError) else INTERRUPTED
-
-
 def _say_why(result: Result, stop: BaseException | None) -> int:
     """The last line: which condition the judge finds failed, or why the path ends; its exit code."""
     sys.stdout.flush()  # whoever reads both streams as one reads this last
     if result.outcome is Outcome.INTERRUPTED:
         print(f"footprint: {result.reason}; they are written", file=sys.stderr)
-        return _code(stop)
+        return code_of(stop)
     wrong = result.verdict == WRONG
     print(f"footprint: {'judged wrong' if wrong else 'did not converge'}: {result.reason}", file=sys.stderr)
     return FAILED if wrong else NOT_CONVERGED

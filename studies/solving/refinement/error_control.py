@@ -110,7 +110,7 @@ def solve_to_error(
     for _ in range(MOST_ROUNDS):
         start, head = time.process_time(), f"round {len(rounds) + 1}"
         if rounds:
-            head += f", about {GROWTH * rounds[-1].seconds:.2g} s"
+            head += f", about {GROWTH * rounds[-1].seconds:.2g} CPU s"
         tell = headed(progress, head)
         coarse = known or solve(scene, family.asked, tell)
         if coarse.unsupported:

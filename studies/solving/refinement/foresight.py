@@ -43,7 +43,7 @@ class Foresight:
     memory_MB: float
 
     def __str__(self) -> str:
-        seconds = "" if self.seconds is None else f" {_rounded(self.seconds):,} s,"
+        seconds = "" if self.seconds is None else f" {_rounded(self.seconds):,} CPU s,"
         return f"about {_rounded(self.unknowns):,} unknowns,{seconds} {_rounded(self.memory_MB):,} MB"
 
 

@@ -95,7 +95,7 @@ def round_of(number: int, asked: Request, grids: Sequence[Sketch]) -> str:
     if not grids:
         return said
     more = (grids[-1].size / element_size(asked)) ** ways(asked)
-    return f"{said}, about {grids[-1].seconds * more ** (sum(GROWS) / len(GROWS)):.2g} s"
+    return f"{said}, about {grids[-1].seconds * more ** (sum(GROWS) / len(GROWS)):.2g} CPU s"
 
 
 def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
