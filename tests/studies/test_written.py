@@ -59,7 +59,7 @@ def test_only_what_a_record_names_and_is_not_kept_is_forgotten(record: str, tmp_
 def test_a_second_choice_leaves_nothing_of_the_first(tmp_path: Path) -> None:
     (tmp_path / "mine.csv").write_text("mine")
     for scene in ("panel", "hemisphere"):  # the second has no contact, and no table of algorithms
-        main(["choose", scene, "--mesh", "4x4", "--error", "20%", "--budget", "5s", "--out", str(tmp_path)])
+        main(["choose", scene, "--mesh", "4x4", "--error", "20%", "--budget", "3s", "--out", str(tmp_path)])
         told = json.loads((tmp_path / "choice.json").read_text())
         assert {*told["files"]} == names(tmp_path) - {"choice.json", "mine.csv"}
 

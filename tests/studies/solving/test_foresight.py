@@ -40,7 +40,7 @@ SLOW = pytest.mark.slow
     [
         ("hemisphere", {"load_fraction": "0.02"}, "4x4", "40x40"),
         ("hemisphere", {"load_fraction": "0.02"}, "4x4", "100x100"),
-        ("hemisphere", {"load_fraction": "0.02"}, "4x4", "160x160"),
+        ("hemisphere", {"load_fraction": "0.02"}, "4x4", "130x130"),
         ("tyre", {"delta_mm": "2"}, "8x8", "80x80"),
     ],
 )
