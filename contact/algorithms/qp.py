@@ -51,7 +51,7 @@ class Qp(NewtonAlgorithm):
     costs time but no digit. The history says when the solver did not claim success and how often it was corrected.
     A tangent that is not convex is shifted until it is, for finding the set only; the history says that, too.
     A tangent that is not symmetric has no energy: refused. So has a body with the travel of its foundation for an
-    unknown (arc length), though it is symmetric: there the set is found by exact steps alone, and the history says so.
+    unknown (arc length), or a multiplier: there the set is found by exact steps alone, and the history says so.
     Source: Stellato et al., Math. Program. Comput. 12 (2020) 637-672; its false "solved": osqp#790, osqp#273.
     """
 
@@ -86,7 +86,8 @@ class Qp(NewtonAlgorithm):
             words = list[str]()
             return run.finish(*by(run, run.start(), partial(self._choose, words), words, self.max_iterations))
         step = self._condensed if self.system == "condensed" else self._full
-        return iterate(self.run(problem), start, _settled if problem.driven else step, self.max_iterations)
+        step = _settled if problem.driven or problem.multipliers else step
+        return iterate(self.run(problem), start, step, self.max_iterations)
 
     def _choose(self, words: list[str], block: Block) -> Chosen:
         """Forces and states with friction; raises StepError."""
@@ -161,9 +162,9 @@ class Qp(NewtonAlgorithm):
 
 
 def _settled(run: NewtonRun, at: Iterate) -> Step:
-    """The step of a body whose foundation moves as an unknown."""
+    """The step of a body with the travel of its foundation, or a multiplier, for an unknown."""
     step = settle_set(run, at, at.active)
-    told = Event(EventKind.SUBSTITUTE, "the travel is an unknown, no programme has it: set found by exact steps")
+    told = Event(EventKind.SUBSTITUTE, "an unknown is no displacement, no programme has it: set found by exact steps")
     return replace(step, event=told + step.event if step.event else told)
 
 

@@ -48,6 +48,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "heavy-strip": "studies.scenes.contact.heavy_strip",
     "plate-contact": "studies.scenes.contact.plate",
     "ring": "studies.scenes.contact.ring",
+    "collapsing-tube": "studies.scenes.contact.collapsing_tube",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",
     "pressed-panel": "studies.scenes.contact.pressed_panel",

@@ -1,0 +1,185 @@
+"""A tube that buckles under outside pressure and collapses onto itself: a quarter of it, before its plane of symmetry.
+
+Both halves do the same, so the contact of one with the other is that of a quarter with the plane y = 0. The plane lies
+half a wall below it: middle lines touch, as those of the ring without thickness that the references are of. The
+pressure, taken off the inner face, differs from one on the middle by an even tension along the wall, which bends
+nothing. What the ring has not, extension and shear, counts by (h/R)^2: with h = R/100 the pressure of touch is 0.04 %
+lower, that of line contact 0.11 %.
+
+The tube stays round up to p = 3 D/R^3. It is brought onto the other branch, that of two lobes, by a start in its mode
+of buckling, with no imperfection: the travel of the crown is given there and the pressure unknown, see
+:mod:`contact.control`, until the crown touches. From there on pressures are given: they grow all along this branch,
+so that its states are stable under them, too.
+
+Contact is a point with a force first. From p_line on a flat part 2 c wide grows. The wall there is pressed by p from
+outside and from the plane, and a force acts at both ends; the rest is the same shape on every pressure, smaller by
+s = 1 - 2 c/(pi R): p s^3 and the forces times s^2 stay, and are those of the first line contact. With friction the
+plane would be one, for halves that mirror each other have none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.control import by_work
+from contact.obstacles.foundation import RigidPlane
+from contact.problem import ContactProblem, ContactSolution, without_contact
+from formulations.geometry.surfaces import cylinder
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CONTACT, Ladder, Sheet, meshes
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, Stage
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.data import Row, references
+from studies.scenes.element import ELEMENT, even_grid, on_grid
+from studies.scenes.statics import LOAD_FRACTIONS, loaded_shell
+
+E, NU, RADIUS, THIN, WIDTH = 1.2e6, 0.3, 100.0, 1.0, 10.0  # MPa, mm
+DOWN, SIDE, INNER = np.array([-1.0, 0.0, 0.0]), np.pi / 2, 0
+BUCKLING = 3.0  # D/R^3
+TRAVELS = (0.25, 0.5, 0.75, 1.0)  # of the crown on the way to touch, over R
+PRESSURES = replace(
+    LOAD_FRACTIONS, default=(2.0, 3.0, 4.0, 6.0), low=1.75, open_low=False, high=30.0, help="pressures over 3 D/R^3"
+)
+THICKNESS = Setting("h_mm", THIN, "thickness; the ring of the references has none", low=0.05, high=10)
+# by shooting, see :mod:`studies.scenes.closed_forms.collapsed_tube`
+TOUCH, LINE, LINE_FORCE = 5.246886963, 10.336032959, 7.949702985
+POINT = {2.0: 1.172190098, 3.0: 5.862008673}  # load fraction: force
+SOURCE = "inextensible ring, shooting (Flaherty, Keller, Rubinow, SIAM J. Appl. Math. 23 (1972) 446)"
+# relative errors at h = R/100; they go by its square
+WITHIN = {
+    "touch_pressure_EI_R3": 5e-4,
+    "contact_force_EI_R2": 3.5e-3,
+    "flat_half_length": 5e-3,
+    "line_contact_pressure_EI_R3": 1.3e-3,
+    "line_contact_force_EI_R2": 1.5e-3,
+}
+
+
+def _references() -> tuple[Reference, ...]:
+    """The forces of the flat part's ends, and what lies on it, by similarity."""
+    found: tuple[Reference, ...] = ()
+    for h in (THIN, THIN / 10):
+        at: dict[str, float | str] = {"h_mm": h, "measure": "exact"}
+        rows: list[Row] = [(at, {"touch_pressure_EI_R3": TOUCH})]
+        rows += [({**at, "load_fraction": load}, {"contact_force_EI_R2": force}) for load, force in POINT.items()]
+        for load in (4.0, 6.0):
+            p = BUCKLING * load
+            s = (LINE / p) ** (1 / 3)
+            flat = SIDE * (1 - s)
+            values = {"contact_force_EI_R2": LINE_FORCE / s**2 + 2 * p * flat, "flat_half_length": flat}
+            line = {"line_contact_pressure_EI_R3": LINE, "line_contact_force_EI_R2": LINE_FORCE}
+            rows.append(({**at, "load_fraction": load}, values | line))
+        found += references("exact", SOURCE, {name: each * (h / THIN) ** 2 for name, each in WITHIN.items()}, rows)
+    return found
+
+
+class CollapsingTube:
+    """a1 along the axis, a2 from the crown to the side."""
+
+    name: str = "collapsing-tube"
+    title: str = "Tube that buckles under pressure and collapses onto itself"
+    default_mesh: tuple[int, int] = (1, 64)
+    settings: tuple[Setting, ...] = (PRESSURES, THICKNESS, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "touch_pressure_EI_R3": "pressure at which the crown touches, over D/R^3",
+        "contact_force_EI_R2": "between both halves, a unit of length, over D/R^2",
+        "flat_half_length": "from the crown to the force at the end of the flat part, over R",
+        "line_contact_pressure_EI_R3": "p s^3 over D/R^3, with line contact: the pressure at which that begins",
+        "line_contact_force_EI_R2": "forces at both ends of the flat part, times s^2, over D/R^2: the force there",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            meshes(2, 32, 3),
+            ("touch_pressure_EI_R3", "line_contact_pressure_EI_R3", "line_contact_force_EI_R2"),
+            settings={"load_fraction": "2,6"},
+            coarser=("1x16",),
+        ),
+    )
+    sheet: Sheet = Sheet("x", -62.0, 14.0)
+
+    def build(self, request: Request) -> SceneModel:
+        """Symmetry on all four sides, so that nothing moves along the axis."""
+        h = request.number("h_mm")
+        wall, D = Laminate.single(Ply.isotropic(E, NU, h)), E * h**3 / 12 / (1 - NU**2)
+        grid = even_grid(request, (0, WIDTH), (0, SIDE))
+        quarter = on_grid(request, cylinder(RADIUS), grid, wall, ("symmetric",) * 4)
+        pressure = Pressure(-BUCKLING * D / RADIUS**3, follower=True)
+        shell = loaded_shell(quarter, request, pressure=pressure)
+
+        def measured(fraction: float, touch: Touch) -> dict[str, float]:
+            force = touch.force * RADIUS**2 / (D * WIDTH)
+            x = np.abs(touch.candidates.positions(touch.u)[:, 1]) / RADIUS
+            return line_contact(BUCKLING * fraction, force, x)
+
+        plane = RigidPlane(DOWN, h / 2)
+        crown, fractions = grid.on_line(1, SIDE), request.numbers("load_fraction")
+        return CollapsingModel(shell, crown, fractions, lambda fraction: plane, measured, face=INNER)
+
+
+def line_contact(p: float, force: np.ndarray, x: np.ndarray) -> dict[str, float]:
+    """What nodal forces (m,) at x (m,) on a quarter under the pressure p say; R and D are 1.
+
+    p on 0 < x < c and F at c have the resultant p c + F and the moment p c^2/2 + F c about the crown.
+    """
+    total, moment = float(force.sum()), float(force @ x)
+    flat = (total - math.sqrt(max(total**2 - 2 * p * moment, 0.0))) / p
+    found = {"contact_force_EI_R2": 2 * total, "flat_half_length": flat}
+    if flat == 0:
+        return found
+    s = 1 - flat / SIDE
+    line = {"line_contact_pressure_EI_R3": p * s**3, "line_contact_force_EI_R2": 2 * (total - p * flat) * s**2}
+    return found | line
+
+
+@dataclass(frozen=True, eq=False)
+class CollapsingModel(ContactModel):
+    """Two paths: of the travel of the crown up to touch, and of the pressure from there on."""
+
+    def stages(self) -> Iterator[Stage]:
+        """To touch, and on."""
+        yield Stage("buckling", self._buckled, TRAVELS, self._touched, whole=lambda x: x[:-1])
+        yield from super().stages()
+
+    def _begin(self, previous: ContactSolution | None) -> Begun:
+        problem_at, rest = super()._begin(None)
+        return problem_at, rest if previous is None else replace(rest, u=previous.u)
+
+    def _buckled(self, previous: ContactSolution | None) -> Begun:
+        """In the mode of buckling, by the first travel: w = -A cos 2 a2 of the middle, without extension."""
+        body, A = self.shell.discretisation, TRAVELS[0] * RADIUS
+        a2, half = body.grid.nodes[:, 1], body.laminate.thickness / 2
+        along, turned = A / 2 * np.sin(2 * a2), 1.5 * A / RADIUS * np.sin(2 * a2)
+        mode = np.zeros((body.grid.n_nodes, 6))
+        mode[:, 2:4] = along[:, None] + np.outer(turned, [half, -half])
+        mode[:, 4:] = (-A * np.cos(2 * a2))[:, None]
+        rest = ContactSolution.at_rest(body.n_free + 1, 0)
+        return self._buckled_at, replace(rest, u=np.append(body.map.restrict(mode), RADIUS))
+
+    def _buckled_at(self, travel: float) -> ContactProblem:
+        """With a given travel of the crown, over R; the last unknown over RADIUS is the load fraction."""
+        shell, above = self.shell, self.problem_at(1.0)
+        crown = self.shell.discretisation.grid.nodes[self.nodes, 1] == 0
+        force = abs(shell.pressure.value) * RADIUS * WIDTH if shell.pressure else 0.0
+        slope = -force * np.asarray(above.gap_jacobian(np.zeros(self.n_unknowns))[crown].mean(axis=0)).ravel()
+
+        def work(u: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
+            return force * (RADIUS - float(above.gap(u)[crown].mean())), shell.work_of_pressure(u)[1], slope
+
+        linearise = by_work(lambda t: shell.scaled(t).linearise, work, force * RADIUS * travel, 1 / RADIUS)
+        problem = without_contact(linearise, self.n_unknowns + 1, ordered=shell.ordered)
+        return replace(problem, multipliers=1)
+
+    def _touched(self, problem: ContactProblem, state: ContactSolution, travel: float) -> Observation:
+        pressure = BUCKLING * float(state.u[-1]) / RADIUS
+        return Observation(None, {"touch_pressure_EI_R3": pressure} if travel == TRAVELS[-1] else {})
+
+
+SCENES: tuple[Scene, ...] = (CollapsingTube(),)
