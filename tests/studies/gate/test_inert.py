@@ -25,6 +25,7 @@ FLAT = (
     "strip-contact",
     "heavy-strip",
     "plate-contact",
+    "walled-column",
     "inflated-membrane",
     "laminated-strip",
     "sandwich-plate",

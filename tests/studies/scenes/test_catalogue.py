@@ -71,7 +71,8 @@ def test_unknown_options_are_refused_in_one_line(capsys: pytest.CaptureFixture[s
 def test_contact_is_a_property_of_the_scene() -> None:
     touching = {name for name, scene in SCENES.items() if has_contact(scene)}
     rings = {"ring", "crushed-ring", "crushed-ring-solid", "roller", "collapsing-tube"}
-    pieces = {"panel", "pressed-panel", "plate-contact", "strip-contact", "heavy-strip", "manufactured-contact"}
+    strips = {"plate-contact", "strip-contact", "heavy-strip", "walled-column"}
+    pieces = {"panel", "pressed-panel", "manufactured-contact", *strips}
     assert {"tyre", "tyre-solid", *rings, *pieces} == touching
     for name in SCENES:
         assert ("epsilon" in complete(name, {})[1].settings) == (name in touching)

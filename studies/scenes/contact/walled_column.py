@@ -1,0 +1,115 @@
+"""A column between clamps that is shortened and bows against a rigid wall, along which it has a clearance.
+
+It buckles at P_E = 4 pi^2 EI/L^2, touches the wall with its middle, and is then stiffer: under a force of the wall on
+that point the load grows to 4 P_E. The first state is looked for from the mode of buckling, with no imperfection.
+
+At 4 P_E each half buckles between clamps, and the path has two branches. On one both halves bow away from the wall and
+the load stays; on the other the middle lies flat, without pressure, and the load grows to 9 P_E, where the flat part
+buckles. What tells them apart are forces that are zero, so an algorithm may follow either one; and where the force at
+the end of the flat part stands on one node alone the column can turn there, so that its tangent has a negative
+eigenvalue. So the scene ends before 4 P_E. Line contact up to 9 P_E is solved on sets that are given, in its tests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.obstacles.foundation import RigidPlane
+from contact.problem import ContactSolution
+from formulations.geometry.surfaces import Plate
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.ask.declarations import CONTACT, Ladder
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
+from studies.scenes.closed_forms.walled_column import bent, load_at
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.data import Row, references
+from studies.scenes.element import ELEMENT, even_grid, on_grid
+from studies.scenes.statics import loaded_shell
+
+E, LENGTH, WIDTH, H, CLEARANCE = 1e5, 200.0, 10.0, 0.1, 1.0  # MPa, mm; nu = 0
+EULER = np.pi**2 * E * WIDTH * H**3 / (3 * LENGTH**2)  # N
+EXTENSION = EULER * LENGTH / (E * WIDTH * H)  # mm, at P_E
+BENDING = CLEARANCE**2 / LENGTH  # mm, the unit of the shortening by it
+UP = np.array([0.0, 0.0, 1.0])
+DELTAS = (0.008, 0.013, 0.014, 0.015)  # mm
+SHORTENINGS = Setting("delta_mm", DELTAS, "shortening, up to that at 4 P_E", "floats", low=0.001, high=0.0156)
+
+
+def exact(delta: float) -> tuple[float, float]:
+    """P over P_E, and the force of the wall over P_E clearance/L, at a shortening [mm]."""
+    load = load_at(delta / BENDING, EXTENSION / BENDING)
+    touches = delta > bent(1.0)[0] * BENDING + EXTENSION
+    return load, bent(load)[1] if touches else 0.0
+
+
+def _references() -> tuple[Reference, ...]:
+    rows: list[Row] = []
+    for delta in DELTAS:
+        load, force = exact(delta)
+        rows.append(({"delta_mm": delta, "measure": "exact"}, {"P_over_PE": load, "wall_force": force}))
+    source = "beam of small slopes (Domokos, Holmes, Royce, J. Nonlinear Sci. 7 (1997) 281)"
+    return references("exact", source, {"P_over_PE": 1e-3, "wall_force": 3e-3}, rows)
+
+
+class WalledColumn:
+    """Half of it: a1 from the clamp to the middle; the wall is above."""
+
+    name: str = "walled-column"
+    title: str = "Clamped column that bows against a wall"
+    default_mesh: tuple[int, int] = (64, 1)
+    settings: tuple[Setting, ...] = (SHORTENINGS, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "P_over_PE": "load over Euler's of the column between clamps, 4 pi^2 EI/L^2",
+        "wall_force": "of the wall on the column over P_E times clearance over length",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            ("16x1", "32x1", "64x1", "128x1"),
+            ("P_over_PE", "wall_force"),
+            settings={"delta_mm": "0.014"},
+        ),
+    )
+
+    def build(self, request: Request) -> SceneModel:
+        """The clamp moves by half of the shortening."""
+        grid = even_grid(request, (0, LENGTH / 2), (0, WIDTH))
+        wall, edges = Laminate.single(Ply.isotropic(E, 0.0, H)), ("clamped", "symmetric", "symmetric", "symmetric")
+        clamp, shell = grid.on_line(0, 0.0), loaded_shell(on_grid(request, Plate(), grid, wall, edges), request)
+        moved = np.zeros((grid.n_nodes, 6))
+        moved[clamp, :2] = 0.5
+
+        def shortened(delta: float) -> ShellModel:
+            return replace(shell, prescribed=delta * moved)
+
+        def measured(delta: float, touch: Touch) -> dict[str, float]:
+            load = float(shortened(delta).reactions(touch.u)[clamp, :2].sum())
+            force = 2 * float(touch.force.sum()) * LENGTH / CLEARANCE
+            return {"P_over_PE": load / EULER, "wall_force": force / EULER}
+
+        plane, deltas = RigidPlane(UP, H / 2 + CLEARANCE), request.numbers("delta_mm")
+        return ColumnModel(shell, clamp, deltas, lambda delta: plane, measured, key="delta_mm", body_at=shortened)
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnModel(ContactModel):
+    """From the mode of buckling."""
+
+    def _begin(self, previous: ContactSolution | None) -> Begun:
+        problem_at, rest = super()._begin(None)
+        by_bending = (self.targets[0] - EXTENSION) / BENDING
+        w = CLEARANCE * min(1.0, 2 / np.pi * np.sqrt(by_bending))
+        grid, k = self.shell.discretisation.grid, 2 * np.pi / LENGTH
+        mode = np.zeros((grid.n_nodes, 6))
+        mode[:, 4:] = (w / 2 * (1 - np.cos(k * grid.nodes[:, 0])))[:, None]
+        mode[:, :2] = np.outer(w / 2 * k * np.sin(k * grid.nodes[:, 0]), [H / 2, -H / 2])
+        return problem_at, replace(rest, u=self.shell.discretisation.map.restrict(mode))
+
+
+SCENES: tuple[Scene, ...] = (WalledColumn(),)
