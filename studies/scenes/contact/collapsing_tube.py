@@ -31,7 +31,7 @@ from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import cylinder
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import CONTACT, Ladder, Sheet, meshes
+from studies.ask.declarations import CONTACT, CRUSHED, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, Stage
 from studies.scenes.contact.base import ContactModel, Touch
@@ -91,19 +91,20 @@ class CollapsingTube:
         "touch_pressure_EI_R3": "pressure at which the crown touches, over D/R^3",
         "contact_force_EI_R2": "between both halves, a unit of length, over D/R^2",
         "flat_half_length": "from the crown to the force at the end of the flat part, over R",
-        "line_contact_pressure_EI_R3": "p s^3 over D/R^3, with line contact: the pressure at which that begins",
-        "line_contact_force_EI_R2": "forces at both ends of the flat part, times s^2, over D/R^2: the force there",
+        "line_contact_pressure_EI_R3": "p s^3 over D/R^3: in line contact the pressure at which that has begun",
+        "line_contact_force_EI_R2": "forces at both ends of the flat part times s^2, over D/R^2: the force then",
     }
     ladders: tuple[Ladder, ...] = (
         Ladder(
             CONTACT,
             meshes(2, 32, 3),
-            ("touch_pressure_EI_R3", "line_contact_pressure_EI_R3", "line_contact_force_EI_R2"),
-            settings={"load_fraction": "2,6"},
+            ("contact_force_EI_R2", "touch_pressure_EI_R3", "line_contact_pressure_EI_R3", "line_contact_force_EI_R2"),
+            settings={"load_fraction": "6"},
             coarser=("1x16",),
         ),
     )
     sheet: Sheet = Sheet("x", -62.0, 14.0)
+    shell_limit: ShellLimit = ShellLimit(CRUSHED, thickness_over(RADIUS, "h_mm"), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides, so that nothing moves along the axis."""
@@ -131,12 +132,13 @@ def line_contact(p: float, force: np.ndarray, x: np.ndarray) -> dict[str, float]
     """
     total, moment = float(force.sum()), float(force @ x)
     flat = (total - math.sqrt(max(total**2 - 2 * p * moment, 0.0))) / p
-    found = {"contact_force_EI_R2": 2 * total, "flat_half_length": flat}
-    if flat == 0:
-        return found
     s = 1 - flat / SIDE
-    line = {"line_contact_pressure_EI_R3": p * s**3, "line_contact_force_EI_R2": 2 * (total - p * flat) * s**2}
-    return found | line
+    return {
+        "contact_force_EI_R2": 2 * total,
+        "flat_half_length": flat,
+        "line_contact_pressure_EI_R3": p * s**3,
+        "line_contact_force_EI_R2": 2 * (total - p * flat) * s**2,
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,6 +149,10 @@ class CollapsingModel(ContactModel):
         """To touch, and on."""
         yield Stage("buckling", self._buckled, TRAVELS, self._touched, whole=lambda x: x[:-1])
         yield from super().stages()
+
+    def problem_at(self, t: float) -> ContactProblem:
+        """As anywhere, but never below touch, where the second path begins: at less the tube would be round again."""
+        return super().problem_at(max(t, TOUCH / BUCKLING))
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
         problem_at, rest = super()._begin(None)
@@ -165,7 +171,7 @@ class CollapsingModel(ContactModel):
 
     def _buckled_at(self, travel: float) -> ContactProblem:
         """With a given travel of the crown, over R; the last unknown over RADIUS is the load fraction."""
-        shell, above = self.shell, self.problem_at(1.0)
+        shell, above = self.shell, self.problem_at(0.0)
         crown = self.shell.discretisation.grid.nodes[self.nodes, 1] == 0
         force = abs(shell.pressure.value) * RADIUS * WIDTH if shell.pressure else 0.0
         slope = -force * np.asarray(above.gap_jacobian(np.zeros(self.n_unknowns))[crown].mean(axis=0)).ravel()

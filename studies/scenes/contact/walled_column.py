@@ -22,7 +22,7 @@ from contact.problem import ContactSolution
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import CONTACT, Ladder
+from studies.ask.declarations import BEAM, CONTACT, Ladder, ShellLimit, thickness_over
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.walled_column import bent, load_at
@@ -36,8 +36,8 @@ EULER = np.pi**2 * E * WIDTH * H**3 / (3 * LENGTH**2)  # N
 EXTENSION = EULER * LENGTH / (E * WIDTH * H)  # mm, at P_E
 BENDING = CLEARANCE**2 / LENGTH  # mm, the unit of the shortening by it
 UP = np.array([0.0, 0.0, 1.0])
-DELTAS = (0.008, 0.013, 0.014, 0.015)  # mm
-SHORTENINGS = Setting("delta_mm", DELTAS, "shortening, up to that at 4 P_E", "floats", low=0.001, high=0.0156)
+DELTAS = (0.008, 0.013, 0.0135, 0.014, 0.015)  # mm, with references
+SHORTENINGS = Setting("delta_mm", DELTAS[:-1], "shortening, up to that at 4 P_E", "floats", low=0.001, high=0.0156)
 
 
 def exact(delta: float) -> tuple[float, float]:
@@ -76,6 +76,7 @@ class WalledColumn:
             settings={"delta_mm": "0.014"},
         ),
     )
+    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(LENGTH, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """The clamp moves by half of the shortening."""

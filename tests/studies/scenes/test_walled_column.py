@@ -32,6 +32,7 @@ from support.problems.differences import fitted_order
 from support.problems.solved import read, solved
 
 SCENE = "walled-column"
+ASKED = ",".join(map(str, DELTAS))
 QUANTITIES = ("P_over_PE", "wall_force")
 
 
@@ -82,7 +83,7 @@ def test_the_beam_passes_from_point_to_line_contact() -> None:
 def test_load_and_force_of_point_contact_converge_to_the_beam() -> None:
     """From 16 to 64 elements on half of the column: by their square, to 0.3 and 0.6 %."""
     meshes = (16, 32, 64)
-    found = [solved(SCENE, f"{n}x1") for n in meshes]
+    found = [solved(SCENE, f"{n}x1", delta_mm=ASKED) for n in meshes]
     assert all(step["stability"]["word"] == STABLE for step in found[-1].steps)
     expected = np.array([exact(delta) for delta in DELTAS])
     off = np.array([[read(each, name) for name in QUANTITIES] for each in found])[:, :, 1:] / expected.T[:, 1:] - 1
@@ -95,7 +96,7 @@ def test_load_and_force_of_point_contact_converge_to_the_beam() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("contact", sorted(ALGORITHMS))
 def test_force_over_shortening_by_all_algorithms(contact: str) -> None:
-    found = solved(SCENE, "256x1", contact=contact)
+    found = solved(SCENE, "256x1", contact=contact, delta_mm=ASKED)
     expected = np.array([exact(delta) for delta in DELTAS])
     np.testing.assert_allclose(read(found, "P_over_PE"), expected[:, 0], rtol=5e-4)
     np.testing.assert_allclose(read(found, "wall_force"), expected[:, 1], rtol=1e-3)
