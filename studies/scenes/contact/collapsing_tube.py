@@ -121,8 +121,8 @@ class CollapsingTube:
             return line_contact(BUCKLING * fraction, force, x)
 
         plane = RigidPlane(DOWN, h / 2)
-        crown, fractions = grid.on_line(1, SIDE), request.numbers("load_fraction")
-        return CollapsingModel(shell, crown, fractions, lambda fraction: plane, measured, face=INNER)
+        side, fractions = grid.on_line(1, SIDE), request.numbers("load_fraction")
+        return CollapsingModel(shell, side, fractions, lambda fraction: plane, measured, face=INNER)
 
 
 def line_contact(p: float, force: np.ndarray, x: np.ndarray) -> dict[str, float]:
@@ -173,7 +173,8 @@ class CollapsingModel(ContactModel):
         """With a given travel of the crown, over R; the last unknown over RADIUS is the load fraction."""
         shell, above = self.shell, self.problem_at(0.0)
         crown = self.shell.discretisation.grid.nodes[self.nodes, 1] == 0
-        force = abs(shell.pressure.value) * RADIUS * WIDTH if shell.pressure else 0.0
+        assert shell.pressure is not None
+        force = abs(shell.pressure.value) * RADIUS * WIDTH  # only a scale: that of the other equations
         slope = -force * np.asarray(above.gap_jacobian(np.zeros(self.n_unknowns))[crown].mean(axis=0)).ravel()
 
         def work(u: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
