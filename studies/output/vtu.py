@@ -22,6 +22,7 @@ from formulations.solid import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
 
 CELLS = {8: 12, 27: 29}  # nodes of a hexahedron -> its type: VTK_HEXAHEDRON, VTK_TRIQUADRATIC_HEXAHEDRON
+FIELDS = "fields.vtu"  # of a result
 FAST = 1  # of the compression: the last bits of a float are noise, more effort leaves the file as long
 HEAD = 44  # letters of the head of a block: four whole numbers of 8 bytes in base 64
 ARRAY = re.compile(

@@ -9,13 +9,15 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 
+import numpy as np
+
 from contact.continuation.arc_length import Trace
 from contact.continuation.candidates import Starts, none_known
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import Crossing, crossings_along
-from studies.ask.scene import CurveStage, Stage
+from studies.ask.scene import CurveStage, SceneModel, Stage, moved
 
 ENDS = 2  # of a step: its problems are asked for again and again, by who solves it and by who looks at it
 
@@ -80,6 +82,31 @@ class Visited:
 def no_starts(stage: Stage) -> Starts:
     """Every step of a stage sets out from the last state of the path."""
     return none_known
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A state at a requested load, in the unknowns of the model: name and size of the load, t of its stage."""
+
+    load: tuple[str, float]
+    t: float
+    problem_at: Callable[[float], ContactProblem]
+    state: ContactSolution
+
+    def gap(self) -> np.ndarray:
+        """Of the candidates (m,) [mm]."""
+        problem = self.problem_at(self.t)
+        return problem.gap(self.state.u) if len(problem.weights) else np.zeros(0)
+
+
+def shown(model: SceneModel, seen: Seen | None) -> SceneModel:
+    """The model with its supports where they are in a state."""
+    return model if seen is None else moved(model, seen.t)
+
+
+def state_of(model: SceneModel, seen: Seen | None) -> ContactSolution:
+    """A state, or that at rest."""
+    return ContactSolution.at_rest(model.n_unknowns, 0) if seen is None else seen.state
 
 
 def walk(

@@ -7,7 +7,7 @@ file of its own kind, that file is all. What a store keeps of a cell does not en
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
@@ -15,31 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from contact.problem import ContactProblem, ContactSolution
 from formulations.solid.body import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
-from studies.ask.scene import SceneModel, ShellSceneModel, candidates_at, moved
+from studies.ask.scene import SceneModel, ShellSceneModel, candidates_at
 from studies.output.atomic import Table, write_by, write_text
-from studies.output.vtu import Grid, read_vtu, write_vtu
+from studies.output.vtu import FIELDS, Grid, read_vtu, write_vtu
+from studies.scenes.walk import Seen, shown, state_of
 
-FIELDS, SERIES = "fields.vtu", "fields.pvd"
+SERIES = "fields.pvd"
 UNITS = {"Points": "mm", "displacement": "mm", "pressure": "MPa", "gap": "mm"}
 UNITS_OF = {"H_": "N/mm", "S_": "MPa", "E": "1", "2E": "1"}  # by how a name begins
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """A state at a requested load, in the unknowns of the model: name and size of the load, t of its stage."""
-
-    load: tuple[str, float]
-    t: float
-    problem_at: Callable[[float], ContactProblem]
-    state: ContactSolution
-
-    def gap(self) -> np.ndarray:
-        """Of the candidates (m,) [mm]."""
-        problem = self.problem_at(self.t)
-        return problem.gap(self.state.u) if len(problem.weights) else np.zeros(0)
 
 
 def write(
@@ -73,16 +58,6 @@ def write(
             Table.stacked(parts).write(directory / name)
             made.append(name)
     return made
-
-
-def shown(model: SceneModel, seen: Seen | None) -> SceneModel:
-    """The model with its supports where they are in a state."""
-    return model if seen is None else moved(model, seen.t)
-
-
-def state_of(model: SceneModel, seen: Seen | None) -> ContactSolution:
-    """A state, or that at rest."""
-    return ContactSolution.at_rest(model.n_unknowns, 0) if seen is None else seen.state
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,9 +16,8 @@ from contact.swept import Crossing, crossings
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageError
 from studies.output.atomic import Table, plain
-from studies.scenes.walk import Visited
+from studies.scenes.walk import Seen, Visited
 from studies.solving.certificate import certificate, refusal
-from studies.solving.fields import Seen
 from studies.solving.result import UNSTABLE, Frozen, Result, Step
 
 DRAWN = 8  # points of a curve that every piece of it has in its table

@@ -23,9 +23,8 @@ from studies.ask.request import Request
 from studies.ask.scene import SceneModel
 from studies.output.atomic import Table, forget, write_by, write_json
 from studies.output.provenance import provenance
-from studies.scenes.walk import Visited
-from studies.solving import fields
-from studies.solving.fields import FIELDS, Seen
+from studies.output.vtu import FIELDS
+from studies.scenes.walk import Seen, Visited, shown, state_of
 
 if TYPE_CHECKING:
     from contact.continuation.branches import Branch
@@ -228,6 +227,8 @@ class Result:
         result.json names the files, those ``beside`` included, which are there already; what the result that was there
         before has named, and this one does not, is removed. Returns the names.
         """
+        from studies.solving import fields  # a cell keeps less
+
         assert self.model is not None  # what was refused has no artefacts
         own = self._write_tables(directory)
         made = fields.write(directory, self.model, self.states, self._shown, own)
@@ -243,7 +244,7 @@ class Result:
     def write_artefacts(self, directory: Path) -> list[str]:
         """fields.vtu and the tables, each whole or not at all; returns their names: what a store keeps."""
         assert self.model is not None
-        model, state = fields.shown(self.model, self._shown), fields.state_of(self.model, self._shown)
+        model, state = shown(self.model, self._shown), state_of(self.model, self._shown)
         write_by(directory / FIELDS, partial(model.write_fields, state=state))
         return [*self._write_tables(directory), FIELDS]
 
