@@ -1,5 +1,6 @@
 # make report     set everything up, solve the quick campaign, write its pages into .footprint/pages/quick
 # make standard   the same for the standard campaign (70 minutes on two cores), and all of reports/pages
+# make docs       build the documentation into .footprint/site; make dist: wheel and sdist, checked, into dist
 # make test       set everything up, run the tests one waits for; make slow: the others
 PYTHON ?= python3
 VENV   ?= .venv
@@ -7,6 +8,7 @@ STORE  ?= .footprint/store
 # of the quick campaign: every page says when and where it was solved, so the committed ones (reports/pages/quick) are
 # made anew on purpose, by PAGES=reports/pages
 PAGES  ?= .footprint/pages
+SITE   ?= .footprint/site
 BIN    := $(VENV)/bin
 ADVICE := studies/analysis/advice
 READY  := $(VENV)/.ready
@@ -18,7 +20,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # what is compiled is kept: to rewrite the assertions of all tests anew takes each worker six seconds
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report standard advice test slow lint check bench clean
+.PHONY: report standard advice test slow lint check bench docs dist clean
 
 report: $(READY)
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
@@ -46,8 +48,8 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# everything: lint, types, all tests, and a fresh quick campaign against the committed baseline and pages
-check: lint test slow
+# everything: lint, types, all tests, the documentation, and a fresh quick campaign against the committed baseline and pages
+check: lint test slow docs
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
 	$(BIN)/footprint analyse quick --store $(STORE)
 	$(BIN)/footprint check --store $(STORE)
@@ -55,6 +57,19 @@ check: lint test slow
 
 bench: $(READY)
 	$(BIN)/footprint bench
+
+# offline once its extra is installed; strict: a dead link or a reference to nothing fails
+docs: $(VENV)/.docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --config-file reports/mkdocs.yml --site-dir $(abspath $(SITE))
+
+dist: $(READY)
+	rm -rf dist
+	$(BIN)/python -m hatchling build -d dist
+	DIST=dist $(BIN)/pytest -q tests/test_wheel.py
+
+$(VENV)/.docs: $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
+	touch $@
 
 $(READY): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -1,7 +1,7 @@
 """Scenes, solving, campaigns and their store: the room that composes formulations and contact.
 
 Element and contact algebra must not enter here; nor may pages and pictures, which read the store alone. The names
-below are for notebooks and load what they need when they are first asked for.
+below are for notebooks and load what they need when they are first asked for; ``import footprint`` has the same.
 """
 
 from __future__ import annotations
@@ -12,13 +12,34 @@ if TYPE_CHECKING:
     from studies.ask.scene import UsageError
     from studies.catalogue.descriptions import Description
     from studies.notebook import Chosen, Run, Swept, choose, describe, solve, sweep
+    from studies.questions import advise, card, gradient, judge
 
-__all__ = ["Chosen", "Description", "Run", "Swept", "UsageError", "choose", "describe", "solve", "sweep"]
+QUESTIONS = ("advise", "card", "gradient", "judge")
+
+__all__ = [
+    "Chosen",
+    "Description",
+    "Run",
+    "Swept",
+    "UsageError",
+    "advise",
+    "card",
+    "choose",
+    "describe",
+    "gradient",
+    "judge",
+    "solve",
+    "sweep",
+]
 
 
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from studies import notebook
+    from studies import notebook, questions
 
-    return getattr(notebook, name)
+    return getattr(questions if name in QUESTIONS else notebook, name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 
 from studies.ask.request import PartError, UsageError
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE
+from studies.output import DISTRIBUTION
 from studies.output.terminal import Escaping
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
@@ -87,7 +88,7 @@ class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         from importlib.metadata import version
 
-        print(f"footprint {version('footprint')}")
+        print(f"footprint {version(DISTRIBUTION)}")
         parser.exit()
 
 

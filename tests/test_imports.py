@@ -166,7 +166,7 @@ ROOMS = (  # of studies, each imports those before it
         "analysis",
         "fuzz",
     ),
-    *("arena", "gate", "notebook", "commands", "cli"),
+    *("arena", "gate", "notebook", "questions", "commands", "cli", "footprint"),
 )
 
 

@@ -1,16 +1,25 @@
-"""The wheel: built from the tree, unpacked where nothing else of ours is, and used from there."""
+"""Wheel and sdist: built from the tree, the wheel unpacked where nothing else of ours is, and used from there.
+
+``DIST=dir`` tries those that were built before (``make dist``).
+"""
 
 from __future__ import annotations
 
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tomllib
 import zipfile
+from email import message_from_string
 from pathlib import Path
 
 import pytest
+
+import studies
+from studies.output import DISTRIBUTION
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -19,14 +28,29 @@ PACKAGES = ("formulations", "contact", "studies", "reports")
 pytestmark = pytest.mark.slow
 
 
+LARGEST = 5e6  # bytes of each: nobody waits for it, and the index takes a hundred times as much
+
+
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built by the backend that is installed: no network is asked."""
-    pytest.importorskip("hatchling", reason="the build backend is not installed (extra dev)")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of both, built by the backend that is installed: no network is asked."""
+    if "DIST" in os.environ:
+        return ROOT / os.environ["DIST"]
+    pytest.importorskip("hatch_vcs", reason="the build backend is not installed (extra dev)")
     folder = tmp_path_factory.mktemp("dist")
-    pip("wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir", str(folder), str(ROOT))
-    (found,) = folder.glob("*.whl")
+    subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", str(folder)], cwd=ROOT, check=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(built: Path) -> Path:
+    (found,) = built.glob("*.whl")
     return found
+
+
+@pytest.fixture(scope="module")
+def version(wheel: Path) -> str:
+    return wheel.name.split("-")[1]
 
 
 @pytest.fixture(scope="module")
@@ -57,28 +81,81 @@ def footprint(site: Path, *words: str) -> str:
 
 
 def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
-    """Campaigns, references, baseline and assets are read by the program, and not one of them is a module."""
+    """Campaigns, references, baseline and assets are read by the program; of the tree it has nothing else."""
     with zipfile.ZipFile(wheel) as archive:
-        shipped = set(archive.namelist())
-    data = ("*.py", "*.toml", "*.csv", "*.json", "*.css", "*.js", "*.html", "*.md", "py.typed")
-    ours = {
-        path.relative_to(ROOT).as_posix() for name in PACKAGES for kind in data for path in (ROOT / name).rglob(kind)
-    }
+        shipped = {name for name in archive.namelist() if ".dist-info/" not in name}
+    told = subprocess.run(
+        ["git", "ls-files", "-co", "--exclude-standard", *PACKAGES],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    ours = {name for name in told.stdout.splitlines() if not name.startswith("reports/pages/")}
+    assert shipped - ours == {"footprint/__init__.py", "footprint/py.typed"}
     assert ours - shipped == set()
-    for place in (
-        "studies/run/shipped/quick.toml",
-        "studies/scenes/data/",
-        "studies/baseline/",
-        "reports/assets/",
-        "reports/templates/",
-        "studies/analysis/advice/",
-    ):
-        assert any(name.startswith(place) for name in shipped), place
-    assert not [name for name in shipped if name.startswith("tests/")]
 
 
-def test_it_says_its_version_and_lists_its_parts(site: Path) -> None:
-    assert PROJECT["version"] in footprint(site, "--version")
+def test_both_are_small(built: Path) -> None:
+    sizes = {path.name: path.stat().st_size for path in built.iterdir()}
+    assert {name: size for name, size in sizes.items() if size > LARGEST} == {}
+    assert len(sizes) == 2
+
+
+def test_a_wheel_from_the_sdist_is_the_same(built: Path, wheel: Path, tmp_path: Path) -> None:
+    """Without git: the version is that of the sdist."""
+    (sdist,) = built.glob("*.tar.gz")
+    pip("wheel", "--no-deps", "--no-index", "--no-build-isolation", "--wheel-dir", str(tmp_path), str(sdist))
+    (again,) = tmp_path.glob("*.whl")
+    assert again.name == wheel.name
+    with zipfile.ZipFile(wheel) as one, zipfile.ZipFile(again) as other:
+        crcs = [{each.filename: each.CRC for each in archive.infolist()} for archive in (one, other)]
+    assert crcs[0] == crcs[1]
+
+
+def test_its_metadata_are_complete(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = (each for each in archive.namelist() if each.endswith(".dist-info/METADATA"))
+        told = message_from_string(archive.read(name).decode("utf-8"))
+    assert told["Name"] == PROJECT["name"] == DISTRIBUTION
+    assert told["Requires-Python"] == PROJECT["requires-python"]
+    assert told["License-Expression"] == "MIT"
+    assert set(told.get_all("Provides-Extra")) == set(PROJECT["optional-dependencies"])
+    assert all(told[each] for each in ("Version", "Summary", "Author", "Keywords", "Description-Content-Type"))
+
+
+def test_sources_without_git_have_a_version(tmp_path: Path) -> None:
+    """As an archive of a commit has them."""
+    told = subprocess.run(
+        ["git", "ls-files", "contact", "pyproject.toml", "README.md", "LICENSE", "formulations"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for name in told.stdout.splitlines():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    said = subprocess.run(
+        [sys.executable, "-m", "hatchling", "version"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert re.fullmatch(r"\d+\.\d+\.\d+", said.stdout.strip())
+
+
+def test_one_name_for_users(site: Path) -> None:
+    """``import footprint`` loads nothing that computes, and solves."""
+    code = """import sys, footprint
+assert footprint.__file__.startswith(sys.argv[1])
+print([name for name in ("numpy", "scipy", "pandas") if name in sys.modules], len(dir(footprint)))
+print(footprint.solve("cantilever", mesh="4x1").verdict, footprint.describe("exact").name)"""
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    words = [sys.executable, "-P", "-c", code, str(site)]
+    told = subprocess.run(words, cwd=site.parent, env=environment, capture_output=True, text=True, check=True)
+    assert told.stdout.splitlines() == [f"[] {len(studies.__all__)}", "converged exact"]
+
+
+def test_it_says_its_version_and_lists_its_parts(site: Path, version: str) -> None:
+    assert version in footprint(site, "--version")
     listed = footprint(site, "list")
     assert all(name in listed for name in ("tyre", "exact", "semismooth"))
     script = next((site / "bin").glob("footprint*"))
@@ -92,11 +169,11 @@ def test_it_advises_without_a_store(site: Path) -> None:
         assert words in said
 
 
-def test_it_solves_plans_and_checks_without_the_tree(site: Path, tmp_path: Path) -> None:
+def test_it_solves_plans_and_checks_without_the_tree(site: Path, version: str, tmp_path: Path) -> None:
     footprint(site, "solve", "cantilever", "--mesh", "4x1", "--out", str(tmp_path / "out"))
     result = json.loads((tmp_path / "out" / "result.json").read_text())
     assert result["outcome"] == "converged"
-    assert result["provenance"]["version"] == PROJECT["version"]
+    assert result["provenance"]["version"] == version
     campaign = tmp_path / "one.toml"
     campaign.write_text('[[cross]]\nmeshes = ["2x1"]\n[cross.scenes.cantilever]\n')
     footprint(site, "run", str(campaign), "--store", str(tmp_path / "store"))

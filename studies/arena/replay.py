@@ -1,7 +1,8 @@
-"""One frozen step again, alone, by any algorithm; the judge has the word, and the oracle if asked."""
+"""One frozen step again, alone, by any algorithm or by an answer; the judge has the word, and the oracle if asked."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.oracle import Confirmation, OracleError
 from contact.problem import ContactAlgorithm, ContactSolution
 from contact.verify import judge
+from studies.arena.answers import CERTIFIED, Judgement, judge_answer, judge_friction_answer, read_answer
 from studies.ask.scene import UsageError
 from studies.solving.certificate import certificate
 
@@ -80,6 +82,21 @@ def read_step(path: Path) -> FrozenStep:
         return FrozenStep.read(path)
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
+
+
+def judge_files(problem: Path, answer: Path, tolerance: float | None = None) -> Judgement:
+    """What an answer in a file is worth; tolerance: the accuracy asked for, default CERTIFIED, none with friction.
+
+    Raises UsageError with one line, and OSError where there is no file.
+    """
+    step = read_step(problem)
+    if isinstance(step, FrozenFrictionalStep):
+        if tolerance is not None:
+            raise UsageError("a tolerance is for problems without friction: the judge of friction has its own bounds")
+        return judge_friction_answer(step, answer)
+    if tolerance is not None and not 0 < tolerance < math.inf:
+        raise UsageError(f"tolerance = {tolerance} must be a number in (0, inf)")
+    return judge_answer(step, read_answer(answer), CERTIFIED if tolerance is None else tolerance)
 
 
 def algorithm_of(contact: str, epsilon: float | None = None) -> ContactAlgorithm:

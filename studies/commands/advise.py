@@ -7,10 +7,9 @@ import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
-from studies.analysis.advice.choose import advise, lines, shipped_question, worth
-from studies.analysis.advice.questions import Question, asked_question
+from studies.analysis.advice.choose import advise, lines, question_of, worth
+from studies.analysis.advice.questions import Question
 from studies.analysis.shell_limits import beyond, known_limits
-from studies.analysis.verify import verified
 from studies.ask.request import Settings, text_of
 from studies.ask.scene import UsageError
 from studies.commands import FAILED, OK
@@ -62,13 +61,11 @@ def _store(options: argparse.Namespace) -> Path | None:
 
 
 def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | None) -> Question:
+    asked = (options.scene, options.quantity, given, options.cost, store, options.campaign)
     if store is None:
-        return shipped_question(options.scene, options.quantity, given, options.cost)
-    from studies.run.collect import collect
-
+        return question_of(*asked)
     with reading(store):
-        table = collect(store, options.campaign)
-        return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+        return question_of(*asked)
 
 
 def _beyond(options: argparse.Namespace, question: Question, given: dict[str, str]) -> Iterator[str]:

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
+from contact.interchange.linearised_step import FrozenStep
 from studies.ask.request import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.commands.options import check_directory, check_file, positive, progress_bar
+from studies.commands.options import check_directory, check_file, progress_bar
 from studies.output.terminal import columns
 
 PROBLEMS = Path(".footprint/problems")
@@ -148,18 +148,11 @@ def _say(wrong: list[str], count: int, directory: Path) -> int:
     return FAILED if wrong else OK
 
 
-def _step(path: Path) -> FrozenStep:
-    """With friction where the file says so; raises UsageError."""
-    try:
-        return FrozenStep.read(path)
-    except FrozenStepError as error:
-        raise UsageError(str(error)) from None
-
-
 def _export(options: argparse.Namespace) -> int:
     from studies.arena.collected.formats import export
+    from studies.arena.replay import read_step
 
-    step = _step(options.problem)
+    step = read_step(options.problem)
     export(step, options.format, options.out)
     print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")
     return OK
@@ -179,16 +172,9 @@ def _import(options: argparse.Namespace) -> int:
 
 
 def _judge(options: argparse.Namespace) -> int:
-    from studies.arena.answers import CERTIFIED, judge_answer, judge_friction_answer, read_answer
+    from studies.arena.replay import judge_files
 
-    step = _step(options.problem)
-    if isinstance(step, FrozenFrictionalStep):
-        if options.tolerance is not None:
-            raise UsageError("--tolerance is for problems without friction: the judge of friction has its own bounds")
-        found = judge_friction_answer(step, options.answer)
-    else:
-        asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
-        found = judge_answer(step, read_answer(options.answer), asked)
+    found = judge_files(options.problem, options.answer, options.tolerance)
     print("\n".join(found.lines()))
     return OK if found.sound else FAILED
 

@@ -2,3 +2,5 @@
 
 Nothing is solved here, and no rule about a value enters.
 """
+
+DISTRIBUTION = "footprint-shells"  # the name of the suite among packages

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import scipy
 
+from studies.output import DISTRIBUTION
+
 PACKAGES = (
     *("numpy", "scipy", "scikit-fem", "pandas", "meshio", "osqp", "clarabel", "cvxpy", "qdldl"),
     *("proxsuite", "piqp", "daqp", "pypardiso", "mkl", "ngsolve", "KratosMultiphysics"),
@@ -35,7 +37,7 @@ def _steady() -> dict[str, Any]:
     told = _git_status()
     versions = {name: _version(name) for name in PACKAGES}
     return {
-        "version": _version("footprint"),
+        "version": _version(DISTRIBUTION),
         "commit": next((line.split()[-1] for line in told or () if line.startswith("# branch.oid ")), "unknown"),
         "modified": None if told is None else any(not line.startswith("#") for line in told),
         "packages": {name: version for name, version in versions.items() if version},

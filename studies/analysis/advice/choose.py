@@ -26,11 +26,13 @@ from studies.analysis.advice.questions import (
     TIE,
     Question,
     all_questions,
+    asked_question,
     cheapest_of,
     known_quantity,
     known_scene,
     meant,
 )
+from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
@@ -186,6 +188,18 @@ def shipped_question(
         its = cells[cells["question"] == row["question"]].sort_values("price", kind="stable", ignore_index=True)
         found.append(Question(scene, name, str(row["against"]), cost, texts, its))
     return meant(found, scene, settings or {})
+
+
+def question_of(
+    scene: str, quantity: str | None, settings: Mapping[str, str], cost: str, store: Path | None, campaign: str
+) -> Question:
+    """The question that is meant, of a campaign in a store, or of the shipped tables; raises UsageError without one."""
+    if store is None:
+        return shipped_question(scene, quantity, settings, cost)
+    from studies.run.collect import collect  # advice from what is shipped does without a store
+
+    table = collect(store, campaign)
+    return asked_question(table, verified(table), scene, quantity, settings, cost)
 
 
 def worth(store: Path | None = None) -> str:
