@@ -58,9 +58,9 @@ check: lint test slow docs
 bench: $(READY)
 	$(BIN)/footprint bench
 
-# offline once its extra is installed; strict: a dead link or a reference to nothing fails
+# offline once its extra is installed; strict: a dead link or a name without its place fails (not under --quiet)
 docs: $(VENV)/.docs
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --config-file reports/mkdocs.yml --site-dir $(abspath $(SITE))
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --config-file .github/mkdocs.yml --site-dir $(abspath $(SITE))
 
 dist: $(READY)
 	rm -rf dist

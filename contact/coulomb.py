@@ -103,7 +103,7 @@ class Sliding(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Coulomb:
-    """The law of one step: coefficients mu (m,) in [0, inf] [-], and the slip; all callables are pure.
+    """The law of one step: coefficients mu (m,), pure numbers in [0, inf], and the slip; all callables are pure.
 
     slip(u) -> (m, 2) [mm];  slip_jacobian(u) -> (2m, n) CSR, rows 2i and 2i + 1 of candidate i.
     slip_size: size [mm] of what a slip is a difference of; it has the rounding of it.

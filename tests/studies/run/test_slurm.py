@@ -13,7 +13,7 @@ import pytest
 
 from support.stores.small_campaign import content, small
 
-MANUAL = Path(__file__).parents[3] / ".github" / "MANUAL.md"
+MANUAL = Path(__file__).parents[3] / "reports" / "manual" / "cluster.md"
 # what sbatch(1) says of these options: --parsable prints the number of the job alone, --wrap is a script of sh for each
 # task of the array, which runs in the directory of the call; scancel(1) stops a task by SIGTERM
 SBATCH = """#!/bin/sh
@@ -51,10 +51,12 @@ def test_the_recipe_makes_the_same_store_and_leaves_nothing_running(solved: Path
     for name, text in {"sbatch": SBATCH, "scancel": SCANCEL, "hostname": HOSTNAME}.items():
         (tmp_path / "bin" / name).write_text(text)
         (tmp_path / "bin" / name).chmod(0o755)
-    (tmp_path / ".venv").mkdir()
-    (tmp_path / ".venv" / "bin").symlink_to(Path(sys.executable).parent)
     here = recipe.replace("8786", str(free_port())).replace("run standard", f"run {small(tmp_path)}")
-    environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}", "JOBS": str(tmp_path)}
+    environment = {
+        **os.environ,
+        "PATH": f"{tmp_path / 'bin'}:{Path(sys.executable).parent}:{os.environ['PATH']}",
+        "JOBS": str(tmp_path),
+    }
     done = subprocess.run(
         ["sh", "-c", here], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120
     )
