@@ -340,11 +340,3 @@ def test_the_example_of_the_page_runs(files: dict[str, str], tmp_path: Path, mon
 def test_what_is_committed_stays_small() -> None:
     paths = (ROOT / "reports" / "pages").rglob("data/*")
     assert sum(path.stat().st_size for path in paths) < 2_000_000
-
-
-def test_the_citation_names_the_version_of_the_project() -> None:
-    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    cited = (ROOT / ".github" / "CITATION.cff").read_text(encoding="utf-8")
-    version = re.search(r'^version = "(.*)"$', project, re.MULTILINE)[1]
-    assert f"\nversion: {version}\n" in cited
-    assert "\nlicense: MIT\n" in cited
