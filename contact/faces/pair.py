@@ -1,0 +1,174 @@
+"""Two faces as one contact problem: points of one, the slave, against the patches of the other, the master.
+
+    gamma_s(u) = +-|x_s - X(xi_s)|,    x_s = sum_j S_sj X_j,    g_i(u) = sum_s C_is gamma_s
+
+X(xi_s) is the closest point of the master, found anew at every u. Nodes against patches have S = 1 and C = 1; integrated
+forms average over many points of the slave, see :mod:`contact.faces.sampling`. Both faces are points of one set, whose
+positions are linear in the unknowns, so that two bodies, three, and a body that meets itself are alike.
+
+Derivatives are those of gamma itself: with n its gradient in space, v = dx_s - sum_l N_l dX_l, p_a = a_a . v and
+q_a = n . sum_l N_l,a dX_l ::
+
+    dgamma = n . v,    d2gamma = -(p m^-1 b A^-1 p + p A^-1 q + q A^-1 p + gamma q A^-1 q),    A = m - gamma b
+
+with m_ab = a_a . a_b and b_ab = n . X,ab over a patch. Beyond an edge, which is straight, only the coordinate along it
+is left, b is none, and each direction t across n that the closest point does not follow adds (t . v)^2/gamma.
+A gap does not see a rigid motion of both bodies, so neither does its derivative: the contact forces of a pair have no
+resultant and no moment, whatever the form, to the last digit.
+Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Konyukhov, Schweizerhof, Computational Contact Mechanics (2013).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from contact.faces.patches import shape, twist
+from contact.faces.sampling import Sampling
+from contact.faces.search import Nearest, nearest
+from contact.problem import ContactProblem, Linearise
+
+KINK = 1e-5  # of the size of a patch: nearer than this, the direction from an edge turns too fast to have a derivative
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """A slave and a master in one set of points: x(u) = reference + operator u, reference (k, 3), operator (3k, n).
+
+    slave (a, 4), master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
+    sampling: of the slave at the positions (k, 3) of all points.  weights (m,) [mm^2]: reference areas of candidates.
+    nodes (m,): the points of the slave that the candidates are.
+    """
+
+    reference: np.ndarray
+    operator: sparse.csr_matrix
+    slave: np.ndarray
+    master: np.ndarray
+    nodes: np.ndarray
+    weights: np.ndarray
+    sampling: Callable[[np.ndarray], Sampling]
+
+    def positions(self, u: np.ndarray) -> np.ndarray:
+        """x (k, 3)."""
+        return self.reference + (self.operator @ u).reshape(-1, 3)
+
+    def at(self, u: np.ndarray) -> Paired:
+        """What is closest to what at u (n,)."""
+        x = self.positions(u)
+        sampled = self.sampling(x)
+        return Paired(self, x, sampled, nearest(sampled.points @ x, x, self.master))
+
+    def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+        """Forces (k, 3) [N] on all points of both faces by the candidates' forces (m,)."""
+        return np.asarray((self.at(u).rows.T @ nodal).reshape(-1, 3))
+
+    @property
+    def size(self) -> float:
+        """Largest coordinate [mm]: a gap is a difference of two."""
+        return float(np.max(np.abs(self.reference), initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Paired:
+    """The closest points at one u, and what follows from them.  x (k, 3): positions of all points."""
+
+    pair: Pair
+    x: np.ndarray
+    sampled: Sampling
+    near: Nearest
+
+    @property
+    def gap(self) -> np.ndarray:
+        """g (m,)."""
+        return np.asarray(self.sampled.average @ self.near.gap + self.sampled.away)
+
+    @property
+    def rows(self) -> sparse.csr_matrix:
+        """dg (m, 3k) by the positions of the points."""
+        return sparse.csr_matrix(self.sampled.average @ _along(self._apart, self.near.direction))
+
+    @property
+    def _apart(self) -> sparse.csr_matrix:
+        """V (p, k): v = dx_s - dX at a fixed xi."""
+        return sparse.csr_matrix(self.sampled.points - self._on_master(shape(self.near.xi)[0]))
+
+    def _on_master(self, values: np.ndarray) -> sparse.csr_matrix:
+        """Values (p, 4) at the corners of the patches, (p, k)."""
+        columns = self.pair.master[self.near.quad]
+        ends = 4 * np.arange(len(columns) + 1)
+        return sparse.csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(columns), len(self.pair.reference)))
+
+    def curvature(self, force: np.ndarray) -> sparse.csr_matrix:
+        """sum_i f_i d2g_i (3k, 3k) by the positions, of candidates' forces (m,)."""
+        on_points = self.sampled.average.T @ force
+        kept = np.flatnonzero(on_points)  # the others would only fill the matrix with zeros
+        apart, slope = self._apart[kept], shape(self.near.xi)[1]
+        a, n, free = self.near.a[kept], self.near.direction[kept], self.near.free[kept]
+        t = _across(a, n, free)
+        parts = [_along(apart, a[..., i]) for i in (0, 1)]
+        parts += [_along(self._on_master(slope[..., i])[kept], n) for i in (0, 1)]
+        parts += [_along(apart, t[..., i]) for i in (0, 1)]
+        middle = on_points[kept, None, None] * self._middle(kept)
+        blocks = [[sparse.diags_array(middle[:, i, j]) for j in range(6)] for i in range(6)]
+        stacked = sparse.csr_matrix(sparse.vstack(parts))
+        return sparse.csr_matrix(stacked.T @ sparse.csr_matrix(sparse.block_array(blocks)) @ stacked)
+
+    def _middle(self, kept: np.ndarray) -> np.ndarray:
+        """d2gamma in (p_1, p_2, q_1, q_2, t_1 . v, t_2 . v), (kept, 6, 6)."""
+        near = self.near
+        a, g, free = near.a[kept], near.gap[kept], near.free[kept]
+        both, whole = free[:, :, None] & free[:, None, :], free.all(axis=1)
+        m = np.where(both, np.einsum("pca,pcb->pab", a, a), np.eye(2))
+        corners = self.x[self.pair.master[near.quad[kept]]]
+        b = np.zeros_like(m)
+        b[:, 0, 1] = b[:, 1, 0] = whole * np.einsum("pc,l,plc->p", near.direction[kept], twist(), corners)
+        across = np.linalg.inv(m - g[:, None, None] * b)
+        found = np.zeros((len(kept), 6, 6))
+        found[:, :2, :2] = -np.linalg.inv(m) @ b @ across
+        found[:, :2, 2:4] = found[:, 2:4, :2] = -across * both
+        found[:, 2:4, 2:4] = -g[:, None, None] * across * both
+        sharp = np.abs(g) > KINK * near.size[kept]
+        bent = np.divide(1.0, g, out=np.zeros_like(g), where=sharp)
+        found[:, 4, 4], found[:, 5, 5] = bent * ~whole, bent * ~free.any(axis=1)
+        return found
+
+
+def _along(values: sparse.csr_matrix, directions: np.ndarray) -> sparse.csr_matrix:
+    """The rows d_i . (values @ x)_i (p, 3k) of directions d (p, 3)."""
+    row = np.repeat(np.arange(len(directions)), np.diff(values.indptr))
+    data = values.data[:, None] * directions[row]
+    columns = 3 * values.indices[:, None] + np.arange(3)
+    shape_ = (values.shape[0], 3 * values.shape[1])
+    return sparse.csr_matrix((data.ravel(), columns.ravel(), 3 * values.indptr), shape=shape_)
+
+
+def _across(a: np.ndarray, n: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Unit vectors (p, 3, 2) at right angles to n that the closest point does not follow; zero where it does."""
+    found = np.zeros_like(a)
+    edge, corner = np.flatnonzero(free.sum(axis=1) == 1), np.flatnonzero(~free.any(axis=1))
+    along = a[edge, :, np.argmax(free[edge], axis=1)]
+    found[edge, :, 0] = np.cross(n[edge], along)
+    first = a[corner, :, 0] - np.einsum("pc,pc->p", a[corner, :, 0], n[corner])[:, None] * n[corner]
+    found[corner, :, 0], found[corner, :, 1] = first, np.cross(n[corner], first)
+    size = np.linalg.norm(found, axis=1, keepdims=True)
+    return np.divide(found, size, out=found, where=size > 0)
+
+
+def between(linearise: Linearise, pair: Pair) -> ContactProblem:
+    """The contact problem of a pair; ``linearise``: the mechanics of all bodies at once."""
+    A = pair.operator
+
+    def curvature(u: np.ndarray, force: np.ndarray) -> sparse.csc_matrix:
+        return sparse.csc_matrix(A.T @ pair.at(u).curvature(force) @ A)
+
+    return ContactProblem(
+        linearise=linearise,
+        gap=lambda u: pair.at(u).gap,
+        gap_jacobian=lambda u: sparse.csr_matrix(pair.at(u).rows @ A),
+        weights=pair.weights,
+        gap_curvature=curvature,
+        gap_size=pair.size,
+    )

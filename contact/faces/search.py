@@ -1,0 +1,97 @@
+"""Which patch of a face is closest to a point, and where: found anew for every position of both.
+
+A tree of the middles of the patches finds those whose balls come as near as the nearest corner; among them the closest
+point decides. Nothing is missed: the closest point of the face is no farther than its nearest corner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from contact.faces.patches import closest, normals, shape
+
+OVER = 1e-9  # of the size of a patch: a point that lies no farther beyond an edge lies over it
+AT = 1e-7  # of the size of a patch: nearer to an edge or a corner than this, its own direction is rounding
+BEYOND = 0.7  # cosine with the normal up to which a point beyond the rim of a face is beside it, not behind
+
+
+@dataclass(frozen=True, eq=False)
+class Nearest:
+    """The closest point of a face for each of p points in space.
+
+    quad (p,), xi (p, 2): where it is.  gap (p,) [mm]: the distance, negative behind the face.  direction (p, 3): its
+    gradient, unit vectors.  a (p, 3, 2): tangents.  free (p, 2): whether the point lies over the patch along each
+    coordinate, or else beyond its edge.  size (p,) [mm]: of the patch.
+    """
+
+    quad: np.ndarray
+    xi: np.ndarray
+    gap: np.ndarray
+    direction: np.ndarray
+    a: np.ndarray
+    free: np.ndarray
+    size: np.ndarray
+
+
+def nearest(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> Nearest:
+    """Of the face with these points (k, 3) and patches (q, 4) to the points x (p, 3)."""
+    point, quad = _near(x, positions, quads)
+    xi = closest(x[point], positions[quads[quad]])
+    N, _ = shape(xi)
+    off = x[point] - np.einsum("pl,plc->pc", N, positions[quads[quad]])
+    order = np.lexsort((quad, np.einsum("pc,pc->p", off, off), point))
+    first = order[np.append(True, np.diff(point[order]) > 0)]
+    return _measured(x, positions, quads, quad[first], xi[first])
+
+
+def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of a point and a patch, (c,) each."""
+    corners = positions[quads]
+    middles = corners.mean(axis=1)
+    radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2), axis=1)
+    to_corner, _ = cKDTree(positions[np.unique(quads)]).query(x)
+    found = cKDTree(middles).query_ball_point(x, (to_corner + radius.max()) * (1 + OVER))
+    number = np.array([len(each) for each in found])
+    point = np.repeat(np.arange(len(x)), number)
+    quad = np.concatenate([np.asarray(each, np.intp) for each in found]) if len(found) else np.zeros(0, np.intp)
+    away = np.linalg.norm(x[point] - middles[quad], axis=1)
+    kept = away <= (to_corner[point] + radius[quad]) * (1 + OVER)
+    return point[kept], quad[kept]
+
+
+def _measured(x: np.ndarray, positions: np.ndarray, quads: np.ndarray, quad: np.ndarray, xi: np.ndarray) -> Nearest:
+    corners = positions[quads[quad]]
+    N, slope = shape(xi)
+    a = np.einsum("pla,plc->pca", slope, corners)
+    off = x - np.einsum("pl,plc->pc", N, corners)
+    length = np.linalg.norm(a, axis=1)
+    size = length.max(axis=1)
+    free = np.abs(np.einsum("pc,pca->pa", off, a)) <= OVER * length * size[:, None]
+    normal = np.cross(a[..., 0], a[..., 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    over = free.all(axis=1)
+    if over.all():
+        return Nearest(quad, xi, np.einsum("pc,pc->p", off, normal), normal, a, free, size)
+    mean = np.einsum("pl,plc->pc", N, normals(positions, quads)[quads[quad]])
+    mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+    distance, along = np.linalg.norm(off, axis=1), np.einsum("pc,pc->p", off, mean)
+    behind = along < np.where(_beside(quads, quad, xi, free), -BEYOND * distance, 0.0)
+    signed = np.where(behind, -distance, distance)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = off / signed[:, None]
+    direction = np.where((distance > AT * size)[:, None], own, mean)
+    gap = np.where(over, np.einsum("pc,pc->p", off, normal), signed)
+    return Nearest(quad, xi, gap, np.where(over[:, None], normal, direction), a, free, size)
+
+
+def _beside(quads: np.ndarray, quad: np.ndarray, xi: np.ndarray, free: np.ndarray) -> np.ndarray:
+    """Whether (p,) the edge that a point lies beyond is one of the rim of the face."""
+    edges = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1), axis=-1)
+    _, whose, count = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
+    rim = (count[whose.ravel()] == 1).reshape(quads.shape)[quad]
+    # edges 0 to 3: xi2 = -1, xi1 = 1, xi2 = 1, xi1 = -1
+    beyond = np.stack([xi[:, 1] <= -1, xi[:, 0] >= 1, xi[:, 1] >= 1, xi[:, 0] <= -1], axis=1)
+    return np.any(rim & beyond & ~free[:, [1, 0, 1, 0]], axis=1)
