@@ -175,8 +175,8 @@ def closed(
     leave may be large beside gaps that hardly move.
     """
     nodes, du = np.flatnonzero(active), du.copy()
-    pivot, slope = holding(acting[nodes], nodes)
-    du[pivot] -= (gap[nodes] + sprung[nodes] + rows[nodes] @ du) / slope
+    grip = holding(acting[nodes], nodes)
+    du[grip.pivot] -= grip.over(gap[nodes] + sprung[nodes] + rows[nodes] @ du)
     return du
 
 

@@ -109,7 +109,7 @@ class Exchange:
     @cached_property
     def _all_sides(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
         held, forced = self._held, sparse.diags_array(self._forced.astype(float))
-        reciprocal = sparse.diags_array(1.0 / held.slope)
+        reciprocal = held.grip.reciprocal
         seen = sparse.csc_matrix(self._rows.T @ forced + held.across.T @ reciprocal @ self._multiplied.T)
         done = sparse.csc_matrix(self._acting.T @ forced - held.columns @ reciprocal @ self._to_slack)
         seen = sparse.csc_matrix(seen - held.following.T @ seen[held.pivot])

@@ -28,7 +28,7 @@ from scipy import sparse
 from scipy.linalg import qr
 
 from contact.coulomb import State, radii
-from contact.newton.held import Held, largest
+from contact.newton.held import Grip, Held, largest
 
 STIFFEST = 1e6  # kappa over c
 
@@ -239,7 +239,7 @@ def held_states(
     size = largest(sparse.csc_matrix(K[:, pivot]))
     size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
     ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
-    held = Held(K, rows, acting, pivot, ones, zeros, zeros, size)
+    held = Held(K, rows, acting, Grip(pivot, ones), zeros, zeros, size)
     return held, _stacked(slacks, 3 * m), sparse.csr_matrix(_stacked(forces, 3 * m).T)
 
 

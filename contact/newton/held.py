@@ -10,10 +10,13 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
 from contact.problem import ContactProblem
 from contact.solvers.sparse import added
 
+OWN = 0.1  # of the largest slope of a gap: an unknown of its own with less does not hold it
+FAINT = 1e-3  # of it: no pivot
 
 @dataclass(frozen=True, eq=False)
 class Pivots:
@@ -26,8 +29,7 @@ class Pivots:
 
     rows: sparse.csr_matrix  # G_A (a, n)
     gap: np.ndarray  # g_A
-    pivot: np.ndarray  # k of each node of the set
-    slope: np.ndarray  # G_k
+    grip: Grip
     held: sparse.csc_matrix  # the columns K_k
     column: sparse.csc_matrix  # K_k/(epsilon G_k) + G^T W, the force of each pressure on the unknowns (n, a)
     scale: np.ndarray  # s, which gives these columns the size of the K_k; their diagonal may well be zero
@@ -42,28 +44,28 @@ class Pivots:
         K: sparse.csc_matrix,
         epsilon: float,
     ) -> Pivots:
-        """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown."""
+        """Pivots of the gap rows as :func:`holding` has them, raises ValueError when it does."""
         rows, acting = problem.gap_jacobian(u)[nodes], problem.push(u)
         push = sparse.csc_matrix(acting.T @ problem.weight_matrix[:, nodes])
-        pivot, slope = holding(acting[nodes], nodes)
-        held = sparse.csc_matrix(K[:, pivot])
-        column = sparse.csc_matrix(push + held @ sparse.diags_array(1.0 / (epsilon * slope)))
+        grip = holding(acting[nodes], nodes)
+        held = sparse.csc_matrix(K[:, grip.pivot])
+        column = sparse.csc_matrix(push + held @ (grip.reciprocal / epsilon))
         size, found = largest(held), largest(column)
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
         found[found == 0] = 1.0  # the pressure acts on nothing: singular, which the factorisation will say
-        return cls(rows, problem.gap(u)[nodes], pivot, slope, held, column, size / found, epsilon)
+        return cls(rows, problem.gap(u)[nodes], grip, held, column, size / found, epsilon)
 
     def substitute(self, K: sparse.csc_matrix, b: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
         """Matrix and right-hand side for du with p/s in place of each du_k, or with nothing there."""
-        a, n = len(self.pivot), K.shape[0]
-        place = sparse.csr_matrix((np.ones(a), self.pivot, np.arange(a + 1)), shape=(a, n))
-        on_others = self.held @ (sparse.diags_array(-1.0 / self.slope) @ self.rows)
+        a, n = len(self.grip.pivot), K.shape[0]
+        place = sparse.csr_matrix((np.ones(a), self.grip.pivot, np.arange(a + 1)), shape=(a, n))
+        on_others = self.held @ (-self.grip.reciprocal @ self.rows)
         column = self.column @ sparse.diags_array(self.scale)
         return sparse.csc_matrix(K + (on_others - column @ place)), self.loaded(b)
 
     def loaded(self, b: np.ndarray) -> np.ndarray:
         """That right-hand side (n,)."""
-        return np.asarray(b + self.held @ (self.gap / self.slope))
+        return np.asarray(b + self.held @ self.grip.over(self.gap))
 
     def opened(self, gap: np.ndarray) -> Pivots:
         """The same for other gaps (a,), 0 of a motion that leaves them closed."""
@@ -71,19 +73,56 @@ class Pivots:
 
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du and the pressures of the set from the solution of the substituted system."""
-        pressure, du = self.scale * x[self.pivot], x.copy()
-        du[self.pivot] = 0.0
-        du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope
+        pivot, du = self.grip.pivot, x.copy()
+        pressure = self.scale * x[pivot]
+        du[pivot] = 0.0
+        du[pivot] = -self.grip.over(self.gap + pressure / self.epsilon + self.rows @ du)
         return du, pressure
 
 
-def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The unknown that holds each gap most firmly, and the slope of the gap in it.
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """The unknown k that holds each gap, pivot (a,), and the slope G_k (a,) of the gap in it.
 
-    Raises ValueError when a gap has no unknown, or two share one.
+    inverse: B^-1 (a, a) of B, the gaps in the unknowns that hold all of them; None where B is diagonal.
     """
-    if np.max(np.bincount(rows.indices[rows.data != 0]), initial=0) > 1:
-        raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
+
+    pivot: np.ndarray
+    slope: np.ndarray
+    inverse: sparse.csr_matrix | None = None
+
+    @property
+    def reciprocal(self) -> sparse.csr_matrix | sparse.dia_array:
+        """B^-1 (a, a)."""
+        return sparse.diags_array(1.0 / self.slope) if self.inverse is None else self.inverse
+
+    def over(self, gaps: np.ndarray) -> np.ndarray:
+        """B^-1 g (a,): changes of those unknowns."""
+        return np.asarray(gaps / self.slope if self.inverse is None else self.inverse @ gaps)
+
+    def under(self, forces: np.ndarray) -> np.ndarray:
+        """B^-T f (a,): forces along the gaps from those on the unknowns."""
+        return np.asarray(forces / self.slope if self.inverse is None else self.inverse.T @ forces)
+
+
+def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
+    """The unknown that holds each gap most firmly.
+
+    Candidates against a foundation share no unknown. Where others do, as between faces that both deform, each takes one
+    that is its own; where some have none, all are matched, so that the product of the slopes is as large as it can be.
+    Raises ValueError when a gap has no unknown, or the gaps depend on one another.
+    Source: Duff, Koster, SIAM J. Matrix Anal. Appl. 20 (1999) 889-901.
+    """
+    used = np.bincount(rows.indices[rows.data != 0], minlength=rows.shape[1])
+    if np.max(used, initial=0) <= 1:
+        return _by_largest(rows, nodes)
+    own = rows.copy()
+    own.data = np.where(used[rows.indices] == 1, rows.data, 0.0)
+    size, most = (largest(sparse.csc_matrix(each.T)) for each in (own, rows))
+    return _by_largest(own, nodes) if np.all((size >= OWN * most) & (most > 0)) else _matched(rows, nodes)
+
+
+def _by_largest(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
     number = np.diff(rows.indptr)
     largest_last = np.lexsort((np.abs(rows.data), np.repeat(np.arange(len(number)), number)))
     pivot, slope = np.zeros(len(number), np.intp), np.zeros(len(number))
@@ -92,7 +131,24 @@ def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> tuple[np.ndarray, np.
     if not np.all(slope):
         names = ", ".join(map(str, nodes[slope == 0]))
         raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
-    return pivot, slope
+    return Grip(pivot, slope)
+
+
+def _matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
+    most = np.abs(_by_largest(rows, nodes).slope)
+    firm = rows.copy()
+    firm.data[np.abs(firm.data) < FAINT * np.repeat(most, np.diff(rows.indptr))] = 0.0
+    firm.eliminate_zeros()
+    columns, numbered = np.unique(firm.indices, return_inverse=True)
+    costs = 1.0 + np.log(np.max(np.abs(firm.data))) - np.log(np.abs(firm.data))  # a zero would be no entry
+    graph = sparse.csr_matrix((costs, numbered, firm.indptr), shape=(len(nodes), len(columns)))
+    try:
+        order, found = min_weight_full_bipartite_matching(graph)
+        pivot = columns[found[np.argsort(order)]]
+        inverse = np.linalg.inv(rows[:, pivot].toarray())
+    except (ValueError, np.linalg.LinAlgError):
+        raise ValueError(f"the gaps of {len(nodes)} contact candidates depend on one another") from None
+    return Grip(pivot, np.asarray(rows[np.arange(len(nodes)), pivot]).ravel(), sparse.csr_matrix(inverse))
 
 
 def largest(A: sparse.csc_matrix) -> np.ndarray:
@@ -112,14 +168,14 @@ class Held:
 
     kappa is the size of K_k: the diagonal is as large as that of K for any epsilon. A symmetric K leaves a symmetric
     matrix, a definite one a definite one, and every entry is in a place of K's. Where unknowns move the foundation, the
-    T on the left is that of the rows by which forces act, without them.
+    T on the left is that of the rows by which forces act, without them. Gaps that share the unknowns that hold them have
+    B^-1 in the place of 1/G_k, see :class:`Grip`, and entries beyond those of K.
     """
 
     K: sparse.csc_matrix
     rows: sparse.csr_matrix  # G_A (a, n)
     acting: sparse.csr_matrix  # the same for forces
-    pivot: np.ndarray
-    slope: np.ndarray  # G_k
+    grip: Grip
     compliance: np.ndarray  # diagonal of E [mm/N]
     share: np.ndarray  # t
     spring: np.ndarray  # D_kk
@@ -128,16 +184,21 @@ class Held:
     def on(
         cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
     ) -> Held:
-        """The set of these candidates; raises ValueError when one has no unknown or two share one."""
+        """The set of these candidates; raises ValueError when :func:`holding` does."""
         rows = problem.gap_jacobian(u)[nodes]
         acting = problem.push(u)[nodes] if problem.driven else rows
-        pivot, slope = holding(acting, nodes)
-        size = largest(sparse.csc_matrix(K[:, pivot]))
+        grip = holding(acting, nodes)
+        size = largest(sparse.csc_matrix(K[:, grip.pivot]))
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
         compliance = 1.0 / (epsilon * problem.weights[nodes])
-        soft = compliance / slope**2
+        soft = compliance / grip.slope**2
         spring = size / (1 + soft * size)
-        return cls(K, rows, acting, pivot, slope, compliance, np.sqrt(soft * spring), spring)
+        return cls(K, rows, acting, grip, compliance, np.sqrt(soft * spring), spring)
+
+    @property
+    def pivot(self) -> np.ndarray:
+        """All k (a,)."""
+        return self.grip.pivot
 
     @cached_property
     def following(self) -> sparse.csr_matrix:
@@ -152,7 +213,9 @@ class Held:
     def _following(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
         a, n = rows.shape
         own = sparse.csr_matrix((self.share, self.pivot, np.arange(a + 1)), shape=(a, n))
-        return sparse.csr_matrix(sparse.diags_array(1.0 / self.slope) @ rows - own)
+        if self.grip.inverse is not None:
+            own = self.grip.inverse @ (sparse.diags_array(self.grip.slope) @ own)
+        return sparse.csr_matrix(self.grip.reciprocal @ rows - own)
 
     @cached_property
     def columns(self) -> sparse.csc_matrix:
@@ -176,32 +239,34 @@ class Held:
 
     def load(self, force: np.ndarray, slack: np.ndarray) -> np.ndarray:
         """T^T (force - K P slack) (n,), of a slack s - g (a,)."""
-        left = force - self.columns @ (slack / self.slope)
+        left = force - self.columns @ self.grip.over(slack)
         return np.asarray(left - self.balancing.T @ left[self.pivot])
 
     def motion(self, y: np.ndarray, slack: np.ndarray) -> np.ndarray:
         """du = T y + P slack (n,)."""
         du = y.copy()
-        du[self.pivot] += slack / self.slope - self.following @ y
+        du[self.pivot] += self.grip.over(slack) - self.following @ y
         return du
 
     def forces(self, y: np.ndarray, du: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """f (a,) [N]: of springs softer than the shell what they are pushed in by, else all that is left along k."""
-        found = np.asarray((self.across @ du + residual[self.pivot]) / self.slope)
+        found = self.grip.under(self.across @ du + residual[self.pivot])
         soft = self.share**2 > 0.5
-        found[soft] = -(self.slope * self.share * y[self.pivot])[soft] / self.compliance[soft]
+        found[soft] = -(self.grip.slope * self.share * y[self.pivot])[soft] / self.compliance[soft]
         return found
 
     @property
     def stiffness(self) -> sparse.csc_matrix:
         """P^T K P (a, a): forces of slacks, all else at rest."""
-        inner = self.columns[self.pivot].tocoo()
-        scaled = inner.data / self.slope[inner.row] / self.slope[inner.col]
+        if self.grip.inverse is not None:
+            return sparse.csc_matrix(self.grip.inverse.T @ self.columns[self.pivot] @ self.grip.inverse)
+        inner, slope = self.columns[self.pivot].tocoo(), self.grip.slope
+        scaled = inner.data / slope[inner.row] / slope[inner.col]
         return sparse.csc_matrix((scaled, (inner.row, inner.col)), shape=inner.shape)
 
     def shared(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
         """G P (b, a): gaps of other candidates under the slacks."""
-        return sparse.csr_matrix(rows[:, self.pivot] @ sparse.diags_array(1.0 / self.slope))
+        return sparse.csr_matrix(rows[:, self.pivot] @ self.grip.reciprocal)
 
 
 def holdable(problem: ContactProblem) -> bool:

@@ -79,12 +79,30 @@ def test_stiff_and_soft_directions_lose_no_digit(rng, epsilon) -> None:
     np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * np.max(np.abs(exact_pressure)))
 
 
-def test_candidates_that_share_an_unknown_are_refused(rng) -> None:
+@pytest.mark.parametrize("epsilon", [math.inf, 3.0])
+@pytest.mark.parametrize("own", [True, False])
+def test_candidates_may_share_unknowns(rng, epsilon, own) -> None:
+    """As faces do that both deform: each with an unknown of its own beside, or none with any."""
     data = random_quadratic(rng, "definite")
-    data.G[1] += data.G[0]
+    G = data.G.copy()
+    G[1] += 0.3 * data.G[0] + 0.1 * data.G[2]
+    if not own:
+        G = (np.eye(6) + 0.4 * np.eye(6, k=1) + 0.4 * np.eye(6, k=-1)) @ data.G
+    data = Quadratic(data.K, data.f, G, data.g0, data.w)
+    run, u = NewtonRun(data.problem(), epsilon), np.zeros(len(data.f))
+    for active in ([1, 1, 0, 0, 0, 0], [0, 1, 1, 1, 0, 1], [1, 1, 1, 1, 1, 1]):
+        du, pressure = run.step(run.linearise(u, None), u, np.zeros(6), np.array(active, bool))
+        exact_du, exact_pressure = dense_step(data, np.diag(data.w), u, np.array(active, bool), epsilon)
+        np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * np.max(np.abs(exact_du)))
+        np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * np.max(np.abs(exact_pressure)))
+
+
+def test_gaps_that_depend_on_one_another_are_refused(rng) -> None:
+    data = random_quadratic(rng, "definite")
+    data.G[1] = data.G[0]
     run, u = NewtonRun(data.problem()), np.zeros(len(data.f))
     lin = run.linearise(u, None)
-    with pytest.raises(ValueError, match="share an unknown"):
+    with pytest.raises(ValueError, match="depend on one another"):
         run.step(lin, u, np.zeros(6), np.array([True, True, False, False, False, False]))
     run.step(lin, u, np.zeros(6), np.array([False, True, True, False, False, False]))  # apart they are no trouble
 
