@@ -31,6 +31,7 @@ from contact.faces.sampling import Sampling
 from contact.faces.search import Nearest, nearest
 from contact.problem import ContactProblem, Linearise
 
+KEPT = 2  # states
 KINK = 1e-5  # of the size of a patch: nearer than this, the direction from an edge turns too fast to have a derivative
 
 
@@ -38,16 +39,13 @@ KINK = 1e-5  # of the size of a patch: nearer than this, the direction from an e
 class Pair:
     """A slave and a master in one set of points: x(u) = reference + operator u, reference (k, 3), operator (3k, n).
 
-    slave (a, 4), master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
-    sampling: of the slave at the positions (k, 3) of all points.  weights (m,) [mm^2]: reference areas of candidates.
-    nodes (m,): the points of the slave that the candidates are.
+    master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
+    weights (m,) [mm^2]: reference areas of the candidates.  sampling: of the slave at the positions (k, 3) of all.
     """
 
     reference: np.ndarray
     operator: sparse.csr_matrix
-    slave: np.ndarray
     master: np.ndarray
-    nodes: np.ndarray
     weights: np.ndarray
     sampling: Callable[[np.ndarray], Sampling]
 
@@ -159,15 +157,25 @@ def _across(a: np.ndarray, n: np.ndarray, free: np.ndarray) -> np.ndarray:
 
 def between(linearise: Linearise, pair: Pair) -> ContactProblem:
     """The contact problem of a pair; ``linearise``: the mechanics of all bodies at once."""
-    A = pair.operator
+    A, kept = pair.operator, dict[bytes, tuple[Paired, sparse.csr_matrix]]()
+
+    def at(u: np.ndarray) -> tuple[Paired, sparse.csr_matrix]:
+        """The closest points and the rows there: the last ones are asked for again and again."""
+        key = u.tobytes()
+        if key not in kept:
+            while len(kept) >= KEPT:
+                del kept[next(iter(kept))]
+            found = pair.at(u)
+            kept[key] = found, sparse.csr_matrix(found.rows @ A)
+        return kept[key]
 
     def curvature(u: np.ndarray, force: np.ndarray) -> sparse.csc_matrix:
-        return sparse.csc_matrix(A.T @ pair.at(u).curvature(force) @ A)
+        return sparse.csc_matrix(A.T @ at(u)[0].curvature(force) @ A)
 
     return ContactProblem(
         linearise=linearise,
-        gap=lambda u: pair.at(u).gap,
-        gap_jacobian=lambda u: sparse.csr_matrix(pair.at(u).rows @ A),
+        gap=lambda u: at(u)[0].gap,
+        gap_jacobian=lambda u: at(u)[1],
         weights=pair.weights,
         gap_curvature=curvature,
         gap_size=pair.size,

@@ -15,7 +15,7 @@ from contact.faces.patches import closest, normals, shape
 
 OVER = 1e-9  # of the size of a patch: a point that lies no farther beyond an edge lies over it
 AT = 1e-7  # of the size of a patch: nearer to an edge or a corner than this, its own direction is rounding
-BEYOND = 0.7  # cosine with the normal up to which a point beyond the rim of a face is beside it, not behind
+BESIDE = 0.7  # cosine with the normal behind a face, up to which a point beyond an edge is beside it
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ def nearest(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> Nearest:
     N, _ = shape(xi)
     off = x[point] - np.einsum("pl,plc->pc", N, positions[quads[quad]])
     order = np.lexsort((quad, np.einsum("pc,pc->p", off, off), point))
-    first = order[np.append(True, np.diff(point[order]) > 0)]
+    first = order[np.diff(point[order], prepend=-1) > 0]
     return _measured(x, positions, quads, quad[first], xi[first])
 
 
@@ -54,9 +54,9 @@ def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.n
     radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2), axis=1)
     to_corner, _ = cKDTree(positions[np.unique(quads)]).query(x)
     found = cKDTree(middles).query_ball_point(x, (to_corner + radius.max()) * (1 + OVER))
-    number = np.array([len(each) for each in found])
+    number = np.array([len(each) for each in found], np.intp)
     point = np.repeat(np.arange(len(x)), number)
-    quad = np.concatenate([np.asarray(each, np.intp) for each in found]) if len(found) else np.zeros(0, np.intp)
+    quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
     away = np.linalg.norm(x[point] - middles[quad], axis=1)
     kept = away <= (to_corner[point] + radius[quad]) * (1 + OVER)
     return point[kept], quad[kept]
@@ -78,20 +78,9 @@ def _measured(x: np.ndarray, positions: np.ndarray, quads: np.ndarray, quad: np.
     mean = np.einsum("pl,plc->pc", N, normals(positions, quads)[quads[quad]])
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     distance, along = np.linalg.norm(off, axis=1), np.einsum("pc,pc->p", off, mean)
-    behind = along < np.where(_beside(quads, quad, xi, free), -BEYOND * distance, 0.0)
-    signed = np.where(behind, -distance, distance)
+    signed = np.where(along < -BESIDE * distance, -distance, distance)
     with np.errstate(divide="ignore", invalid="ignore"):
         own = off / signed[:, None]
     direction = np.where((distance > AT * size)[:, None], own, mean)
     gap = np.where(over, np.einsum("pc,pc->p", off, normal), signed)
     return Nearest(quad, xi, gap, np.where(over[:, None], normal, direction), a, free, size)
-
-
-def _beside(quads: np.ndarray, quad: np.ndarray, xi: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Whether (p,) the edge that a point lies beyond is one of the rim of the face."""
-    edges = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1), axis=-1)
-    _, whose, count = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
-    rim = (count[whose.ravel()] == 1).reshape(quads.shape)[quad]
-    # edges 0 to 3: xi2 = -1, xi1 = 1, xi2 = 1, xi1 = -1
-    beyond = np.stack([xi[:, 1] <= -1, xi[:, 0] >= 1, xi[:, 1] >= 1, xi[:, 0] <= -1], axis=1)
-    return np.any(rim & beyond & ~free[:, [1, 0, 1, 0]], axis=1)

@@ -10,7 +10,7 @@ import base64
 import re
 import sys
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -144,6 +144,33 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     resultants H_11-, ..., H_33 [N/mm] in the order of the strains, and stresses S_LL1-, S_TT1-, S_LT1-, S_LL1+, ...
     [MPa] along and across the fibres of ply 1, 2, ... from inside, on its inner (-) and outer (+) side.
     """
+    write_vtu(path, *_layer(shell, u, pressure, face))
+
+
+Placement = tuple[ShellModel, np.ndarray, np.ndarray]  # a shell, its turn (3, 3) and its shift (3,) in space
+
+
+def write_shells(
+    path: Path, placed: Sequence[Placement], u: Sequence[np.ndarray], pressure: Sequence[np.ndarray], face: int = 1
+) -> None:
+    """Several shells in one file, one after the other, "body" their number; what all of them have is written."""
+    layers = [_layer(shell, *state, face) for (shell, _, _), state in zip(placed, zip(u, pressure, strict=True), strict=True)]
+    points = [x @ turn.T + shift for (x, *_), (_, turn, shift) in zip(layers, placed, strict=True)]
+    starts = np.cumsum([0, *map(len, points)])
+    cells = [layer[1] + start for layer, start in zip(layers, starts, strict=False)]
+    data: list[dict[str, np.ndarray]] = []
+    for part in (2, 3):
+        each = [dict(layer[part]) for layer in layers]
+        if part == 2:
+            for own, (_, turn, _) in zip(each, placed, strict=True):
+                own["displacement"] = own["displacement"] @ turn.T
+        data.append({name: np.concatenate([own[name] for own in each]) for name in each[0] if all(name in own for own in each)})
+    data[1]["body"] = np.repeat(np.arange(float(len(cells))), [len(each) for each in cells])
+    write_vtu(path, np.concatenate(points), np.concatenate(cells), *data)
+
+
+def _layer(shell: ShellModel, u: np.ndarray, pressure: np.ndarray, face: int) -> tuple[np.ndarray, np.ndarray, Data, Data]:
+    """Points, cells, and what they carry, of :func:`write_fields`."""
     discretisation = shell.discretisation
     inner, outer = discretisation.positions()
     n = len(inner)
@@ -154,17 +181,13 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     names = ["H_" + strain.lstrip("2").replace("E", "") for strain in STRAINS]
     plies = range(1, stresses.shape[1] + 1)
     names += [f"S_{part}{ply}{side}" for ply in plies for side in "-+" for part in ("LL", "TT", "LT")]
-    write_vtu(
-        path,
-        np.concatenate([inner, outer]),
-        np.hstack([corners, corners + n]),
-        point_data={
-            "displacement": np.concatenate(discretisation.cartesian(u, shell.prescribed)),
-            "pressure": np.concatenate([pressure * (face == 0), pressure * (face == 1)]),
-            "face": np.repeat([0.0, 1.0], n),
-        },
-        cell_data=dict(zip(names, np.hstack([resultants, stresses.reshape(len(corners), -1)]).T, strict=True)),
-    )
+    points = {
+        "displacement": np.concatenate(discretisation.cartesian(u, shell.prescribed)),
+        "pressure": np.concatenate([pressure * (face == 0), pressure * (face == 1)]),
+        "face": np.repeat([0.0, 1.0], n),
+    }
+    cells = dict(zip(names, np.hstack([resultants, stresses.reshape(len(corners), -1)]).T, strict=True))
+    return np.concatenate([inner, outer]), np.hstack([corners, corners + n]), points, cells
 
 
 def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pressure: np.ndarray) -> None:

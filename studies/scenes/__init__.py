@@ -50,6 +50,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "ring": "studies.scenes.contact.ring",
     "collapsing-tube": "studies.scenes.contact.collapsing_tube",
     "walled-column": "studies.scenes.contact.walled_column",
+    "two-rings": "studies.scenes.contact.two_rings",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",
     "pressed-panel": "studies.scenes.contact.pressed_panel",

@@ -1,0 +1,179 @@
+"""Shells whose faces meet: several bodies as one system, block by block, and the pair that two of their faces make.
+
+A body has a frame of its own, which is turned and shifted in space: one that is carried towards another one is the same
+body with another shift. What a gap is does not enter here, see :mod:`contact.faces.pair`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy import sparse
+
+from contact.faces.pair import Pair, between
+from contact.faces.sampling import PAIRINGS, Mortar, Nodes
+from contact.problem import ContactProblem, ContactSolution, Linearisation
+from formulations.conditions.boundary import FACES
+from formulations.shell import ShellModel
+from studies.ask.scene import Begun, Observation, Setting, Stage
+from studies.output.vtu import write_shells
+
+PAIRING = Setting.one_of("pairing", PAIRINGS, "nodes", "nodes of the slave against patches, or gaps averaged over them")
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A shell in space: x = turn X + shift with its own coordinates X; turn (3, 3), shift (3,) [mm]."""
+
+    shell: ShellModel
+    turn: np.ndarray = field(default_factory=lambda: np.eye(3))
+    shift: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def face(self, face: int) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
+        """Positions (N, 3) at rest, displacements (3N, n), and patches (E, 4) turned outwards: 0 inner, 1 outer."""
+        body = self.shell.discretisation
+        every, quads = np.arange(body.grid.n_nodes), body.grid.elements
+        whole = sparse.kron(sparse.eye_array(len(every)), self.turn, format="csr")
+        inwards = body.left_handed() != (face == 0)
+        place = body.positions()[face] @ self.turn.T + self.shift
+        operator = sparse.csr_matrix(whole @ body.displacement_operator(every, face))
+        return place, operator, np.where(inwards[:, None], quads[:, ::-1], quads)
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Shells as one system: the unknowns one body after the other, each in its own order of elimination."""
+
+    parts: tuple[Placed, ...]
+
+    @cached_property
+    def starts(self) -> np.ndarray:
+        """Where the unknowns of each begin, and the number of all (bodies + 1,)."""
+        return np.append(0, np.cumsum([each.shell.discretisation.n_free for each in self.parts]))
+
+    def split(self, u: np.ndarray) -> list[np.ndarray]:
+        """The unknowns of each."""
+        return np.split(u, self.starts[1:-1])
+
+    def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
+        """Residual, tangent and scale of all; the memory is a list of theirs."""
+        memories = memory if isinstance(memory, list) else [None] * len(self.parts)
+        each = zip(self.parts, self.split(u), memories, strict=True)
+        lins = [one.shell.linearise(own, known) for one, own, known in each]
+        return Linearisation(
+            np.concatenate([lin.residual for lin in lins]),
+            sparse.csc_matrix(sparse.block_diag([lin.tangent for lin in lins], format="csc")),
+            max(lin.scale for lin in lins),
+            lambda du: [lin.remember(own) for lin, own in zip(lins, self.split(du), strict=True)],
+        )
+
+    def residual(self, u: np.ndarray) -> np.ndarray:
+        """That of :meth:`linearise` alone."""
+        return np.concatenate([one.shell.residual(own) for one, own in zip(self.parts, self.split(u), strict=True)])
+
+    def energy(self, u: np.ndarray) -> float:
+        """The sum of all [N mm]."""
+        return sum(one.shell.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
+
+    def pair(self, slave: tuple[int, int], master: tuple[int, int], nodes: np.ndarray, pairing: str) -> Pair:
+        """What the face of one body makes with that of another; each a body's number and 0 or 1, see :meth:`Placed.face`.
+
+        nodes (m,): of the slave that may touch.
+        """
+        found = [(self.parts[body].face(face), body) for body, face in (slave, master)]
+        (x, own, quads), _ = found[0]
+        (x_other, other, its), _ = found[1]
+        reference, n = np.vstack([x, x_other]), int(self.starts[-1])
+        columns = [sparse.csr_matrix((each.shape[0], n)) for each in (own, other)]
+        placed = [
+            sparse.hstack([columns[k][:, : self.starts[body]], each, columns[k][:, self.starts[body + 1] :]])
+            for k, (each, body) in enumerate(((own, slave[0]), (other, master[0])))
+        ]
+        operator, its = sparse.csr_matrix(sparse.vstack(placed)), its + len(x)
+        if pairing == "nodes":
+            areas = self.parts[slave[0]].shell.discretisation.nodal_areas(FACES[slave[1]])[nodes]
+            return Pair(reference, operator, its, areas, Nodes(nodes))
+        mortar = Mortar(reference, quads, its, nodes)
+        return Pair(reference, operator, its, mortar.weights, mortar)
+
+    def against(self, pair: Pair) -> ContactProblem:
+        """The contact problem of the pair, with all that the judge may see."""
+        shells = [each.shell for each in self.parts]
+        problem = replace(between(self.linearise, pair), residual=self.residual)
+        problem = replace(problem, ordered=all(shell.ordered for shell in shells))
+        return replace(problem, energy=self.energy) if all(shell.conservative for shell in shells) else problem
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """What a scene may read off a state; force, pressure, gap (m,) of the candidates, position (m, 3) [mm] of theirs."""
+
+    bodies: Bodies
+    u: np.ndarray
+    position: np.ndarray
+    force: np.ndarray
+    pressure: np.ndarray
+    gap: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FacesModel:
+    """One path of the parameter ``key``, from rest.
+
+    bodies_at(t): all bodies where they are.  pair_at(bodies): of what may touch.  nodes (m,): of the slave's grid, the
+    candidates.  slave: body and face.  measure_at(t, meeting): what is read, {name_unit: value}.
+    """
+
+    bodies_at: Callable[[float], Bodies]
+    slave: tuple[int, int]
+    master: tuple[int, int]
+    nodes: np.ndarray
+    pairing: str
+    targets: Sequence[float]
+    measure_at: Callable[[float, Meeting], Mapping[str, float]]
+    key: str
+
+    @cached_property
+    def shell(self) -> ShellModel:
+        """The first body."""
+        return self.bodies_at(self.targets[-1]).parts[0].shell
+
+    @cached_property
+    def n_unknowns(self) -> int:
+        """Number of unknowns."""
+        return int(self.bodies_at(0.0).starts[-1])
+
+    def stages(self) -> Iterator[Stage]:
+        """The path from rest."""
+        yield Stage("load", self._begin, tuple(self.targets), self._observe)
+
+    def _begin(self, previous: ContactSolution | None) -> Begun:
+        return self.problem_at, previous or ContactSolution.at_rest(self.n_unknowns, len(self.nodes))
+
+    def pair_at(self, t: float) -> Pair:
+        """The pair at a point of the path."""
+        return self.bodies_at(t).pair(self.slave, self.master, self.nodes, self.pairing)
+
+    def problem_at(self, t: float) -> ContactProblem:
+        """All bodies and their pair at a point of the path."""
+        return self.bodies_at(t).against(self.pair_at(t))
+
+    def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
+        position = self.pair_at(t).positions(state.u)[self.nodes]
+        force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)
+        meeting = Meeting(self.bodies_at(t), state.u, position, force, state.pressure, gap)
+        quantities = dict(self.measure_at(t, meeting))
+        return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
+
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """All bodies where they are at the end of the path, with the contact pressure on the face that is the slave."""
+        bodies = self.bodies_at(self.targets[-1])
+        pressures = [np.zeros(each.shell.discretisation.grid.n_nodes) for each in bodies.parts]
+        if len(state.pressure):
+            pressures[self.slave[0]][self.nodes] = state.pressure
+        placed = [(each.shell, each.turn, each.shift) for each in bodies.parts]
+        write_shells(path, placed, bodies.split(state.u), pressures, self.slave[1])
