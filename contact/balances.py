@@ -74,3 +74,18 @@ def force_balance(
     size = max(lin.scale, float(np.sum(np.abs(nodal)))) or 1.0
     noise = float(np.finfo(float).eps * np.sum(abs(lin.tangent) @ np.abs(u)))
     return float(np.linalg.norm(nodal @ problem.directions(u) + problem.others(u))) / size, noise / size
+
+
+def pair_balance(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> tuple[float | None, float | None]:
+    """Resultant of the forces of two faces on each other over their sum, and their moment over that times their size.
+
+    Both are zero where the forces come from a gap that no rigid motion of both changes. None before a foundation.
+    """
+    if problem.faces is None:
+        return None, None
+    forces, x = problem.faces.forces(u, problem.nodal_forces(pressure)), problem.faces.positions(u)
+    arm = x - x.mean(axis=0)
+    size = float(np.sum(np.linalg.norm(forces, axis=1))) or 1.0
+    length = float(np.max(np.linalg.norm(arm, axis=1), initial=0.0)) or 1.0
+    moment = np.cross(arm, forces).sum(axis=0)
+    return float(np.linalg.norm(forces.sum(axis=0))) / size, float(np.linalg.norm(moment)) / (size * length)

@@ -43,6 +43,19 @@ class Linearised(Protocol):
         """Memory to pass on after a step du; opaque to every algorithm."""
 
 
+class Faces(Protocol):
+    """Two faces that press each other, as the judge looks at them."""
+
+    def positions(self, u: np.ndarray) -> np.ndarray:
+        """All points (k, 3) of both [mm]."""
+
+    def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+        """Forces (k, 3) [N] on all of them by those of the candidates (m,)."""
+
+    def measured(self, u: np.ndarray) -> np.ndarray:
+        """Gaps (m,) [mm] from distances that are measured anew."""
+
+
 Linearise = Callable[[np.ndarray, object], Linearised]  # (u, memory)
 
 
@@ -124,6 +137,9 @@ class ContactProblem:
     guide (n,): a known state close to the solution, given for every load of a path: a step starts from the last state
     plus the change of the guide, and the balance of energy counts from it, without friction; None where that is rest.
 
+    faces: of two bodies that both deform, or of one that meets itself: the judge measures gaps anew, and the balance of
+    what each does to the other; None before a foundation.
+
     surface: what friction would act on, in a frame that is shifted with the foundation; None where nobody has said.
     coulomb: the law of friction, None for none.
     """
@@ -147,6 +163,7 @@ class ContactProblem:
     travel: Callable[[], ContactProblem] | None = None
     standing: Standing | None = None
     guide: np.ndarray | None = None
+    faces: Faces | None = None
     surface: Surface | None = None
     coulomb: Coulomb | None = None
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.balances import BALANCE, energy_balance, force_balance, last_digits
+from contact.balances import BALANCE, energy_balance, force_balance, last_digits, pair_balance
 from contact.problem import ContactProblem, Linearised
 from contact.scales import Stiffness, length
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
@@ -26,6 +26,7 @@ WORST_ROUNDING = 1e-2  # up to which it is one if it moves nothing, and beyond w
 SLIGHT = 1e-5  # forces of the foundation below this share of those in balance must be met themselves
 NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that moves nothing
 GAP = 2e-12  # of a large gap: twice what an algorithm may leave
+PAIR = 1e-12  # of the forces of two faces, and of these times their size
 POSITION = 10 * float(np.finfo(float).eps)  # of where the foundation is: the rounding of a gap
 
 
@@ -41,6 +42,8 @@ class Verdict:
     energy: mismatch of the work of all forces with the change of energy, over the largest part [-]; None without a
     potential.  force: |sum of the forces of the foundation + all others on the body| over the largest [-]; None where
     the problem does not tell the others.  energy_rounding, force_rounding: what rounding explains of each.
+    pair_force, pair_moment: resultant and moment of what two faces do to each other, over their size [-]; None where
+    there is a foundation. They are those of rounding or wrong: no load excuses them.
     push: |G^T W p| over the largest force [-]; where it is slight, equilibrium is judged by it, see
     :meth:`needed`.
     length [mm], pressure [MPa]: a large gap, see :func:`contact.scales.length`, and the largest pressure. The bounds of
@@ -57,6 +60,8 @@ class Verdict:
     correction: float = np.inf
     energy: float | None = None
     force: float | None = None
+    pair_force: float | None = None
+    pair_moment: float | None = None
     energy_rounding: float = 0.0
     force_rounding: float = 0.0
     length: float = 0.0
@@ -73,8 +78,9 @@ class Verdict:
 
     @property
     def balances(self) -> dict[str, float]:
-        """The balances of energy, of work with friction, and of force by name, those that the problem can tell."""
+        """The balances of energy, of work with friction, of force and of a pair by name, those that can be told."""
         names = {"energy" if self.law is None else "work": self.energy, "force": self.force}
+        names |= {"pair_force": self.pair_force, "pair_moment": self.pair_moment}
         return {name: balance for name, balance in names.items() if balance is not None}
 
     @property
@@ -108,6 +114,8 @@ class Verdict:
             "energy": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
             "work": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
             "force": max(balance, min(self.force_rounding, ROUNDING_ALONE)),
+            "pair_force": PAIR,
+            "pair_moment": PAIR,
         } | ({} if self.law is None else self.law.bounds)
         sizes = {**{name: getattr(self, name) for name in KKT}, **self.balances, **self.kkt}
         return {name: (size, bounds[name]) for name, size in sizes.items() if not size <= bounds[name]}
@@ -192,6 +200,7 @@ def judge(
     energy, energy_rounding = energy_balance(problem, since, u, contact, lin)
     force, force_rounding = force_balance(problem, lin, u, pressure)
     gaps = gap_residuals(problem, u, pressure, epsilon)
+    pair_force, pair_moment = pair_balance(problem, u, pressure)
     return Verdict(
         equilibrium=equilibrium,
         penetration=gaps["penetration"],
@@ -201,6 +210,8 @@ def judge(
         correction=_correction(problem, lin, u, pressure, epsilon) if undecided else np.inf,
         energy=energy,
         force=force,
+        pair_force=pair_force,
+        pair_moment=pair_moment,
         energy_rounding=energy_rounding,
         force_rounding=force_rounding,
         length=max(large, float(np.max(np.abs(sprung), initial=0.0))),
@@ -237,8 +248,12 @@ def _with_friction(
 
 
 def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, epsilon: float) -> dict[str, float]:
-    """Penetration [mm] and complementarity [MPa mm] by the law of an epsilon [MPa/mm], that is of g + p/epsilon."""
-    gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
+    """Penetration [mm] and complementarity [MPa mm] by the law of an epsilon [MPa/mm], that is of g + p/epsilon.
+
+    The gaps of two faces are measured anew.
+    """
+    gap = problem.gap(u) if problem.faces is None else problem.faces.measured(u)
+    gap = gap if np.isinf(epsilon) else gap + pressure / epsilon
     return {
         "penetration": float(np.max(-gap, initial=0.0)),
         "complementarity": float(np.max(np.abs(pressure * gap), initial=0.0)),

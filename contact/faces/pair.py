@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from contact.faces.measured import distances
 from contact.faces.patches import shape, twist
 from contact.faces.sampling import Sampling
 from contact.faces.search import Nearest, nearest
@@ -62,6 +63,12 @@ class Pair:
     def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
         """Forces (k, 3) [N] on all points of both faces by the candidates' forces (m,)."""
         return np.asarray((self.at(u).rows.T @ nodal).reshape(-1, 3))
+
+    def measured(self, u: np.ndarray) -> np.ndarray:
+        """Gaps (m,) at the same points of the slave, by distances that are measured anew."""
+        x = self.positions(u)
+        sampled = self.sampling(x)
+        return np.asarray(sampled.average @ distances(sampled.points @ x, x, self.master) + sampled.away)
 
     @property
     def size(self) -> float:
@@ -179,4 +186,5 @@ def between(linearise: Linearise, pair: Pair) -> ContactProblem:
         weights=pair.weights,
         gap_curvature=curvature,
         gap_size=pair.size,
+        faces=pair,
     )
