@@ -68,7 +68,7 @@ class Pair:
         """Gaps (m,) at the same points of the slave, by distances that are measured anew."""
         x = self.positions(u)
         sampled = self.sampling(x)
-        return np.asarray(sampled.average @ distances(sampled.points @ x, x, self.master) + sampled.away)
+        return np.asarray(sampled.average @ distances(sampled.points @ x, x, self.master))
 
     @property
     def size(self) -> float:
@@ -88,7 +88,7 @@ class Paired:
     @property
     def gap(self) -> np.ndarray:
         """g (m,)."""
-        return np.asarray(self.sampled.average @ self.near.gap + self.sampled.away)
+        return np.asarray(self.sampled.average @ self.near.gap)
 
     @property
     def rows(self) -> sparse.csr_matrix:

@@ -32,14 +32,10 @@ GAUSS = CORNERS / np.sqrt(3)
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """points S (p, k): those of the slave from the points of the faces.  average C (m, p): gaps from theirs.
-
-    away (m,) [mm]: added to the gaps of candidates that nothing of the master lies before.
-    """
+    """points S (p, k): those of the slave from the points of the faces.  average C (m, p): gaps from theirs."""
 
     points: sparse.csr_matrix
     average: sparse.csr_matrix
-    away: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,15 +47,14 @@ class Nodes:
     def __call__(self, x: np.ndarray) -> Sampling:
         """The same at all positions x (k, 3)."""
         m = len(self.nodes)
-        points = sparse.csr_matrix((np.ones(m), self.nodes, np.arange(m + 1)), shape=(m, len(x)))
-        return Sampling(points, sparse.csr_matrix(sparse.eye_array(m, format="csr")), np.zeros(m))
+        return Sampling(_chosen(self.nodes, len(x)), _chosen(np.arange(m), m))
 
 
 @dataclass(frozen=True, eq=False)
 class Mortar:
     """The patches ``slave`` (a, 4) before ``master`` (b, 4); nodes (m,): those whose multipliers there are.
 
-    reference (k, 3): positions that areas are of.
+    reference (k, 3): positions that areas are of.  A node that nothing of the master lies before is a point by itself.
     """
 
     reference: np.ndarray
@@ -78,8 +73,10 @@ class Mortar:
         ends = 4 * np.arange(p + 1)
         points = sparse.csr_matrix((N.ravel(), quads.ravel(), ends), shape=(p, k))
         of_node = sparse.csr_matrix(((w[:, None] * N).ravel(), quads.ravel(), ends), shape=(p, k)).T.tocsr()[self.nodes]
-        away = np.where(np.asarray(of_node.sum(axis=1)).ravel() <= SLIVER * self.weights, np.ptp(x, axis=0).max(), 0.0)
-        return Sampling(points, sparse.csr_matrix(sparse.diags_array(1 / self.weights) @ of_node), away)
+        alone = np.flatnonzero(np.asarray(of_node.sum(axis=1)).ravel() <= SLIVER * self.weights)
+        average = [sparse.diags_array(1 / self.weights) @ of_node, _chosen(alone, len(self.nodes)).T]
+        whole = sparse.vstack([points, _chosen(self.nodes[alone], k)], format="csr")
+        return Sampling(sparse.csr_matrix(whole), sparse.csr_matrix(sparse.hstack(average, format="csr")))
 
     @property
     def weights(self) -> np.ndarray:
@@ -89,6 +86,11 @@ class Mortar:
         dA = np.linalg.norm(np.cross(a[..., 0], a[..., 1]), axis=-1)
         whole = np.bincount(self.slave.ravel(), (dA @ N).ravel(), minlength=len(self.reference))
         return np.asarray(whole[self.nodes])
+
+
+def _chosen(numbers: np.ndarray, k: int) -> sparse.csr_matrix:
+    """Rows of the identity (k, k)."""
+    return sparse.csr_matrix((np.ones(len(numbers)), numbers, np.arange(len(numbers) + 1)), shape=(len(numbers), k))
 
 
 def pieces(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
