@@ -22,7 +22,10 @@ from formulations.shell import ShellModel
 from studies.ask.scene import Begun, Observation, Setting, Stage
 from studies.output.vtu import write_shells
 
-PAIRING = Setting.one_of("pairing", PAIRINGS, "nodes", "nodes of the slave against patches, or gaps averaged over them")
+PAIRING = Setting.one_of("pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them")
+SLAVES = ("first", "second")
+SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "body whose face has the candidates; the other's is the master")
+OTHER = Setting("other_elements", 0.75, "elements along a line of the second body over those of the first", low=0.1, high=10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +129,7 @@ class FacesModel:
 
     bodies_at(t): all bodies where they are.  pair_at(bodies): of what may touch.  nodes (m,): of the slave's grid, the
     candidates.  slave: body and face.  measure_at(t, meeting): what is read, {name_unit: value}.
+    lying: everything touches without pressure at rest.
     """
 
     bodies_at: Callable[[float], Bodies]
@@ -136,6 +140,7 @@ class FacesModel:
     targets: Sequence[float]
     measure_at: Callable[[float, Meeting], Mapping[str, float]]
     key: str
+    lying: bool = False
 
     @cached_property
     def shell(self) -> ShellModel:
@@ -152,7 +157,8 @@ class FacesModel:
         yield Stage("load", self._begin, tuple(self.targets), self._observe)
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
-        return self.problem_at, previous or ContactSolution.at_rest(self.n_unknowns, len(self.nodes))
+        rest = ContactSolution.at_rest(self.n_unknowns, len(self.nodes))
+        return self.problem_at, previous or replace(rest, active=np.full(len(self.nodes), self.lying))
 
     def pair_at(self, t: float) -> Pair:
         """The pair at a point of the path."""

@@ -20,17 +20,14 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, contact_lines
-from studies.scenes.contact.faces import PAIRING, Bodies, FacesModel, Meeting, Placed
+from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 FACING = np.diag([-1.0, 1.0, -1.0])  # half a turn about the second axis
-SLAVES = ("first", "second")
-OTHER = Setting("other_elements", 0.75, "elements around the second ring over those around the first", low=0.1, high=10)
 OTHER_THICKNESS = Setting("other_h_mm", THIN, "thickness of the second ring", low=1e-6, high=20)
-SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "the ring whose candidates there are; the other one is the master")
 
 
 def _references() -> tuple[Reference, ...]:

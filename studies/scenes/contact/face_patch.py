@@ -1,0 +1,114 @@
+"""A patch test of contact: a uniform pressure through two faces whose meshes do not match.
+
+Flat: two plates on each other, the lower one on a rigid ground, nothing moves sideways. Whatever the meshes, uniform
+stress is in the space of both, and the pressure between them is that on top; gaps averaged over the pieces that both
+meshes cut pass it to the last digit, nodes against patches do not.
+Curved: a tube in another one, an eighth of it less than a turn, pressed outwards from inside. The exact pressure
+between them is uniform; chords of two polygons are not at a uniform distance, by the square of the size of elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from formulations.conditions.boundary import Supports
+from formulations.geometry.surfaces import Plate, cylinder
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.ask.declarations import CONTACT, Ladder, Sheet
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed
+from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
+from studies.scenes.statics import loaded_shell
+
+E, NU, H, SIDE = 1000.0, 0.3, 2.0, 40.0  # MPa, -, mm, mm
+RADIUS = 50.0  # of the face between the tubes
+TURN = np.pi / 4
+LIFTED = np.diag([1.0, -1.0, -1.0])  # half a turn about the first axis
+SHAPE = Setting.one_of("shape", ("flat", "curved"), "flat", "plates on each other, or a tube in another one")
+PRESSURE = Setting.positive("pressure_MPa", (1.0,), "pressure on the first body", 10.0, kind="floats")
+
+
+def lame_between(inner: float, outer: float) -> float:
+    """Pressure between two thin tubes of one material over that inside: Lame's -S_rr(R) of one wall.
+
+    (a/R)^2 (c^2 - R^2)/(c^2 - a^2) with the radii a inside, R between, c outside.
+    """
+    return (inner / RADIUS) ** 2 * (outer**2 - RADIUS**2) / (outer**2 - inner**2)
+
+
+class FacePatch:
+    """a1 and a2 along both sides, or along the axis and around."""
+
+    name: str = "face-patch"
+    title: str = "Uniform pressure through two faces whose meshes do not match"
+    default_mesh: tuple[int, int] = (8, 8)
+    settings: tuple[Setting, ...] = (PRESSURE, SHAPE, OTHER, PAIRING, SLAVE, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = (
+        Reference("pressure_ratio", 1.0, {"shape": "flat", "pairing": "mortar"}, "exact", "equilibrium", 1e-12),
+        Reference(
+            "pressure_ratio",
+            lame_between(RADIUS - H, RADIUS + H),
+            {"shape": "curved", "measure": "linear"},
+            "exact",
+            "Lame, one wall of both tubes",
+            2e-3,
+        ),
+    )
+    quantities: Mapping[str, str] = {
+        "pressure_ratio": "force between the faces over their reference area, over the pressure on the first body",
+        "pressure_error": "root of the mean square of p less its mean, over the mean",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            ("4x8", "8x16", "16x32"),
+            ("pressure_ratio",),
+            "linear",
+            {"shape": "curved", "pairing": "mortar"},
+        ),
+    )
+    sheet: Sheet = Sheet("z", -55.0, 26.0, settings={"pairing": "mortar"})
+
+    def build(self, request: Request) -> SceneModel:
+        """The first body carries the pressure."""
+        flat, share = request.choice("shape") == "flat", request.number("other_elements")
+        meshes = request.mesh, tuple(max(1, round(n * share)) for n in request.mesh)
+        first, second = (_body(request, (n1, n2), k, flat=flat) for k, (n1, n2) in enumerate(meshes))
+        own = SLAVES.index(request.choice("slave"))
+        faces = (1, 1 if flat else 0)
+        lifted = Placed(first, LIFTED, np.array([0.0, SIDE, 1.5 * H])) if flat else Placed(first)
+        area = (first, second)[own].discretisation.nodal_areas(("inner", "outer")[faces[own]]).sum()
+
+        def bodies(pressure: float) -> Bodies:
+            return Bodies((replace(lifted, shell=first.scaled(pressure)), Placed(second, shift=np.array([0, 0, H / 2]) * flat)))
+
+        def measured(pressure: float, meeting: Meeting) -> dict[str, float]:
+            mean = float(meeting.force.sum() / area)
+            p, w = meeting.pressure, meeting.force.size and np.divide(meeting.force, meeting.pressure, where=meeting.pressure > 0, out=np.zeros_like(meeting.force))
+            error = float(np.sqrt(w @ (p - mean) ** 2 / area)) / mean if mean > 0 else 0.0
+            return {"pressure_ratio": mean / pressure, "pressure_error": error}
+
+        nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
+        pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
+        return FacesModel(bodies, (own, faces[own]), (1 - own, faces[1 - own]), nodes, pairing, pressures, measured, "pressure_MPa", lying=True)
+
+
+def _body(request: Request, mesh: tuple[int, int], number: int, *, flat: bool) -> ShellModel:
+    laminate = Laminate.single(Ply.isotropic(E, NU, H))
+    surface = Plate() if flat else cylinder(RADIUS + (number - 0.5) * H)
+    ends = (0.0, SIDE), (0.0, SIDE if flat else TURN)
+    grid = grid_over(request, *(spaced_lines(*span, n) for span, n in zip(ends, mesh, strict=True)))
+    supports = Supports.of_edges(grid, *("symmetric",) * 4)
+    if flat and number:
+        supports = supports.hold(np.arange(grid.n_nodes), [2], ["inner"])
+    body = discretise(request, surface, grid, laminate, *supports.masks)
+    return loaded_shell(body, request, **({} if number else {"pressure": Pressure(1.0, area="face")}))
+
+
+SCENES: tuple[Scene, ...] = (FacePatch(),)
