@@ -11,7 +11,8 @@ import numpy as np
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 STEPS = 60  # of Newton's method, most points need four
 HALVINGS = 8
-CLOSE = 1e-13  # change of xi at which it ends
+CLOSE = 1e-12  # change of xi at which it ends
+ROUNDING = 1e-13  # of the size of a patch: distances no longer than that are alike
 
 
 def shape(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -49,10 +50,10 @@ def closest(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
         hessian = np.where(held[:, :, None] | held[:, None, :], np.eye(2) * metric, hessian)
         step = -np.linalg.solve(hessian, slope[..., None])[..., 0]
         there = np.clip(here + step, -1, 1)
-        before = np.einsum("pc,pc->p", off, off)
+        before = np.einsum("pc,pc->p", off, off) * (1 + CLOSE) + np.trace(metric, axis1=1, axis2=2) * ROUNDING**2
         for _ in range(HALVINGS):
             after = _offset(there, at, patch)[0]
-            longer = np.einsum("pc,pc->p", after, after) > before * (1 + 1e-14)
+            longer = np.einsum("pc,pc->p", after, after) > before
             if not longer.any():
                 break
             there[longer] = (there[longer] + here[longer]) / 2

@@ -20,7 +20,7 @@ from contact.faces.patches import CORNERS, shape
 from contact.faces.search import nearest
 
 PAIRINGS = ("nodes", "mortar")
-REACH = 1.5  # of the distance of the closest patch, how far away those lie that a patch is cut by
+FAR = 20.0  # of its own size: a patch no nearer to the master, or as deep behind it, is not cut
 SLIVER = 1e-12  # of a patch, smaller than which a piece is none
 INVERSE = 8  # Newton steps for the inverse of a bilinear map of the plane
 # Dunavant, IJNME 21 (1985) 1129-1148: six points, exact to the fourth degree; barycentric coordinates
@@ -54,7 +54,8 @@ class Nodes:
 class Mortar:
     """The patches ``slave`` (a, 4) before ``master`` (b, 4); nodes (m,): those whose multipliers there are.
 
-    reference (k, 3): positions that areas are of.  A node that nothing of the master lies before is a point by itself.
+    reference (k, 3): positions that areas are of.  A node that lies before nothing of the
+    master, or far from it, is a point by itself.
     """
 
     reference: np.ndarray
@@ -112,14 +113,15 @@ def pieces(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.nda
 
 
 def _facing(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs (c,) of patches that look at each other and are not much farther apart than the closest are."""
+    """Pairs (c,) of patches that look at each other and are not far apart."""
     mine, its = x[slave], x[master]
     middle, middles = mine.mean(axis=1), its.mean(axis=1)
     own, radius = (np.linalg.norm(c - c.mean(axis=1, keepdims=True), axis=2).max(axis=1) for c in (mine, its))
-    reach = own + radius.max() + REACH * np.abs(nearest(middle, x, master).gap)
-    found = cKDTree(middles).query_ball_point(middle, reach)
-    a = np.repeat(np.arange(len(slave)), [len(each) for each in found])
-    b = np.concatenate([np.asarray(each, np.intp) for each in found])
+    away = np.abs(nearest(middle, x, master).gap)
+    near = np.flatnonzero(away <= FAR * own)
+    found = cKDTree(middles).query_ball_point(middle[near], (own + radius.max() + away)[near])
+    a = np.repeat(near, [len(each) for each in found])
+    b = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
     looks = np.einsum("pc,pc->p", _axes(mine)[a, :, 2], _axes(its)[b, :, 2]) < 0
     return a[looks], b[looks]
 

@@ -1,7 +1,7 @@
 """Which patch of a face is closest to a point, and where: found anew for every position of both.
 
-A tree of the middles of the patches finds those whose balls come as near as the nearest corner; among them the closest
-point decides. Nothing is missed: the closest point of the face is no farther than its nearest corner.
+A tree of the middles of the patches finds those whose boxes come as near as the nearest corner. The closest point of the
+one whose box is nearest leaves few others. Nothing is missed: no point of a patch is nearer than its box.
 """
 
 from __future__ import annotations
@@ -38,28 +38,40 @@ class Nearest:
 
 def nearest(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> Nearest:
     """Of the face with these points (k, 3) and patches (q, 4) to the points x (p, 3)."""
-    point, quad = _near(x, positions, quads)
-    xi = closest(x[point], positions[quads[quad]])
-    N, _ = shape(xi)
-    off = x[point] - np.einsum("pl,plc->pc", N, positions[quads[quad]])
-    order = np.lexsort((quad, np.einsum("pc,pc->p", off, off), point))
-    first = order[np.diff(point[order], prepend=-1) > 0]
-    return _measured(x, positions, quads, quad[first], xi[first])
+    point, quad, box = _near(x, positions, quads)
+    order = np.lexsort((quad, box, point))
+    point, quad, box = point[order], quad[order], box[order]
+    first = np.diff(point, prepend=-1) > 0
+    best, xi, distance = quad[first], *_closest(x, positions[quads[quad[first]]])
+    others = np.flatnonzero(~first & (box <= distance[point] * (1 + OVER)))
+    found, there = _closest(x[point[others]], positions[quads[quad[others]]])
+    order = others[np.lexsort((there, point[others]))]
+    found, there = found[np.searchsorted(others, order)], there[np.searchsorted(others, order)]
+    least = np.diff(point[order], prepend=-1) > 0
+    of, found, there, order = point[order][least], found[least], there[least], order[least]
+    closer = there < distance[of]
+    best[of[closer]], xi[of[closer]] = quad[order[closer]], found[closer]
+    return _measured(x, positions, quads, best, xi)
 
 
-def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of a point and a patch, (c,) each."""
+def _closest(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """xi (p, 2) on patches (p, 4, 3), and the distance (p,)."""
+    xi = closest(x, corners)
+    return xi, np.linalg.norm(x - np.einsum("pl,plc->pc", shape(xi)[0], corners), axis=1)
+
+
+def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Pairs of a point and a patch, and how far the point is from the box of the patch, (c,) each."""
     corners = positions[quads]
-    middles = corners.mean(axis=1)
-    radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2), axis=1)
+    middles, low, high = corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1)
+    radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2))
     to_corner, _ = cKDTree(positions[np.unique(quads)]).query(x)
-    found = cKDTree(middles).query_ball_point(x, (to_corner + radius.max()) * (1 + OVER))
-    number = np.array([len(each) for each in found], np.intp)
-    point = np.repeat(np.arange(len(x)), number)
+    found = cKDTree(middles).query_ball_point(x, (to_corner + radius) * (1 + OVER))
+    point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
     quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
-    away = np.linalg.norm(x[point] - middles[quad], axis=1)
-    kept = away <= (to_corner[point] + radius[quad]) * (1 + OVER)
-    return point[kept], quad[kept]
+    box = np.linalg.norm(np.maximum(np.maximum(low[quad] - x[point], x[point] - high[quad]), 0.0), axis=1)
+    kept = box <= to_corner[point] * (1 + OVER)
+    return point[kept], quad[kept], box[kept]
 
 
 def _measured(x: np.ndarray, positions: np.ndarray, quads: np.ndarray, quad: np.ndarray, xi: np.ndarray) -> Nearest:
