@@ -17,7 +17,7 @@ AT_ONCE = 10_000_000  # entries of an array
 
 
 def distances(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Signed distances (p,) of points x (p, 3) from a face with points (k, 3) and patches (q, 4), negative behind it."""
+    """Signed distances (p,) of points x (p, 3) from a face of points (k, 3) and patches (q, 4), negative behind it."""
     corners = positions[quads]
     size = max(1, AT_ONCE // (3 * max(1, len(quads))))
     parts = [_some(x[i : i + size], corners) for i in range(0, len(x), size)]

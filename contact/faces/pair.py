@@ -2,9 +2,9 @@
 
     gamma_s(u) = +-|x_s - X(xi_s)|,    x_s = sum_j S_sj X_j,    g_i(u) = sum_s C_is gamma_s
 
-X(xi_s) is the closest point of the master, found anew at every u. Nodes against patches have S = 1 and C = 1; integrated
-forms average over many points of the slave, see :mod:`contact.faces.sampling`. Both faces are points of one set, whose
-positions are linear in the unknowns, so that two bodies, three, and a body that meets itself are alike.
+X(xi_s) is the closest point of the master, found anew at every u. Nodes against patches have S = 1 and C = 1; an
+integrated form averages over many points of the slave, see :mod:`contact.faces.sampling`. Both faces are points of one
+set, whose positions are linear in the unknowns, so that two bodies and a body that meets itself are alike.
 
 Derivatives are those of gamma itself: with n its gradient in space, v = dx_s - sum_l N_l dX_l, p_a = a_a . v and
 q_a = n . sum_l N_l,a dX_l ::
@@ -104,7 +104,9 @@ class Paired:
         """Values (p, 4) at the corners of the patches, (p, k)."""
         columns = self.pair.master[self.near.quad]
         ends = 4 * np.arange(len(columns) + 1)
-        return sparse.csr_matrix((values.ravel(), columns.ravel(), ends), shape=(len(columns), len(self.pair.reference)))
+        return sparse.csr_matrix(
+            (values.ravel(), columns.ravel(), ends), shape=(len(columns), len(self.pair.reference))
+        )
 
     def curvature(self, force: np.ndarray) -> sparse.csr_matrix:
         """sum_i f_i d2g_i (3k, 3k) by the positions, of candidates' forces (m,)."""

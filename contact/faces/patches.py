@@ -30,8 +30,8 @@ def twist() -> np.ndarray:
 def closest(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """The xi (p, 2) in [-1, 1]^2 that minimise |x - X(xi)|^2/2 for points x (p, 3) and patches (p, 4, 3).
 
-    Newton on the coordinates that no bound holds, Gauss-Newton where the Hessian is not definite, steps halved until the
-    distance falls. A patch may be so twisted that it has more than one minimum: that nearest to the middle is found.
+    Newton on the coordinates that no bound holds, Gauss-Newton where the Hessian is not definite, steps halved until
+    the distance falls. A patch may be so twisted that it has more than one minimum: it is sought from the middle.
     """
     xi, todo = np.zeros((len(x), 2)), np.arange(len(x))
     for _ in range(STEPS):
@@ -69,7 +69,7 @@ def _offset(xi: np.ndarray, x: np.ndarray, corners: np.ndarray) -> tuple[np.ndar
 
 
 def normals(positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Unit normals (k, 3) of a face at its points (k, 3): means over the patches (q, 4) around; zero where there are none."""
+    """Unit normals (k, 3) of a face at its points (k, 3), means over the patches (q, 4) around; 0 where none is."""
     corners = positions[quads]
     _, slope = shape(CORNERS)
     a = np.einsum("mla,qlc->qmca", slope, corners)

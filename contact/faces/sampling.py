@@ -181,7 +181,7 @@ def _triangulated(polygon: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, n
 
 
 def _inverse(points: np.ndarray, flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The xi (p, 2) of points (p, 2) in plane patches (p, 4, 2), and the area of the patch per that of xi there (p,)."""
+    """The xi (p, 2) of points (p, 2) in plane patches (p, 4, 2), and the area of a patch per that of xi there (p,)."""
     xi = np.zeros_like(points)
     for _ in range(INVERSE):
         N, slope = shape(xi)

@@ -1,7 +1,7 @@
 """Which patch of a face is closest to a point, and where: found anew for every position of both.
 
-A tree of the middles of the patches finds those whose boxes come as near as the nearest corner. The closest point of the
-one whose box is nearest leaves few others. Nothing is missed: no point of a patch is nearer than its box.
+A tree of the middles of the patches finds those whose boxes come as near as the nearest corner. The closest point of
+the one whose box is nearest leaves few others. Nothing is missed: no point of a patch is nearer than its box.
 """
 
 from __future__ import annotations
@@ -42,16 +42,13 @@ def nearest(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> Nearest:
     order = np.lexsort((quad, box, point))
     point, quad, box = point[order], quad[order], box[order]
     first = np.diff(point, prepend=-1) > 0
-    best, xi, distance = quad[first], *_closest(x, positions[quads[quad[first]]])
-    others = np.flatnonzero(~first & (box <= distance[point] * (1 + OVER)))
-    found, there = _closest(x[point[others]], positions[quads[quad[others]]])
-    order = others[np.lexsort((there, point[others]))]
-    found, there = found[np.searchsorted(others, order)], there[np.searchsorted(others, order)]
-    least = np.diff(point[order], prepend=-1) > 0
-    of, found, there, order = point[order][least], found[least], there[least], order[least]
-    closer = there < distance[of]
-    best[of[closer]], xi[of[closer]] = quad[order[closer]], found[closer]
-    return _measured(x, positions, quads, best, xi)
+    xi, distance = np.empty((len(point), 2)), np.full(len(point), np.inf)
+    xi[first], distance[first] = _closest(x, positions[quads[quad[first]]])
+    others = np.flatnonzero(~first & (box <= distance[first][point] * (1 + OVER)))
+    xi[others], distance[others] = _closest(x[point[others]], positions[quads[quad[others]]])
+    order = np.lexsort((quad, distance, point))
+    best = order[np.diff(point[order], prepend=-1) > 0]
+    return _measured(x, positions, quads, quad[best], xi[best])
 
 
 def _closest(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -65,7 +62,7 @@ def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.n
     corners = positions[quads]
     middles, low, high = corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1)
     radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2))
-    to_corner, _ = cKDTree(positions[np.unique(quads)]).query(x)
+    to_corner = np.asarray(cKDTree(positions[np.unique(quads)]).query(x)[0])
     found = cKDTree(middles).query_ball_point(x, (to_corner + radius) * (1 + OVER))
     point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
     quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])

@@ -18,6 +18,7 @@ from contact.solvers.sparse import added
 OWN = 0.1  # of the largest slope of a gap: an unknown of its own with less does not hold it
 FAINT = 1e-3  # of it: no pivot
 
+
 @dataclass(frozen=True, eq=False)
 class Pivots:
     """The constraints of the set, each solved for the displacement it holds most firmly.
@@ -168,8 +169,8 @@ class Held:
 
     kappa is the size of K_k: the diagonal is as large as that of K for any epsilon. A symmetric K leaves a symmetric
     matrix, a definite one a definite one, and every entry is in a place of K's. Where unknowns move the foundation, the
-    T on the left is that of the rows by which forces act, without them. Gaps that share the unknowns that hold them have
-    B^-1 in the place of 1/G_k, see :class:`Grip`, and entries beyond those of K.
+    T on the left is that of the rows by which forces act, without them. Gaps that share the unknowns that hold them
+    have B^-1 in the place of 1/G_k, see :class:`Grip`, and entries beyond those of K.
     """
 
     K: sparse.csc_matrix

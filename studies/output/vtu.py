@@ -154,7 +154,9 @@ def write_shells(
     path: Path, placed: Sequence[Placement], u: Sequence[np.ndarray], pressure: Sequence[np.ndarray], face: int = 1
 ) -> None:
     """Several shells in one file, one after the other, "body" their number; what all of them have is written."""
-    layers = [_layer(shell, *state, face) for (shell, _, _), state in zip(placed, zip(u, pressure, strict=True), strict=True)]
+    layers = [
+        _layer(shell, *state, face) for (shell, _, _), state in zip(placed, zip(u, pressure, strict=True), strict=True)
+    ]
     points = [x @ turn.T + shift for (x, *_), (_, turn, shift) in zip(layers, placed, strict=True)]
     starts = np.cumsum([0, *map(len, points)])
     cells = [layer[1] + start for layer, start in zip(layers, starts, strict=False)]
@@ -164,12 +166,16 @@ def write_shells(
         if part == 2:
             for own, (_, turn, _) in zip(each, placed, strict=True):
                 own["displacement"] = own["displacement"] @ turn.T
-        data.append({name: np.concatenate([own[name] for own in each]) for name in each[0] if all(name in own for own in each)})
+        data.append(
+            {name: np.concatenate([own[name] for own in each]) for name in each[0] if all(name in own for own in each)}
+        )
     data[1]["body"] = np.repeat(np.arange(float(len(cells))), [len(each) for each in cells])
     write_vtu(path, np.concatenate(points), np.concatenate(cells), *data)
 
 
-def _layer(shell: ShellModel, u: np.ndarray, pressure: np.ndarray, face: int) -> tuple[np.ndarray, np.ndarray, Data, Data]:
+def _layer(
+    shell: ShellModel, u: np.ndarray, pressure: np.ndarray, face: int
+) -> tuple[np.ndarray, np.ndarray, Data, Data]:
     """Points, cells, and what they carry, of :func:`write_fields`."""
     discretisation = shell.discretisation
     inner, outer = discretisation.positions()

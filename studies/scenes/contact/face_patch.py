@@ -9,6 +9,7 @@ between them is uniform; chords of two polygons are not at a uniform distance, b
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -86,17 +87,28 @@ class FacePatch:
         area = (first, second)[own].discretisation.nodal_areas(("inner", "outer")[faces[own]]).sum()
 
         def bodies(pressure: float) -> Bodies:
-            return Bodies((replace(lifted, shell=first.scaled(pressure)), Placed(second, shift=np.array([0, 0, H / 2]) * flat)))
+            on_top = replace(lifted, shell=first.scaled(pressure))
+            return Bodies((on_top, Placed(second, shift=np.array([0.0, 0.0, 0.5 * H * flat]))))
 
         def measured(pressure: float, meeting: Meeting) -> dict[str, float]:
             mean = float(meeting.force.sum() / area)
-            p, w = meeting.pressure, meeting.force.size and np.divide(meeting.force, meeting.pressure, where=meeting.pressure > 0, out=np.zeros_like(meeting.force))
-            error = float(np.sqrt(w @ (p - mean) ** 2 / area)) / mean if mean > 0 else 0.0
+            square = float(meeting.force @ meeting.pressure / area)
+            error = math.sqrt(max(square - mean**2, 0.0)) / mean if mean > 0 else 0.0
             return {"pressure_ratio": mean / pressure, "pressure_error": error}
 
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
         pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
-        return FacesModel(bodies, (own, faces[own]), (1 - own, faces[1 - own]), nodes, pairing, pressures, measured, "pressure_MPa", lying=True)
+        return FacesModel(
+            bodies,
+            (own, faces[own]),
+            (1 - own, faces[1 - own]),
+            nodes,
+            pairing,
+            pressures,
+            measured,
+            "pressure_MPa",
+            lying=True,
+        )
 
 
 def _body(request: Request, mesh: tuple[int, int], number: int, *, flat: bool) -> ShellModel:
@@ -108,7 +120,7 @@ def _body(request: Request, mesh: tuple[int, int], number: int, *, flat: bool) -
     if flat and number:
         supports = supports.hold(np.arange(grid.n_nodes), [2], ["inner"])
     body = discretise(request, surface, grid, laminate, *supports.masks)
-    return loaded_shell(body, request, **({} if number else {"pressure": Pressure(1.0, area="face")}))
+    return loaded_shell(body, request) if number else loaded_shell(body, request, pressure=Pressure(1.0, area="face"))
 
 
 SCENES: tuple[Scene, ...] = (FacePatch(),)

@@ -22,10 +22,14 @@ from formulations.shell import ShellModel
 from studies.ask.scene import Begun, Observation, Setting, Stage
 from studies.output.vtu import write_shells
 
-PAIRING = Setting.one_of("pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them")
+PAIRING = Setting.one_of(
+    "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
+)
 SLAVES = ("first", "second")
 SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "body whose face has the candidates; the other's is the master")
-OTHER = Setting("other_elements", 0.75, "elements along a line of the second body over those of the first", low=0.1, high=10)
+OTHER = Setting(
+    "other_elements", 0.75, "elements along a line of the second body over those of the first", low=0.1, high=10
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +87,7 @@ class Bodies:
         return sum(one.shell.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
 
     def pair(self, slave: tuple[int, int], master: tuple[int, int], nodes: np.ndarray, pairing: str) -> Pair:
-        """What the face of one body makes with that of another; each a body's number and 0 or 1, see :meth:`Placed.face`.
+        """What a face of one body makes with one of another, each by its body and as :meth:`Placed.face` has it.
 
         nodes (m,): of the slave that may touch.
         """
@@ -113,14 +117,15 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
-    """What a scene may read off a state; force, pressure, gap (m,) of the candidates, position (m, 3) [mm] of theirs."""
+    """What a scene may read off a state: by candidate, at the positions (m, 3) [mm] of their nodes.
 
-    bodies: Bodies
-    u: np.ndarray
+    force (m,) [N], pressure (m,) [MPa], area (m,) [mm^2].
+    """
+
     position: np.ndarray
     force: np.ndarray
     pressure: np.ndarray
-    gap: np.ndarray
+    area: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,8 +175,7 @@ class FacesModel:
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         position = self.pair_at(t).positions(state.u)[self.nodes]
-        force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)
-        meeting = Meeting(self.bodies_at(t), state.u, position, force, state.pressure, gap)
+        meeting = Meeting(position, problem.nodal_forces(state.pressure), state.pressure, problem.weights)
         quantities = dict(self.measure_at(t, meeting))
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 

@@ -102,7 +102,9 @@ class TwoRings:
 def _ring(request: Request, h: float, count: int) -> ShellModel:
     laminate, right = Laminate.single(Ply.isotropic(E, 0.0, h)), np.pi / 2
     asked = replace(request, mesh=(request.mesh[0], count))
-    around = contact_lines(asked, 1, (0, right), lambda: flattened_ring(1 - request.numbers("delta_mm")[-1] / RADIUS)[1])
+    around = contact_lines(
+        asked, 1, (0, right), lambda: flattened_ring(1 - request.numbers("delta_mm")[-1] / RADIUS)[1]
+    )
     grid = grid_over(request, spaced_lines(0, WIDTH, request.mesh[0]), around)
     return loaded_shell(on_grid(request, cylinder(RADIUS), grid, laminate, ("symmetric",) * 4), request)
 
