@@ -1,0 +1,166 @@
+"""Two faces against each other: gaps, rows and curvature by differences, balance, weights, and both searches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.catalogue import ALGORITHMS
+from contact.faces.measured import distances
+from contact.faces.pair import Pair, between
+from contact.faces.sampling import PAIRINGS, Mortar, Nodes, clipped
+from contact.faces.search import nearest
+from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.oracle import minimise
+from contact.problem import ContactSolution
+from contact.verify import PAIR, judge
+from support.problems.contact_problems import linear_mechanics
+
+ROUNDING = 1e-13
+STEP = 1e-5
+BY_DIFFERENCES = 2e-8  # of the size: central ones with that step
+each_pairing = pytest.mark.parametrize("pairing", PAIRINGS)
+
+
+def sheet(n1: int, n2: int, side: float, height: float, bent: float, *, up: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Points (k, 3) and patches (q, 4) of a square sheet z = height + bent (x^2 + y^2/2), which looks up or down."""
+    x, y = (grid.ravel() for grid in np.meshgrid(*(np.linspace(-side, side, n + 1) for n in (n1, n2)), indexing="ij"))
+    low = (np.arange(n1)[:, None] * (n2 + 1) + np.arange(n2)).ravel()
+    quads = low[:, None] + np.array([0, n2 + 1, n2 + 2, 1])
+    return np.stack([x, y, height + bent * (x**2 + y**2 / 2)], axis=-1), quads if up else quads[:, ::-1]
+
+
+def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.1, side: float = 1.2) -> Pair:
+    """A sheet of 3 x 4 above one of 5 x 3 with another side; every coordinate is an unknown."""
+    above, below = sheet(3, 4, 1.0, apart, bent, up=False), sheet(5, 3, side, 0.0, -bent, up=True)
+    reference = np.vstack([above[0], below[0]])
+    reference += noise * np.random.default_rng(1).normal(size=reference.shape)
+    nodes, master = np.arange(len(above[0])), below[1] + len(above[0])
+    everything = sparse.csr_matrix(sparse.eye_array(reference.size, format="csr"))
+    mortar = Mortar(reference, above[1], master, nodes)
+    return Pair(reference, everything, master, mortar.weights, Nodes(nodes) if pairing == "nodes" else mortar)
+
+
+def frozen(one: Pair, u: np.ndarray) -> Pair:
+    """With the points of the slave that there are at u: what moves them is of the order of their rule."""
+    there = one.sampling(one.positions(u))
+    return replace(one, sampling=lambda x: there)
+
+
+@each_pairing
+def test_rows_and_curvature_are_derivatives(pairing: str) -> None:
+    """Above patches, above edges and above corners."""
+    rng = np.random.default_rng(2)
+    one = pair(pairing, side=0.9)
+    u = 0.01 * rng.normal(size=one.operator.shape[1])
+    one = frozen(one, u)
+    at, force = one.at(u), rng.uniform(0.5, 1.0, len(one.weights))
+    assert {0, 1, 2} == set(at.near.free.sum(axis=1).tolist())
+    ways = rng.normal(size=(8, len(u)))
+    sides = [(one.at(u + STEP * way), one.at(u - STEP * way)) for way in ways]
+    rows = np.array([(more.gap - less.gap) / (2 * STEP) for more, less in sides]).T
+    bent = np.array([(more.rows.T @ force - less.rows.T @ force) / (2 * STEP) for more, less in sides]).T
+    np.testing.assert_allclose(at.rows @ ways.T, rows, rtol=0, atol=BY_DIFFERENCES)
+    np.testing.assert_allclose(at.curvature(force) @ ways.T, bent, rtol=0, atol=BY_DIFFERENCES * np.max(np.abs(bent)))
+
+
+@each_pairing
+def test_a_pair_has_no_resultant_and_no_moment(pairing: str) -> None:
+    rng = np.random.default_rng(3)
+    one = pair(pairing)
+    u = 0.02 * rng.normal(size=one.operator.shape[1])
+    forces, x = one.forces(u, rng.uniform(0.5, 1.0, len(one.weights))), one.positions(u)
+    assert np.max(np.abs(forces)) > 0.1
+    np.testing.assert_allclose(forces.sum(axis=0), 0, atol=ROUNDING)
+    np.testing.assert_allclose(np.cross(x, forces).sum(axis=0), 0, atol=ROUNDING)
+
+
+def test_both_searches_find_the_same_distances() -> None:
+    """In front of a bent face, behind it, and beside its rim."""
+    x, quads = sheet(6, 5, 1.0, 0.0, 0.3, up=True)
+    points = np.random.default_rng(4).uniform(-1.5, 1.5, (300, 3)) * [1.0, 1.0, 0.4]
+    found, anew = nearest(points, x, quads), distances(points, x, quads)
+    assert np.min(anew) < -0.1
+    assert np.sum(~found.free.all(axis=1)) > 50
+    np.testing.assert_allclose(found.gap, anew, rtol=0, atol=10 * ROUNDING)
+
+
+def test_a_search_that_is_wrong_is_seen_by_the_judge() -> None:
+    """One that looks at half of the master leaves gaps open that are not."""
+    one = pair("nodes", bent=0.0, noise=0.0)
+    n, m = one.operator.shape[1], len(one.weights)
+    problem = between(linear_mechanics(np.eye(n), np.zeros(n)), replace(one, master=one.master[: len(one.master) // 2]))
+    lowered = np.zeros((n // 3, 3))
+    lowered[:m, 2] = np.where(one.reference[:m, 0] > 0.5, -0.11, 0.0)
+    assert np.min(problem.gap(lowered.ravel())) > 0
+    told = judge(replace(problem, faces=one), lowered.ravel(), np.zeros(m))
+    assert told.penetration == pytest.approx(0.01)
+    assert "penetration" in told.failures()
+
+
+def test_pieces_of_flat_faces_have_all_of_their_area_and_the_loads_of_both() -> None:
+    """The forces of a uniform pressure on the master: int N_l dA over what the slave covers, by brute force."""
+    one = pair("mortar", bent=0.0, noise=0.0)
+    u = np.zeros(one.operator.shape[1])
+    sampled = one.sampling(one.positions(u))
+    np.testing.assert_allclose(sampled.average.sum(axis=1), 1.0, atol=ROUNDING)
+    np.testing.assert_allclose(one.at(u).gap, 0.1, atol=ROUNDING)
+    on_master = one.forces(u, one.weights)[len(one.weights) :, 2]
+    t = (np.arange(4000) + 0.5) / 2000 - 1
+
+    def shares(n: int) -> np.ndarray:
+        lines = np.linspace(-1.2, 1.2, n + 1)
+        return np.array([np.interp(t, lines, row).mean() * 2 for row in np.eye(n + 1)])
+
+    np.testing.assert_allclose(on_master, -np.outer(shares(5), shares(3)).ravel(), atol=1e-7)
+
+
+def test_polygons_are_cut_by_polygons() -> None:
+    square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    turned = 1.2 * square @ np.array([[1.0, 1.0], [-1.0, 1.0]]) / math.sqrt(2)
+    polygon, count = clipped(np.stack([turned, square + [1.5, 0.5], square + 5.0]), np.stack([square] * 3))
+    corners = [each[:n] for each, n in zip(polygon, count, strict=True)]
+    areas = [abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2 for x, y in (c.T for c in corners)]
+    np.testing.assert_allclose(areas, [4 - 2 * (2 - 1.2 * math.sqrt(2)) ** 2, 0.75, 0.0], atol=1e-12)
+
+
+@each_pairing
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in ("semismooth", "lcp") else pytest.mark.slow)
+        for name in ALGORITHMS
+        if name != "regularised"
+    ],
+)
+def test_algorithms_and_the_oracle_agree_on_two_nets(pairing: str, name: str) -> None:
+    """Springs hold every point, those of the master stiffer: nodes alone do not settle where it folds under them."""
+    one = pair(pairing, apart=0.05)
+    n, m = one.operator.shape[1], len(one.weights)
+    load = np.zeros((n // 3, 3))
+    load[:m, 2] = -2.0 * one.weights
+    K = np.eye(n) + 0.2 * np.diag(np.ones(n - 3), 3) + 0.2 * np.diag(np.ones(n - 3), -3)
+    stiff = np.where(np.arange(n) < 3 * m, 1.0, 5.0 if pairing == "mortar" else 100.0)
+    K *= np.sqrt(np.outer(stiff, stiff))
+    problem = between(linear_mechanics(K, load.ravel()), one)
+    found = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    assert found.outcome.converged
+    told = judge(problem, found.u, found.pressure)
+    assert not told.failures()
+    assert max(told.balances["pair_force"], told.balances["pair_moment"]) <= PAIR
+    assert 3 < found.active.sum() < m
+    lin = problem.linearise(found.u, None)
+    step = FrozenStep(
+        problem.stiffness(lin, found.u, found.pressure),
+        lin.residual,
+        problem.gap_jacobian(found.u),
+        problem.gap(found.u),
+        one.weights,
+        lin.scale,
+    )
+    _, pressure = minimise(step)
+    np.testing.assert_allclose(found.pressure, pressure, rtol=0, atol=1e-8 * np.max(pressure))
