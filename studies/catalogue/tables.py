@@ -25,6 +25,7 @@ from studies.catalogue.words import loads, obstacle, shape_of, solid_supports, s
 from studies.run.answers import Answers
 from studies.run.scene_cells import SHEETS
 from studies.scenes import SCENES
+from studies.scenes.contact.faces import FacesModel
 from studies.scenes.element import ShearCorrected
 
 PARTS = ("kind", "part", "meaning", "about", "source", "module", "up", "azimuth_deg", "elevation_deg")
@@ -173,6 +174,8 @@ def _facts(built: Built) -> Iterator[tuple[str, str, str]]:
         yield from _wall_facts(built.laminate)
     if built.foundation is not None:
         yield "Contact", "foundation", obstacle(built.foundation)
+    if isinstance(built.model, FacesModel):
+        yield "Contact", "faces", f"{built.model.said}; both deform, without friction"
 
 
 def _shell_facts(shell: ShellModel, *, by_share: bool) -> Iterator[tuple[str, str, str]]:

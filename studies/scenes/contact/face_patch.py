@@ -20,7 +20,7 @@ from formulations.geometry.surfaces import Plate, cylinder
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import CONTACT, Ladder, Sheet
+from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed
@@ -65,15 +65,6 @@ class FacePatch:
         "pressure_ratio": "force between the faces over their reference area, over the pressure on the first body",
         "pressure_error": "root of the mean square of p less its mean, over the mean",
     }
-    ladders: tuple[Ladder, ...] = (
-        Ladder(
-            CONTACT,
-            ("4x8", "8x16", "16x32"),
-            ("pressure_ratio",),
-            "linear",
-            {"shape": "curved", "pairing": "mortar"},
-        ),
-    )
     sheet: Sheet = Sheet("z", -55.0, 26.0, settings={"pairing": "mortar"})
 
     def build(self, request: Request) -> SceneModel:
@@ -92,8 +83,7 @@ class FacePatch:
 
         def measured(pressure: float, meeting: Meeting) -> dict[str, float]:
             mean = float(meeting.force.sum() / area)
-            square = float(meeting.force @ meeting.pressure / area)
-            error = math.sqrt(max(square - mean**2, 0.0)) / mean if mean > 0 else 0.0
+            error = math.sqrt(meeting.area @ (meeting.pressure - mean) ** 2 / area) / mean if mean > 0 else 0.0
             return {"pressure_ratio": mean / pressure, "pressure_error": error}
 
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)

@@ -152,6 +152,14 @@ class FacesModel:
         """The first body."""
         return self.bodies_at(self.targets[-1]).parts[0].shell
 
+    @property
+    def said(self) -> str:
+        """Which faces meet, and how."""
+        (body, face), (other, its) = self.slave, self.master
+        return (
+            f"{FACES[face]} face of body {body + 1} against the {FACES[its]} face of body {other + 1}, {self.pairing}"
+        )
+
     @cached_property
     def n_unknowns(self) -> int:
         """Number of unknowns."""

@@ -122,7 +122,7 @@ def test_pieces_of_flat_faces_have_all_of_their_area_and_the_loads_of_both() -> 
 def test_polygons_are_cut_by_polygons() -> None:
     square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     turned = 1.2 * square @ np.array([[1.0, 1.0], [-1.0, 1.0]]) / math.sqrt(2)
-    polygon, count = clipped(np.stack([turned, square + [1.5, 0.5], square + 5.0]), np.stack([square] * 3))
+    polygon, count = clipped(np.stack([turned, square + np.array([1.5, 0.5]), square + 5.0]), np.stack([square] * 3))
     corners = [each[:n] for each, n in zip(polygon, count, strict=True)]
     areas = [abs(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2 for x, y in (c.T for c in corners)]
     np.testing.assert_allclose(areas, [4 - 2 * (2 - 1.2 * math.sqrt(2)) ** 2, 0.75, 0.0], atol=1e-12)

@@ -1,0 +1,121 @@
+"""Shells whose faces meet: a patch test, rings against the elastica and the plate, both sides as master, algorithms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.verify import PAIR
+from studies.output.vtu import read_vtu
+from studies.scenes.complete import complete
+from studies.scenes.contact.face_patch import RADIUS, H, lame_between
+from studies.scenes.contact.faces import FacesModel
+from studies.solving.result import Result
+from studies.solving.solve import solve
+from support.problems.differences import fitted_order
+
+LAST_DIGITS = 1e-12
+AGREE = 1e-8
+RIM = {"lines": "rim", "delta_mm": "50"}
+
+
+def solved(scene: str, mesh: str, measure: str = "exact", contact: str = "semismooth", **settings: Any) -> Result:
+    result = solve(*complete(scene, settings, mesh, measure=measure, contact=contact))
+    assert result.outcome.converged, result.reason
+    for step in result.steps:
+        assert max(step["balances"]["pair_force"], step["balances"]["pair_moment"]) <= PAIR
+    return result
+
+
+@pytest.mark.parametrize("slave", ["first", "second"])
+@pytest.mark.parametrize("measure", ["exact", "linear"])
+def test_a_uniform_pressure_passes_between_flat_faces_to_the_last_digit(slave: str, measure: str) -> None:
+    found = solved("face-patch", "4x8", measure, slave=slave).quantities
+    assert abs(found["pressure_ratio"] - 1) <= LAST_DIGITS
+    assert found["pressure_error"] <= LAST_DIGITS
+
+
+def test_nodes_alone_do_not_pass_it() -> None:
+    """One step of them, so linear that nothing else could fail."""
+    scene, request = complete("face-patch", {"pairing": "nodes", "pressure_MPa": "1e-6"}, "4x8", measure="linear")
+    model = scene.build(request)
+    assert isinstance(model, FacesModel)
+    pair = model.pair_at(1e-6)
+    u = np.zeros(model.n_unknowns)
+    on_master = pair.forces(u, pair.weights)[model.shell.discretisation.grid.n_nodes :, 2]
+    mortar = solved("face-patch", "4x8", "linear").model
+    assert isinstance(mortar, FacesModel)
+    exact = mortar.pair_at(1.0)
+    right = exact.forces(u, exact.weights)[model.shell.discretisation.grid.n_nodes :, 2]
+    assert np.max(np.abs(on_master - right)) > 0.1 * np.max(np.abs(right))
+
+
+@pytest.mark.slow
+def test_the_force_between_curved_faces_converges_with_order_two() -> None:
+    """To Lame's, but for the wall of the shell, which is thin to (h/R)^2."""
+    meshes, exact = ("4x8", "8x16"), lame_between(RADIUS - H, RADIUS + H)
+    settings = {"shape": "curved"}
+    errors = [
+        abs(solved("face-patch", mesh, "linear", **settings).quantities["pressure_ratio"] / exact - 1)
+        for mesh in meshes
+    ]
+    assert errors[-1] <= 1e-2
+    assert 1.8 <= fitted_order([1 / 8, 1 / 16], errors) <= 2.2
+
+
+@pytest.mark.parametrize("pairing", ["nodes", pytest.param("mortar", marks=pytest.mark.slow)])
+def test_equal_rings_meet_as_each_meets_a_plate(pairing: str) -> None:
+    plate = solve(*complete("ring", RIM, "1x20")).quantities
+    rings = solved("two-rings", "1x20", pairing=pairing, other_elements=1.0, **RIM).quantities
+    bound = 1e-6 if pairing == "nodes" else 2e-3  # of means over patches the rim is another one
+    for name in ("P_R2_over_EI", "flat_half_length"):
+        assert rings[name] == pytest.approx(plate[name], rel=bound)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pairing", ["nodes", "mortar"])
+def test_rings_whose_meshes_do_not_match_converge_to_the_elastica_whoever_is_the_master(pairing: str) -> None:
+    found = {
+        slave: [
+            solved("two-rings", mesh, pairing=pairing, slave=slave, **RIM).quantities["P_H2_over_EI"]
+            for mesh in ("1x20", "1x40")
+        ]
+        for slave in ("first", "second")
+    }
+    for values in found.values():
+        errors = [abs(value / 5.742160 - 1) for value in values]
+        assert errors[1] < errors[0] / 3
+        assert errors[1] <= 3e-3
+    bias = np.abs(np.array(found["first"]) / found["second"] - 1)
+    assert np.all(bias <= np.abs(np.array(found["first"]) / 5.742160 - 1))
+    assert bias[1] <= 1e-4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name", [name for name in ALGORITHMS if name not in ("semismooth", "regularised", "trial-and-error")]
+)
+def test_algorithms_agree_on_two_rings(name: str) -> None:
+    settings = {**RIM, "delta_mm": "20,35,50"}
+    ours = solved("two-rings", "1x20", contact=name, **settings).quantities
+    theirs = solved("two-rings", "1x20", **settings).quantities
+    for key, value in theirs.items():
+        assert ours[key] == pytest.approx(value, rel=AGREE)
+
+
+def test_fields_have_both_bodies_where_they_are(tmp_path) -> None:
+    result = solved("two-rings", "1x20", delta_mm="20")
+    assert result.last is not None
+    result.model.write_fields(tmp_path / "fields.vtu", result.last)
+    fields = read_vtu(tmp_path / "fields.vtu")
+    at = fields.points + fields.data["displacement"]
+    body = fields.data["body"]
+    first, second = (at[np.unique(fields.cells[body == number])] for number in (0, 1))
+    assert abs(np.min(second[:, 0]) - np.max(first[:, 0])) < 0.1  # the sagitta of an element is 0.08 mm
+    assert np.ptp(first[:, 2]) == pytest.approx(np.ptp(second[:, 2]))
+    assert np.max(fields.data["pressure"]) == pytest.approx(np.max(result.last.pressure))
+    assert math.isclose(np.min(first[:, 0]), 0.0, abs_tol=1e-9)
