@@ -21,6 +21,7 @@ from contact.faces.search import nearest
 
 PAIRINGS = ("nodes", "mortar")
 FAR = 20.0  # of its own size: a patch no nearer to the master, or as deep behind it, is not cut
+ON = 1e-9  # of the length of an edge, within which a corner lies on it
 SLIVER = 1e-12  # of a patch, smaller than which a piece is none
 INVERSE = 8  # Newton steps for the inverse of a bilinear map of the plane
 # Dunavant, IJNME 21 (1985) 1129-1148: six points, exact to the fourth degree; barycentric coordinates
@@ -139,6 +140,7 @@ def _axes(corners: np.ndarray) -> np.ndarray:
 def clipped(polygon: np.ndarray, by: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Convex polygons (p, 4, 2) cut by others (p, 4, 2), all anticlockwise: (p, 8, 2) and the number of corners (p,).
 
+    Edges that lie on each other to ON do not cross: where they would is rounding, and the points of a rule with it.
     Source: Sutherland, Hodgman, Commun. ACM 17 (1974) 32-42.
     """
     p = len(polygon)
@@ -148,6 +150,7 @@ def clipped(polygon: np.ndarray, by: np.ndarray) -> tuple[np.ndarray, np.ndarray
         start, along = by[:, side], by[:, (side + 1) % 4] - by[:, side]
         off = here - start[:, None]
         inside = along[:, None, 0] * off[..., 1] - along[:, None, 1] * off[..., 0]
+        inside[np.abs(inside) <= ON * np.einsum("pc,pc->p", along, along)[:, None]] = 0.0
         found, number = np.zeros((p, 9, 2)), np.zeros(p, np.intp)
         for i in range(8):
             exists = i < count
