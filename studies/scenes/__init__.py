@@ -51,6 +51,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "collapsing-tube": "studies.scenes.contact.collapsing_tube",
     "walled-column": "studies.scenes.contact.walled_column",
     "two-rings": "studies.scenes.contact.two_rings",
+    "pinched-ring": "studies.scenes.contact.pinched_ring",
     "face-patch": "studies.scenes.contact.face_patch",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",

@@ -23,7 +23,7 @@ from formulations.shell import ShellModel
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed
+from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed, Side
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.statics import loaded_shell
 
@@ -88,17 +88,8 @@ class FacePatch:
 
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
         pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
-        return FacesModel(
-            bodies,
-            (own, faces[own]),
-            (1 - own, faces[1 - own]),
-            nodes,
-            pairing,
-            pressures,
-            measured,
-            "pressure_MPa",
-            lying=True,
-        )
+        sides = Side(own, faces[own]), Side(1 - own, faces[1 - own])
+        return FacesModel(bodies, *sides, nodes, pairing, pressures, measured, "pressure_MPa", lying=True)
 
 
 def _body(request: Request, mesh: tuple[int, int], number: int, *, flat: bool) -> ShellModel:

@@ -52,6 +52,15 @@ class Placed:
 
 
 @dataclass(frozen=True, eq=False)
+class Side:
+    """A body by its number, its face, 0 inner or 1 outer, and its elements (k,) that may meet, all unless given."""
+
+    body: int
+    face: int
+    patches: slice | np.ndarray = field(default_factory=lambda: slice(None))
+
+
+@dataclass(frozen=True, eq=False)
 class Bodies:
     """Shells as one system: the unknowns one body after the other, each in its own order of elimination."""
 
@@ -86,25 +95,22 @@ class Bodies:
         """The sum of all [N mm]."""
         return sum(one.shell.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
 
-    def pair(self, slave: tuple[int, int], master: tuple[int, int], nodes: np.ndarray, pairing: str) -> Pair:
-        """What a face of one body makes with one of another, each by its body and as :meth:`Placed.face` has it.
-
-        nodes (m,): of the slave that may touch.
-        """
-        found = [(self.parts[body].face(face), body) for body, face in (slave, master)]
+    def pair(self, slave: Side, master: Side, nodes: np.ndarray, pairing: str) -> Pair:
+        """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch."""
+        found = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
         (x, own, quads), _ = found[0]
         (x_other, other, its), _ = found[1]
         reference, n = np.vstack([x, x_other]), int(self.starts[-1])
         columns = [sparse.csr_matrix((each.shape[0], n)) for each in (own, other)]
         placed = [
             sparse.hstack([columns[k][:, : self.starts[body]], each, columns[k][:, self.starts[body + 1] :]])
-            for k, (each, body) in enumerate(((own, slave[0]), (other, master[0])))
+            for k, (each, body) in enumerate(((own, slave.body), (other, master.body)))
         ]
-        operator, its = sparse.csr_matrix(sparse.vstack(placed)), its + len(x)
+        operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
         if pairing == "nodes":
-            areas = self.parts[slave[0]].shell.discretisation.nodal_areas(FACES[slave[1]])[nodes]
+            areas = self.parts[slave.body].shell.discretisation.nodal_areas(FACES[slave.face])[nodes]
             return Pair(reference, operator, its, areas, Nodes(nodes))
-        mortar = Mortar(reference, quads, its, nodes)
+        mortar = Mortar(reference, quads[slave.patches], its, nodes)
         return Pair(reference, operator, its, mortar.weights, mortar)
 
     def against(self, pair: Pair) -> ContactProblem:
@@ -117,11 +123,12 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class Meeting:
-    """What a scene may read off a state: by candidate, at the positions (m, 3) [mm] of their nodes.
+    """What a scene may read off a state u (n,): by candidate, at the positions (m, 3) [mm] of their nodes.
 
     force (m,) [N], pressure (m,) [MPa], area (m,) [mm^2].
     """
 
+    u: np.ndarray
     position: np.ndarray
     force: np.ndarray
     pressure: np.ndarray
@@ -133,13 +140,13 @@ class FacesModel:
     """One path of the parameter ``key``, from rest.
 
     bodies_at(t): all bodies where they are.  pair_at(bodies): of what may touch.  nodes (m,): of the slave's grid, the
-    candidates.  slave: body and face.  measure_at(t, meeting): what is read, {name_unit: value}.
+    candidates.  measure_at(t, meeting): what is read, {name_unit: value}.
     lying: everything touches without pressure at rest.
     """
 
     bodies_at: Callable[[float], Bodies]
-    slave: tuple[int, int]
-    master: tuple[int, int]
+    slave: Side
+    master: Side
     nodes: np.ndarray
     pairing: str
     targets: Sequence[float]
@@ -155,10 +162,8 @@ class FacesModel:
     @property
     def said(self) -> str:
         """Which faces meet, and how."""
-        (body, face), (other, its) = self.slave, self.master
-        return (
-            f"{FACES[face]} face of body {body + 1} against the {FACES[its]} face of body {other + 1}, {self.pairing}"
-        )
+        own, its = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
+        return f"{own} against {its}, {self.pairing}"
 
     @cached_property
     def n_unknowns(self) -> int:
@@ -183,7 +188,7 @@ class FacesModel:
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         position = self.pair_at(t).positions(state.u)[self.nodes]
-        meeting = Meeting(position, problem.nodal_forces(state.pressure), state.pressure, problem.weights)
+        meeting = Meeting(state.u, position, problem.nodal_forces(state.pressure), state.pressure, problem.weights)
         quantities = dict(self.measure_at(t, meeting))
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
@@ -192,6 +197,6 @@ class FacesModel:
         bodies = self.bodies_at(self.targets[-1])
         pressures = [np.zeros(each.shell.discretisation.grid.n_nodes) for each in bodies.parts]
         if len(state.pressure):
-            pressures[self.slave[0]][self.nodes] = state.pressure
+            pressures[self.slave.body][self.nodes] = state.pressure
         placed = [(each.shell, each.turn, each.shift) for each in bodies.parts]
-        write_shells(path, placed, bodies.split(state.u), pressures, self.slave[1])
+        write_shells(path, placed, bodies.split(state.u), pressures, self.slave.face)

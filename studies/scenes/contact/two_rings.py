@@ -20,7 +20,7 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.base import RIM_LINES, contact_lines
-from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed
+from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed, Side
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
@@ -87,7 +87,7 @@ class TwoRings:
             return {"P_R2_over_EI": load, "P_H2_over_EI": load * height**2, "flat_half_length": centre}
 
         pairing = request.choice("pairing")
-        return FacesModel(bodies, (own, 1), (1 - own, 1), nodes, pairing, deltas, measured, "delta_mm")
+        return FacesModel(bodies, Side(own, 1), Side(1 - own, 1), nodes, pairing, deltas, measured, "delta_mm")
 
 
 def _ring(request: Request, h: float, count: int) -> ShellModel:

@@ -107,6 +107,29 @@ def test_algorithms_agree_on_two_rings(name: str) -> None:
         assert ours[key] == pytest.approx(value, rel=AGREE)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("pairing", "other"), [("nodes", 1.0), ("mortar", 1.0), ("mortar", 0.75)])
+def test_a_ring_that_touches_itself_is_a_quarter_on_a_plane_in_the_limit(pairing: str, other: float) -> None:
+    """Facets beside the plane of symmetry are not at right angles to the force: both differ by the square of their size."""
+    load = {"F_R2_over_EI": "8"}
+    off = []
+    for mesh in ("1x24", "1x48"):
+        plane = solve(*complete("pinched-ring", {**load, "against": "plane"}, mesh)).quantities
+        itself = solved("pinched-ring", mesh, pairing=pairing, other_elements=other, **load).quantities
+        assert itself["spread_over_R"] == pytest.approx(plane["spread_over_R"], rel=1e-3)
+        off.append(abs(itself["contact_R2_over_EI"] - plane["contact_R2_over_EI"]))
+    assert off[0] <= (1e-3 if pairing == "nodes" else 0.03)
+    assert off[1] <= off[0] / 3
+
+
+def test_a_ring_that_does_not_touch_itself_is_two_quarters() -> None:
+    load = {"F_R2_over_EI": "4", "other_elements": 1.0}
+    itself = solved("pinched-ring", "1x12", **load).quantities
+    plane = solve(*complete("pinched-ring", {**load, "against": "plane"}, "1x12")).quantities
+    assert itself["contact_R2_over_EI"] == plane["contact_R2_over_EI"] == 0
+    assert itself["spread_over_R"] == pytest.approx(plane["spread_over_R"], rel=1e-8)
+
+
 def test_fields_have_both_bodies_where_they_are(tmp_path) -> None:
     result = solved("two-rings", "1x20", delta_mm="20")
     assert result.last is not None

@@ -1,0 +1,98 @@
+"""A ring pinched by two opposite forces until it touches itself inside: a shell in contact with itself.
+
+A half, between the plane of symmetry through both forces and itself: the part around a2 = 0 is the slave, that around
+a2 = pi the master, and their meshes need not match. By symmetry either meets a rigid plane in the middle, which is a
+quarter of the ring, `against=plane`. Once both forces meet, what is added to them goes through the contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contact.obstacles.foundation import RigidPlane
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import cylinder
+from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import Sheet
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.scenes.contact.base import ContactModel
+from studies.scenes.contact.faces import OTHER, PAIRING, Bodies, FacesModel, Placed, Side
+from studies.scenes.contact.ring import RADIUS, WIDTH, E
+from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
+from studies.scenes.statics import edge_forces, loaded_shell
+
+SIDE = np.pi / 2
+TOUCHING = 0.75  # of a quarter from the force: neighbours at its other end would meet
+LOADS = Setting.positive("F_R2_over_EI", (4.0, 6.0, 8.0), "force times R^2/(E I)", 100, kind="floats")
+THICKNESS = Setting("h_mm", 5.0, "thickness", low=1e-2, high=20)
+AGAINST = Setting.one_of("against", ("itself", "plane"), "itself", "half of the ring, or a quarter on a rigid plane")
+
+
+class PinchedRing:
+    """a1 along the axis, a2 from one force towards the other; the mesh is that of a quarter."""
+
+    name: str = "pinched-ring"
+    title: str = "Ring pinched by two forces until it touches itself"
+    default_mesh: tuple[int, int] = (1, 48)
+    settings: tuple[Setting, ...] = (LOADS, THICKNESS, AGAINST, OTHER, PAIRING, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = ()
+    quantities: Mapping[str, str] = {
+        "contact_R2_over_EI": "force of the whole ring on itself times R^2/(E I)",
+        "spread_over_R": "outward displacement half-way between the forces over R",
+    }
+    sheet: Sheet = Sheet("x", -62.0, 14.0)
+
+    def build(self, request: Request) -> SceneModel:
+        """Symmetry at the ends of the part and on both sides; half of each force is that of the other half."""
+        half = request.choice("against") == "itself"
+        strand = spaced_lines(0, SIDE, request.mesh[1])
+        other = spaced_lines(SIDE, 2 * SIDE, max(1, round(request.mesh[1] * request.number("other_elements"))))
+        lines = np.append(strand, other[1:]) if half else strand
+        grid = moved_nodes(request, Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), lines))
+        h = request.number("h_mm")
+        laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
+        supports, tip = Supports.of_edges(grid, *("symmetric",) * 4), grid.on_line(1, SIDE)
+        if half:  # nothing else keeps it where it is, and nothing pushes there
+            supports = supports.hold(tip, [1], ["inner"])
+        body = discretise(request, cylinder(RADIUS), grid, laminate, *supports.masks)
+        unit = EI / RADIUS**2
+        forces = edge_forces(body, 1, 0.0, -unit / 2)
+        if half:
+            forces += edge_forces(body, 1, 2 * SIDE, -unit / 2)
+        shell, loads = loaded_shell(body, request, forces=forces), request.numbers("F_R2_over_EI")
+        nodes = np.flatnonzero(grid.nodes[:, 1] <= TOUCHING * SIDE + 1e-9)
+
+        def read(force: np.ndarray, u: np.ndarray) -> dict[str, float]:
+            spread = float(body.expand(u)[tip, 4:].mean()) / RADIUS
+            return {"contact_R2_over_EI": 2 * float(force.sum()) / unit, "spread_over_R": spread}
+
+        if not half:
+            plane, free = RigidPlane(np.array([-1.0, 0.0, 0.0]), 0.0), np.setdiff1d(np.arange(grid.n_nodes), nodes)
+            return ContactModel(
+                shell,
+                free,
+                loads,
+                lambda t: plane,
+                lambda t, touch: read(touch.force, touch.u),
+                key="F_R2_over_EI",
+                face=0,
+            )
+        first = np.flatnonzero(grid.centre[:, 1] + grid.half[:, 1] <= TOUCHING * SIDE + 1e-9)
+        second = np.flatnonzero(grid.centre[:, 1] > SIDE)
+        sides = Side(0, 0, first), Side(0, 0, second)
+        return FacesModel(
+            lambda t: Bodies((Placed(shell.scaled(t)),)),
+            *sides,
+            np.unique(grid.elements[first]),
+            request.choice("pairing"),
+            loads,
+            lambda t, meeting: read(meeting.force, meeting.u),
+            "F_R2_over_EI",
+        )
+
+
+SCENES: tuple[Scene, ...] = (PinchedRing(),)
