@@ -62,7 +62,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Shells as one system: the unknowns one body after the other, each in its own order of elimination."""
+    """Shells as one system: the unknowns one body after the other."""
 
     parts: tuple[Placed, ...]
 
@@ -114,10 +114,12 @@ class Bodies:
         return Pair(reference, operator, its, mortar.weights, mortar)
 
     def against(self, pair: Pair) -> ContactProblem:
-        """The contact problem of the pair, with all that the judge may see."""
+        """The contact problem of the pair, with all that the judge may see.
+
+        The orders of elimination of the bodies are none of the pair, whose faces couple what each has last or first.
+        """
         shells = [each.shell for each in self.parts]
         problem = replace(between(self.linearise, pair), residual=self.residual)
-        problem = replace(problem, ordered=all(shell.ordered for shell in shells))
         return replace(problem, energy=self.energy) if all(shell.conservative for shell in shells) else problem
 
 

@@ -110,7 +110,7 @@ def test_algorithms_agree_on_two_rings(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("pairing", "other"), [("nodes", 1.0), ("mortar", 1.0), ("mortar", 0.75)])
 def test_a_ring_that_touches_itself_is_a_quarter_on_a_plane_in_the_limit(pairing: str, other: float) -> None:
-    """Facets beside the plane of symmetry are not at right angles to the force: both differ by the square of their size."""
+    """Facets beside the plane of symmetry are not at right angles to the force, by the square of their size."""
     load = {"F_R2_over_EI": "8"}
     off = []
     for mesh in ("1x24", "1x48"):
