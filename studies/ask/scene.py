@@ -115,6 +115,23 @@ class SceneModel(Protocol):
         """Write the fields of a state for ParaView and its like."""
 
 
+@runtime_checkable
+class MovingModel(SceneModel, Protocol):
+    """A model whose supports or bodies are elsewhere at every parameter of its last stage."""
+
+    def moved(self, t: float) -> Self:
+        """With them where they are at t."""
+
+
+@runtime_checkable
+class PointedModel(SceneModel, Protocol):
+    """A model that says itself what the points of its file are."""
+
+    @property
+    def candidate_of_point(self) -> tuple[np.ndarray, np.ndarray]:
+        """The candidate of each point, -1 for none, and the node of its body that it is, (P,) each."""
+
+
 def candidates_at(nodes: np.ndarray, n: int) -> np.ndarray:
     """(n,) the contact candidate that each of n nodes is, -1 for none.  nodes: of the candidates."""
     candidate = np.full(n, -1)
@@ -164,7 +181,7 @@ class ShellSceneModel:
 
 def moved(model: SceneModel, t: float) -> SceneModel:
     """The model whose fields are those at the parameter t of its last stage."""
-    return model.moved(t) if isinstance(model, ShellSceneModel) else model
+    return model.moved(t) if isinstance(model, MovingModel) else model
 
 
 class Scene(Protocol):

@@ -170,7 +170,7 @@ def write_shells(
             {name: np.concatenate([own[name] for own in each]) for name in each[0] if all(name in own for own in each)}
         )
     data[1]["body"] = np.repeat(np.arange(float(len(cells))), [len(each) for each in cells])
-    write_vtu(path, np.concatenate(points), np.concatenate(cells), *data)
+    write_vtu(path, np.concatenate(points), np.concatenate(cells), data[0], data[1])
 
 
 def _layer(

@@ -17,7 +17,7 @@ import numpy as np
 
 from formulations.solid.body import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
-from studies.ask.scene import SceneModel, ShellSceneModel, candidates_at
+from studies.ask.scene import PointedModel, SceneModel, ShellSceneModel, candidates_at
 from studies.output.atomic import Table, write_by, write_text
 from studies.output.vtu import FIELDS, Grid, read_vtu, write_vtu
 from studies.scenes.walk import Seen, shown, state_of
@@ -97,7 +97,7 @@ class _Points:
 
     def write(self, path: Path) -> None:
         """As a file of VTK."""
-        of_cells = {name for name in self.grid.data if name.startswith(tuple(UNITS_OF)) or name == "ply"}
+        of_cells = {name for name in self.grid.data if name.startswith(tuple(UNITS_OF)) or name in ("ply", "body")}
         points = {name: values for name, values in self.grid.data.items() if name not in of_cells}
         cells = {name: self.grid.data[name] for name in self.grid.data if name in of_cells}
         if np.any(self.candidate >= 0):
@@ -137,6 +137,8 @@ def _candidates(model: SceneModel) -> tuple[np.ndarray, np.ndarray] | None:
         none = np.full(len(of_node), -1)
         faces = [none, of_node] if model.touching_face else [of_node, none]
         return np.concatenate(faces), np.tile(np.arange(len(of_node)), 2)
+    if isinstance(model, PointedModel):
+        return model.candidate_of_point
     body = getattr(getattr(model, "body", None), "discretisation", None)
     if not isinstance(body, SolidDiscretisation):
         return None

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 from scipy import sparse
@@ -19,7 +20,7 @@ from contact.faces.sampling import PAIRINGS, Mortar, Nodes
 from contact.problem import ContactProblem, ContactSolution, Linearisation
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
-from studies.ask.scene import Begun, Observation, Setting, Stage
+from studies.ask.scene import Begun, Observation, Setting, Stage, candidates_at
 from studies.output.vtu import write_shells
 
 PAIRING = Setting.one_of(
@@ -143,7 +144,7 @@ class FacesModel:
 
     bodies_at(t): all bodies where they are.  pair_at(bodies): of what may touch.  nodes (m,): of the slave's grid, the
     candidates.  measure_at(t, meeting): what is read, {name_unit: value}.
-    lying: everything touches without pressure at rest.
+    lying: everything touches without pressure at rest.  shown: where its fields are, at the last target unless given.
     """
 
     bodies_at: Callable[[float], Bodies]
@@ -155,6 +156,7 @@ class FacesModel:
     measure_at: Callable[[float, Meeting], Mapping[str, float]]
     key: str
     lying: bool = False
+    shown: float | None = None
 
     @cached_property
     def shell(self) -> ShellModel:
@@ -194,9 +196,25 @@ class FacesModel:
         quantities = dict(self.measure_at(t, meeting))
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
+    def moved(self, t: float) -> Self:
+        """With its bodies where they are at t."""
+        return replace(self, shown=t)
+
+    @property
+    def candidate_of_point(self) -> tuple[np.ndarray, np.ndarray]:
+        """The candidate of each point of its file, -1 for none, and the node of its body that it is, (P,) each."""
+        candidates, nodes = list[np.ndarray](), list[np.ndarray]()
+        for number, each in enumerate(self.bodies_at(0.0).parts):
+            n = each.shell.discretisation.grid.n_nodes
+            for face in (0, 1):
+                own = (number, face) == (self.slave.body, self.slave.face)
+                candidates.append(candidates_at(self.nodes if own else np.zeros(0, np.intp), n))
+                nodes.append(np.arange(n))
+        return np.concatenate(candidates), np.concatenate(nodes)
+
     def write_fields(self, path: Path, state: ContactSolution) -> None:
-        """All bodies where they are at the end of the path, with the contact pressure on the face that is the slave."""
-        bodies = self.bodies_at(self.targets[-1])
+        """All bodies where they are shown, with the contact pressure on the face that is the slave."""
+        bodies = self.bodies_at(self.targets[-1] if self.shown is None else self.shown)
         pressures = [np.zeros(each.shell.discretisation.grid.n_nodes) for each in bodies.parts]
         if len(state.pressure):
             pressures[self.slave.body][self.nodes] = state.pressure
