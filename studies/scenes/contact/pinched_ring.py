@@ -52,7 +52,8 @@ class PinchedRing:
         strand = spaced_lines(0, SIDE, request.mesh[1])
         other = spaced_lines(SIDE, 2 * SIDE, max(1, round(request.mesh[1] * request.number("other_elements"))))
         lines = np.append(strand, other[1:]) if half else strand
-        grid = moved_nodes(request, Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), lines))
+        even = Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), lines)
+        grid = moved_nodes(request, even, even.on_line(1, SIDE))
         h = request.number("h_mm")
         laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
         supports, tip = Supports.of_edges(grid, *("symmetric",) * 4), grid.on_line(1, SIDE)

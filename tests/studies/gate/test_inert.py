@@ -26,6 +26,7 @@ FLAT = (
     "heavy-strip",
     "plate-contact",
     "walled-column",
+    "face-patch",
     "inflated-membrane",
     "laminated-strip",
     "sandwich-plate",
