@@ -24,7 +24,8 @@ MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+")
 BESIDE_A_CELL = (
     *("studies.scenes", "contact.catalogue"),  # they name all of theirs, and a cell names its own
     "studies.scenes.complete",  # it decides the request, which is hashed as such
-    *("studies", "studies.scenes.plugins", "studies.output", "studies.output.provenance"),  # they tell of a solve, and do nothing in it
+    *("studies", "studies.scenes.plugins"),
+    *("studies.output", "studies.output.provenance"),  # they tell of a solve, and do nothing in it
     "studies.solving.fields",  # it writes what a solve by itself has seen, of which a cell keeps less
     *("contact.interchange", "contact.interchange.*"),  # of frozen problems, which a cell does not keep
 )
