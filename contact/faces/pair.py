@@ -13,6 +13,8 @@ q_a = n . sum_l N_l,a dX_l ::
 
 with m_ab = a_a . a_b and b_ab = n . X,ab over a patch. Beyond an edge, which is straight, only the coordinate along it
 is left, b is none, and each direction t across n that the closest point does not follow adds (t . v)^2/gamma.
+The points of a mortar move over the slave as the pieces do that they lie in, which the rows leave out: they are exact
+for fixed points, and else right to what the integration is (``frozen``).
 A gap does not see a rigid motion of both bodies, so neither does its derivative: the contact forces of a pair have no
 resultant and no moment, whatever the form, to the last digit.
 Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Konyukhov, Schweizerhof, Computational Contact Mechanics (2013).
@@ -28,7 +30,7 @@ from scipy import sparse
 
 from contact.faces.measured import distances
 from contact.faces.patches import shape, twist
-from contact.faces.sampling import Sampling
+from contact.faces.sampling import Mortar, Sampling
 from contact.faces.search import Nearest, nearest
 from contact.problem import ContactProblem, Linearise
 
@@ -69,6 +71,11 @@ class Pair:
         x = self.positions(u)
         sampled = self.sampling(x)
         return np.asarray(sampled.average @ distances(sampled.points @ x, x, self.master))
+
+    @property
+    def frozen(self) -> bool:
+        """Whether the points of the slave move with u, and the rows leave that out."""
+        return isinstance(self.sampling, Mortar)
 
     @property
     def size(self) -> float:

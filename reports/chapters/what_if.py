@@ -21,6 +21,7 @@ DRAWN = ("force_N", "centre_pressure_MPa")
 PAIR, GOAL = ("gamma_deg", "p0_MPa"), "mean_pressure_MPa"
 ENDS = {"low": "min", "high": "max"}
 COMMANDS = (
+    "footprint run what-if --store store  # the three tables of this page",
     "footprint solve tyre --set delta_mm=20 --set rim=pressure --gradient force_N --gradient half_length_mm --out out",
     "footprint sweep tyre --set delta_mm=20 --over gamma_deg=40:56:17 --over p0_MPa=0.1:0.26:17 --mesh 28x26 --out all",
 )

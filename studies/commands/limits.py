@@ -20,7 +20,9 @@ from studies.commands.options import positive
 
 TIME_HELP = "of wall time: refused if it will surely take twice as long, stopped then, its finished loads written"
 MEMORY_HELP = "beyond a process at rest: refused if it will take more, stopped where it does"
+LARGEST_MB = 1e9
 LARGE = 3000  # elements, from which on a solve is worth a look ahead
+BLOCK = 256  # rows of a matrix that is multiplied in blocks
 TWICE = 2.0  # what seconds that are foreseen may be off by
 
 
@@ -49,6 +51,8 @@ def look_ahead(options: argparse.Namespace, scene: Scene, request: Request) -> N
     time_s, memory_MB = _seconds(options.time_limit, "time-limit"), math.inf
     if options.memory_limit is not None:
         memory_MB = positive("memory-limit", options.memory_limit)
+        if memory_MB > LARGEST_MB:
+            raise UsageError(f"memory-limit {memory_MB:g} must be at most {LARGEST_MB:g}")
     large = math.prod(request.mesh) >= LARGE
     if options.error is not None or not (large or math.isfinite(time_s) or math.isfinite(memory_MB)):
         return
@@ -102,4 +106,16 @@ def _limit_memory(asked: float | None, memory_MB: float | None) -> None:
     if asked is not None:
         from studies.run.task import limit  # loaded with a limit alone
 
+        _settle_libraries()
         limit(None, memory_MB)
+
+
+def _settle_libraries() -> None:
+    """Let both libraries of linear algebra, numpy's and scipy's, take the buffers that they keep: refused one in the
+    middle of a product they try for ever.
+    """
+    import numpy as np  # loaded with a limit alone
+    from scipy.linalg import cholesky
+
+    one = np.eye(BLOCK)
+    cholesky(one @ one)

@@ -74,7 +74,7 @@ def solve(
             except KeyboardInterrupt as error:
                 stop = error
                 result.outcome = result.cause = Outcome.INTERRUPTED
-                result.reason = f"{word(stop)} with {len(result.loads)} loads finished"
+                result.reason = f"{word(stop)} with {len(result.loads) or 'no'} loads finished"
     result.counters["operations"] = sum(work.values())
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}

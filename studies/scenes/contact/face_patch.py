@@ -23,7 +23,18 @@ from formulations.shell import ShellModel
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed, Side
+from studies.scenes.contact.faces import (
+    OTHER,
+    PAIRING,
+    SLAVE,
+    SLAVES,
+    Bodies,
+    FacesModel,
+    Meeting,
+    Placed,
+    Side,
+    of_second,
+)
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.statics import loaded_shell
 
@@ -69,8 +80,9 @@ class FacePatch:
 
     def build(self, request: Request) -> SceneModel:
         """The first body carries the pressure."""
-        flat, share = request.choice("shape") == "flat", request.number("other_elements")
-        meshes = request.mesh, tuple(max(1, round(n * share)) for n in request.mesh)
+        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        flat = request.choice("shape") == "flat"
+        meshes = request.mesh, tuple(of_second(n, request) for n in request.mesh)
         first, second = (_body(request, (n1, n2), k, flat=flat) for k, (n1, n2) in enumerate(meshes))
         own = SLAVES.index(request.choice("slave"))
         faces = (1, 1 if flat else 0)

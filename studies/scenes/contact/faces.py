@@ -20,6 +20,7 @@ from contact.faces.sampling import PAIRINGS, Mortar, Nodes
 from contact.problem import ContactProblem, ContactSolution, Linearisation
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
+from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, Stage, candidates_at
 from studies.output.vtu import write_shells
 
@@ -29,8 +30,19 @@ PAIRING = Setting.one_of(
 SLAVES = ("first", "second")
 SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "body whose face has the candidates; the other's is the master")
 OTHER = Setting(
-    "other_elements", 0.75, "elements along a line of the second body over those of the first", low=0.1, high=10
+    "other_elements",
+    75,
+    "elements along a line of the second body, per cent of those of the first",
+    "int",
+    low=10,
+    high=1000,
+    unit="%",
 )
+
+
+def of_second(count: int, request: Request) -> int:
+    """Elements along a line of the second body, where the first has ``count``."""
+    return max(1, round(count * request.number("other_elements") / 100))
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ quarter of the ring, `against=plane`. Once both forces meet, what is added to th
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel
-from studies.scenes.contact.faces import OTHER, PAIRING, Bodies, FacesModel, Placed, Side
+from studies.scenes.contact.faces import OTHER, PAIRING, Bodies, FacesModel, Placed, Side, of_second
 from studies.scenes.contact.ring import RADIUS, WIDTH, E
 from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
 from studies.scenes.statics import edge_forces, loaded_shell
@@ -48,9 +49,10 @@ class PinchedRing:
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry at the ends of the part and on both sides; half of each force is that of the other half."""
+        request = replace(request, leaves=())  # both halves follow the mesh
         half = request.choice("against") == "itself"
         strand = spaced_lines(0, SIDE, request.mesh[1])
-        other = spaced_lines(SIDE, 2 * SIDE, max(1, round(request.mesh[1] * request.number("other_elements"))))
+        other = spaced_lines(SIDE, 2 * SIDE, of_second(request.mesh[1], request))
         lines = np.append(strand, other[1:]) if half else strand
         even = Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), lines)
         grid = moved_nodes(request, even, even.on_line(1, SIDE))

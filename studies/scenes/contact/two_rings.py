@@ -20,7 +20,18 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.base import RIM_LINES, contact_lines
-from studies.scenes.contact.faces import OTHER, PAIRING, SLAVE, SLAVES, Bodies, FacesModel, Meeting, Placed, Side
+from studies.scenes.contact.faces import (
+    OTHER,
+    PAIRING,
+    SLAVE,
+    SLAVES,
+    Bodies,
+    FacesModel,
+    Meeting,
+    Placed,
+    Side,
+    of_second,
+)
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
@@ -67,8 +78,9 @@ class TwoRings:
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides of both."""
+        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
         deltas, thick = request.numbers("delta_mm"), [request.number("h_mm"), request.number("other_h_mm")]
-        counts = request.mesh[1], max(1, round(request.mesh[1] * request.number("other_elements")))
+        counts = request.mesh[1], of_second(request.mesh[1], request)
         rings = [_ring(request, h, count) for h, count in zip(thick, counts, strict=True)]
         own = SLAVES.index(request.choice("slave"))
         right = rings[own].discretisation.grid.on_line(1, np.pi / 2)

@@ -68,8 +68,9 @@ def parse_gradient(text: str, scene: Scene, request: Request) -> tuple[str, tupl
 
 
 def values_of(result: Result) -> Values:
-    """What is differentiated: what is read off at the last load, and the headline values."""
-    return (result.loads[-1].quantities if result.loads else {}) | result.quantities
+    """What is differentiated: what is read off at the last load, and headline values that are not read there."""
+    found = result.quantities | (result.loads[-1].quantities if result.loads else {})
+    return {name: value for name, value in found.items() if name not in result.request.settings}
 
 
 def of_quantities(

@@ -138,7 +138,7 @@ class Side:
     """The path of the same scene a little aside: its states are those of the path, moved by their rates.
 
     last: the state before the next one, in the unknowns of its stage, and the problem that it solves.  headlines: of
-    the stages so far, which no later load has a say in.
+    the stages so far.
     """
 
     scene: Scene
@@ -186,7 +186,7 @@ class Side:
             return {}
         seen = stage.observe(problem, state, self._parameter(passed))
         self.headlines |= _measured(seen.quantities)
-        return _measured(dict(list((seen.step or {}).items())[1:])) | self.headlines
+        return self.headlines | _measured(dict(list((seen.step or {}).items())[1:]))
 
     def _remembered(self, problem: ContactProblem, state: ContactSolution) -> ContactSolution:
         """With the anchors and the dissipation of the path here."""

@@ -196,7 +196,8 @@ def _checked(
 def lines(checked: Sequence[Check]) -> list[str]:
     """For people: how many are confirmed, and each that is not."""
     words = [each.word for each in checked]
-    worst = max((each.error or 0.0 for each in checked if each.word == CONFIRMED), default=0.0)
+    seen = [each for each in checked if each.word == CONFIRMED and abs(each.derivative.above) > each.nothing]
+    worst = max((each.error or 0.0 for each in seen), default=0.0)
     said = [f"derivatives: {words.count(CONFIRMED)} of {len(checked)} confirmed by solutions beside, to {worst:.1g}"]
     for each in checked:
         if each.word != CONFIRMED:

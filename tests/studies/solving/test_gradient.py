@@ -122,6 +122,23 @@ def test_the_command_writes_what_the_notebook_says(tmp_path, capsys) -> None:
         run.gradient("force_N", "plies")
 
 
+def test_a_quantity_that_two_stages_read_is_that_of_the_last_load() -> None:
+    """The force after a drag is not that of the press: by differences of solutions, which know of no stage."""
+    given = TYRE | {"mu": "0.3", "delta_mm": "5", "drag_mm": "1"}
+    scene, result = solved("tyre", "8x10", tuple(given.items()))
+    (force,) = (each for each in of("tyre", given, "8x10", "mu") if each.quantity == "force_N")
+    ends = [solved("tyre", "8x10", tuple((given | {"mu": mu}).items()))[1] for mu in ("0.299", "0.301")]
+    low, high = (end.loads[-1].quantities["force_N"] for end in ends)
+    assert force.value == result.loads[-1].quantities["force_N"] != result.quantities["force_N"]
+    assert force.above == pytest.approx((high - low) / 0.002, rel=1e-4)
+
+
+def test_averaged_gaps_have_no_derivatives() -> None:
+    scene, result = solved("two-rings", "1x10", (("pairing", "mortar"), ("delta_mm", "5")))
+    assert gradient.gradients(scene, result, ("delta_mm",)) == []
+    assert "averaged gaps" in result.remarks[-1]
+
+
 def test_what_cannot_be_differentiated_is_a_remark(monkeypatch) -> None:
     scene, result = solved("tyre", "8x10", tuple(TYRE.items()))
     result = replace(result, remarks=[])
