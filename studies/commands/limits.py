@@ -106,7 +106,8 @@ def _limit_memory(asked: float | None, memory_MB: float | None) -> None:
     if asked is not None:
         from studies.run.task import limit  # loaded with a limit alone
 
-        _settle_libraries()
+        if memory_MB is not None:
+            _settle_libraries()
         limit(None, memory_MB)
 
 

@@ -125,7 +125,7 @@ def test_the_command_writes_what_the_notebook_says(tmp_path, capsys) -> None:
 def test_a_quantity_that_two_stages_read_is_that_of_the_last_load() -> None:
     """The force after a drag is not that of the press: by differences of solutions, which know of no stage."""
     given = TYRE | {"mu": "0.3", "delta_mm": "5", "drag_mm": "1"}
-    scene, result = solved("tyre", "8x10", tuple(given.items()))
+    _, result = solved("tyre", "8x10", tuple(given.items()))
     (force,) = (each for each in of("tyre", given, "8x10", "mu") if each.quantity == "force_N")
     ends = [solved("tyre", "8x10", tuple((given | {"mu": mu}).items()))[1] for mu in ("0.299", "0.301")]
     low, high = (end.loads[-1].quantities["force_N"] for end in ends)
