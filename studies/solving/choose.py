@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from studies.ask.request import Request
-from studies.ask.scene import Scene, has_contact
+from studies.ask.request import Request, UsageError
+from studies.ask.scene import Scene, ShellSceneModel, has_contact
 from studies.solving.choice import Choice, Offer, offers_of, recommended
 from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
 from studies.solving.refinement.grids import element_size, first_grid, near, on_one_grid
@@ -71,10 +71,13 @@ def choose(
 
     given, mesh: settings, and the coarsest grid.  budget: seconds of wall time.  quantity: by default the force, or the
     first that the scene has references for.  options: contact, newton, model, steps.
-    Raises UsageError as :func:`studies.scenes.complete.complete` does, and for a quantity that the scene does not have.
+    Raises UsageError as :func:`studies.scenes.complete.complete` does, for a quantity that the scene does not have, and
+    for a scene that is not one shell: its paths are not carried from grid to grid.
     """
     clock = Clock(CHOOSING * budget)
     scene, request = first_grid(name, given, mesh, measure=REFERENCE, **options)
+    if not isinstance(scene.build(request), ShellSceneModel):
+        raise UsageError(f"{name} is not one shell, of which alone variants are compared: footprint solve has --error")
     scene = on_one_grid(scene, request)  # of all variants
     lines = {key: value for key, value in request.settings.items() if key == "grading"}
     question = Question(name, scene, {**lines, **given}, options, error)

@@ -7,7 +7,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from studies.ask.request import UsageError
 from studies.scenes.complete import complete
+from studies.solving.choose import choose
 from studies.solving.refinement.limits import GROWING, Estimate, Seen, estimate_of
 from studies.solving.solve import Interrupted, solve
 from studies.solving.trials import Clock, Question, until
@@ -234,3 +236,9 @@ def test_the_command_of_a_variant_asks_for_what_was_judged(given: dict[str, str]
     for each in every:
         if not each.refused:
             assert question.asked("4x4", each.options, each.settings)[1] == each.request, each.name
+
+
+@pytest.mark.parametrize("name", ["two-rings", "crushed-ring-solid"])
+def test_what_is_not_one_shell_is_refused(name: str) -> None:
+    with pytest.raises(UsageError, match=f"{name} is not one shell"):
+        choose(name, {}, 0.01)
