@@ -245,8 +245,9 @@ class Result:
         """fields.vtu and the tables, each whole or not at all; returns their names: what a store keeps."""
         assert self.model is not None
         model, state = shown(self.model, self._shown), state_of(self.model, self._shown)
+        tables = self._write_tables(directory)
         write_by(directory / FIELDS, partial(model.write_fields, state=state))
-        return [*self._write_tables(directory), FIELDS]
+        return [*tables, FIELDS]
 
     @property
     def _shown(self) -> Seen | None:

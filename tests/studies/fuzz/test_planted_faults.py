@@ -60,4 +60,5 @@ def _found(seed: int) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_every_fault_is_found(fault: Fault) -> None:
-    assert 0 < found_after(fault, among=RARE.get(fault.name))["cases"] <= MOST
+    most = 10 * MOST if fault.name in RARE else MOST  # scenes are drawn alike, and some seldom
+    assert 0 < found_after(fault, most, RARE.get(fault.name))["cases"] <= most
