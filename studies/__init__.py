@@ -9,9 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from studies.answers import Chosen, Run, Swept
     from studies.ask.scene import UsageError
     from studies.catalogue.descriptions import Description
-    from studies.notebook import Chosen, Run, Swept, choose, describe, solve, sweep
+    from studies.notebook import choose, describe, solve, sweep
     from studies.questions import advise, card, gradient, judge
 
 QUESTIONS = ("advise", "card", "gradient", "judge")

@@ -51,7 +51,7 @@ WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
 
 
 class _Help(argparse.HelpFormatter):
-    """Every default is told, and examples stand as they are written."""
+    """Every option states its default; examples keep their lines."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         told, usual = action.help or "", action.default

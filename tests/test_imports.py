@@ -31,7 +31,7 @@ MORE = {
     "studies/commands/parts.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
     "studies/commands/sweep.py": {"reports"},
-    "studies/notebook.py": {"reports"},  # as does that of a notebook, and a choice
+    "studies/answers.py": {"reports"},  # as does an answer in a notebook
     "studies/cli.py": {"?"},  # the module of the command that is asked for
     "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for
     "studies/scenes/plugins.py": {"?"},  # modules of a user's own
@@ -166,7 +166,7 @@ ROOMS = (  # of studies, each imports those before it
         "analysis",
         "fuzz",
     ),
-    *("arena", "gate", "notebook", "questions", "commands", "cli", "footprint"),
+    *("arena", "gate", "answers", "notebook", "questions", "commands", "cli", "footprint"),
 )
 
 

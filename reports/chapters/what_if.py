@@ -48,11 +48,14 @@ def _rates(found: pd.DataFrame) -> Iterator[dict[str, str]]:
     keys = ["setting", "quantity", "delta_mm"]
     both = found.fillna({"relative": 0.0}).groupby(keys, sort=False)["relative"]
     told = pd.DataFrame({"last": both.last(), "apart": (both.last() - both.first()).abs()})
-    order = told["last"].xs(("force_N", found["delta_mm"].max()), level=("quantity", "delta_mm")).abs()
+    late = found["delta_mm"].max()
+    order = told["last"].xs(("force_N", late), level=("quantity", "delta_mm")).abs()
     for setting in order.sort_values(ascending=False).index:
         own = told.loc[setting]
-        words = {f"{name}_{at:g}": f"{row['last']:+.2f} ± {row['apart']:.2f}" for (name, at), row in own.iterrows()}
-        yield {"setting": setting, **words}
+        row = {"setting": str(setting)}
+        for (name, at), rate in own.iterrows():
+            row[f"{name}_{'late' if at == late else 'early'}"] = f"{rate['last']:+.2f} ± {rate['apart']:.2f}"
+        yield row
 
 
 def _sums(own: pd.DataFrame) -> dict[str, float]:

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from studies.answers import write_choice
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
-from studies.notebook import write_choice
 from studies.output.terminal import columns
 from studies.solving.choice import Choice, Offer
 from studies.solving.choose import BUDGET, ERROR, choose

@@ -22,8 +22,7 @@ TIME_HELP = "of wall time: refused if it will surely take twice as long, stopped
 MEMORY_HELP = "beyond a process at rest: refused if it will take more, stopped where it does"
 LARGEST_MB = 1e9
 LARGE = 3000  # elements, from which on a solve is worth a look ahead
-BLOCK = 256  # rows of a matrix that is multiplied in blocks
-TWICE = 2.0  # what seconds that are foreseen may be off by
+TWICE = 2.0  # factor of the error of foreseen seconds
 
 
 class OutOfTimeError(KeyboardInterrupt):
@@ -106,17 +105,4 @@ def _limit_memory(asked: float | None, memory_MB: float | None) -> None:
     if asked is not None:
         from studies.run.task import limit  # loaded with a limit alone
 
-        if memory_MB is not None:
-            _settle_libraries()
         limit(None, memory_MB)
-
-
-def _settle_libraries() -> None:
-    """Let both libraries of linear algebra, numpy's and scipy's, take the buffers that they keep: refused one in the
-    middle of a product they try for ever.
-    """
-    import numpy as np  # loaded with a limit alone
-    from scipy.linalg import cholesky
-
-    one = np.eye(BLOCK)
-    cholesky(one @ one)

@@ -6,6 +6,7 @@ wrapped one. A case that breaks a law without the fault is no finding of it.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
@@ -214,16 +215,15 @@ FAULTS = (
 def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> Row:
     """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has.
 
-    among: requests that are examined, the others are passed over.
+    among: requests that are examined, and counted; the others are passed over.
     """
     kind = looked_for.kind or ("" if among is None else SCENE)
-    for seed in range(most):
-        if among is not None and not among(asked_of(seed)):
-            continue
+    seeds = (seed for seed in itertools.count() if among is None or among(asked_of(seed)))
+    for cases, seed in enumerate(itertools.islice(seeds, most), 1):
         with looked_for.planted():
             report = examine(seed, kind)
         if report.verdict == BROKEN and examine(seed, kind).verdict != BROKEN:
-            return {"fault": looked_for.name, "cases": seed + 1, "law": report.law, "said": report.said}
+            return {"fault": looked_for.name, "cases": cases, "law": report.law, "said": report.said}
     return {"fault": looked_for.name, "cases": 0, "law": "", "said": ""}
 
 

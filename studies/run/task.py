@@ -49,6 +49,7 @@ Order = tuple[Task, Limits, Path | None]  # and the folder that the files of the
 
 READY = "ready"
 LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does
+BLOCK = 256  # rows of a matrix that is multiplied in blocks
 
 
 def end_with(alive: int) -> None:
@@ -64,6 +65,8 @@ def end_with(alive: int) -> None:
 
 def limit(time_s: float | None, memory_MB: float | None) -> None:
     """Limit private memory beyond what there is, and the time in case no other side does; None takes a limit away."""
+    if memory_MB is not None:
+        _settle_libraries()
     signal.alarm(0 if time_s is None else int(time_s) + LATE)
     # of data, where the kernel counts what numpy allocates there: address space has the libraries in it, twice as much
     kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS
@@ -71,6 +74,17 @@ def limit(time_s: float | None, memory_MB: float | None) -> None:
     data_MB = status_MB("VmData")
     soft = hard if memory_MB is None else int(memory_MB + (0.0 if math.isnan(data_MB) else data_MB)) * 2**20
     resource.setrlimit(kind, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
+
+
+def _settle_libraries() -> None:
+    """Let both libraries of linear algebra, numpy's and scipy's, take the buffers that they keep: refused one in the
+    middle of a product they try for ever.
+    """
+    import numpy as np  # loaded with a limit alone
+    from scipy.linalg import cholesky
+
+    one = np.eye(BLOCK)
+    cholesky(one @ one)
 
 
 def status_MB(key: str) -> float:

@@ -99,7 +99,7 @@ def round_of(number: int, asked: Request, grids: Sequence[Sketch]) -> str:
 
 
 def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
-    """What is told of a round, with the round before it."""
+    """The words of progress for a round, with the round before it."""
     return lambda text: progress(f"{head}: {text}")
 
 

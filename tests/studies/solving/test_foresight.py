@@ -20,7 +20,7 @@ from studies.scenes.complete import complete
 from studies.solving.refinement.foresight import foresee
 from studies.solving.refinement.mesh_error import round_of, solve_with_error
 
-WITHIN = 0.25  # of the memory that a process has taken; half a tyre is foreseen 23 % too large, the others within 10 %
+WITHIN, HALF = 0.15, 0.25  # of the memory that a process has taken; of half a tyre too much is foreseen
 MEASURED = """
 from studies.run.task import status_MB
 from studies.scenes.complete import complete
@@ -53,7 +53,7 @@ def test_memory_and_unknowns_are_those_of_a_process_that_solves_it(
     unknowns, memory, _ = map(float, told.split())
     assert ahead is not None
     assert ahead.unknowns == pytest.approx(unknowns, rel=0.1)
-    assert ahead.memory_MB == pytest.approx(memory, rel=WITHIN)
+    assert ahead.memory_MB == pytest.approx(memory, rel=HALF if scene == "tyre" else WITHIN)
     assert ahead.seconds is not None
 
 
@@ -91,7 +91,7 @@ def test_more_than_a_limit_is_one_line_and_nothing_is_solved(
 
 @contextmanager
 def alarm_at(text: str) -> Iterator[Callable[[str], None]]:
-    """The limit of time is reached when this is told."""
+    """The limit of time is reached when progress says this."""
 
     def tell(told: str) -> None:
         if told.endswith(text):
