@@ -76,8 +76,12 @@ def moved(setting: Setting, now: Value | None, factors: Sequence[float] = FACTOR
         return
     if now is None or isinstance(now, str | tuple):
         yield from UNSET
-    elif setting.kind == "int":
-        yield from (now + step for step in (1, -1, 2, -2))
+    elif setting.kind == "int":  # a share in whole per cent is moved as a number is, for 1 % of few elements is none
+        yield from (
+            (round(now * factor) for factor in factors)
+            if setting.unit == "%"
+            else (now + step for step in (1, -1, 2, -2))
+        )
     elif now == 0 or math.isinf(now):
         yield from UNSET
     else:
