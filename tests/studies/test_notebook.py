@@ -99,6 +99,7 @@ def test_the_package_is_light_and_its_names_stay_functions() -> None:
     assert done.stdout.strip() == "[] True True"
 
 
+@pytest.mark.slow
 def test_the_error_of_the_mesh_is_stated_unless_it_is_left_out() -> None:
     run = solve("ring", mesh="1x64")
     low, high = (run.errors["P_R2_over_EI"][end] for end in ("low", "high"))

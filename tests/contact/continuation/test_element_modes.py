@@ -112,6 +112,7 @@ def test_a_ring_under_pressure_buckles_at_3_EI() -> None:
     assert buckles(partial(ring, (1, 128)), p)
 
 
+@pytest.mark.slow
 def test_a_column_still_buckles_where_its_elements_have_modes() -> None:
     """A thick one whose elements are 64, 32 and 16 times wider than long: the last are not driven."""
     P = math.pi**2 * E * 0.5**3 / 12 / (4 * L**2)

@@ -166,6 +166,7 @@ def test_the_curvature_makes_newton_quadratic(hollow, rng) -> None:
     assert linear >= 8
 
 
+@pytest.mark.slow
 def test_rope_lifted_into_a_hollow_drum() -> None:
     """A dead load P a node lifts it against the concave wall: p = P cos(theta) - T b there; off it by h^2.
 
@@ -192,6 +193,7 @@ def test_rope_lifted_into_a_hollow_drum() -> None:
     assert np.all(ratio > 3.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["cleat", "step"])
 def test_rope_over_an_obstacle_on_a_plane(kind) -> None:
     """Only the rounded edges turn it and carry; on the level top it lies with no pressure, its tension the same."""

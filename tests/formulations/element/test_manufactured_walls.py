@@ -134,6 +134,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("surfaces", "patch", "law"), CASES)
 def test_order_of_every_law(surfaces, patch, law) -> None:
     errors = [error(patch, n, surfaces, law) for n in MESHES]
@@ -141,12 +142,14 @@ def test_order_of_every_law(surfaces, patch, law) -> None:
     assert errors[-1] <= 0.01
 
 
+@pytest.mark.slow
 def test_order_on_quadrilaterals() -> None:
     errors = [error("sphere", n, "5", "neo-hooke", interpolation="quads") for n in MESHES]
     assert fitted_order([1 / n for n in MESHES], errors) >= 1.9
     assert errors[-1] <= 0.01
 
 
+@pytest.mark.slow
 def test_order_of_cords_in_rubber() -> None:
     errors = [error("plate", n, "3", "neo-hooke", CORDED) for n in MESHES]
     assert fitted_order([1 / n for n in MESHES], errors) >= 1.9

@@ -258,6 +258,7 @@ def test_distortion_keeps_edges_and_refuses_what_does_not_exist() -> None:
         distorted(grid, "random", 0.5)
 
 
+@pytest.mark.slow
 def test_bisection_fills_in_hardly_more_than_the_lines_of_a_grid() -> None:
     grid = Grid.tensor(np.linspace(0, 1, 41), np.linspace(0, 1.5, 61))
     quad = replace(distorted(grid, "random", 0.3), node_shape=None)

@@ -70,6 +70,7 @@ def test_interior_point_keeps_the_law_of_a_finite_epsilon() -> None:
         np.testing.assert_allclose(solution.pressure, dual_by_nnls(data, 1e4)[1], rtol=0, atol=ORACLE)
 
 
+@pytest.mark.slow
 @each
 def test_every_law_of_a_card_is_kept(name: str) -> None:
     """Built-in answers of any size, with candidates that touch without pressure, restarts, hopeless problems, ..."""

@@ -60,6 +60,7 @@ def test_whatever_is_left_out_has_a_reason() -> None:
     assert "friction" not in STEPS.manifest().columns
 
 
+@pytest.mark.slow
 def test_small_steps_are_certified_as_the_manifest_says() -> None:
     manifest = FRICTIONAL.manifest().set_index("name")
     for candidate in [*made("rigid", "springs"), *islice(random_steps(), 3)]:

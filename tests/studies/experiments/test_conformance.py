@@ -37,6 +37,7 @@ def failed(measure: StrainMeasure, element: Element = ELEMENTS[0]) -> set[str]:
     return {check.law for check in conformance(measure, element) if not check.passed}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["exact", "sanders"])
 def test_quadrilaterals_conform(key: str) -> None:
     assert not failed(MEASURES[key], QUADS)

@@ -54,6 +54,7 @@ def solved(name: str, body: Bounded):
     return algorithm.solve(body.problem(), body.begin())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("small", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_optimum_is_the_published_one(small: bool) -> None:
     for name, body in product(ALGORITHMS, PUBLISHED):

@@ -108,6 +108,7 @@ def test_the_tube_buckles_at_three_and_comes_down_as_the_ring() -> None:
     assert [3 * each.point.solution.u[-1] / RADIUS for each in found] == pytest.approx(pressures, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_errors_fall_with_the_square_of_the_elements() -> None:
     """1x32 and 1x64 at h/R = 0.001: 0.6 to 3.4 % and 0.04 to 0.4 %."""
     coarse, fine = (np.abs(off(mesh, THIN)) for mesh in ("1x32", "1x64"))

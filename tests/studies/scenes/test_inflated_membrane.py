@@ -109,6 +109,7 @@ def filled(mesh: str, fractions: str) -> FilledMembrane:
     return scene.build(request)
 
 
+@pytest.mark.slow
 def test_a_membrane_is_blown_onto_a_plate() -> None:
     """The plate, at 0.3 R, carries the pressure inside on all that lies on it: their forces are in balance there."""
     model = filled("40x1", "0.2")

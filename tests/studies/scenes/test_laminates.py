@@ -76,6 +76,7 @@ def sandwich(terms: int, E_N: float) -> np.ndarray:
 PLY_CONSTANTS = ("E_L", "E_T", "G_LT", "G_TT", "nu_LT", "nu_TT", "angle", "thickness")
 
 
+@pytest.mark.slow
 def test_the_sandwich_is_a_double_series_of_sines_and_what_is_printed_in_the_middle_of_its_face() -> None:
     """The last terms are of 1e-5 and alternate; a core ten times as stiff across the plate changes less than 1e-5."""
     found = sandwich(40, CORE.E_N or 0.0)
@@ -100,6 +101,7 @@ def test_elasticity_of_cylinders_is_what_is_printed_of_them_michells_ring_and_a_
 # --- shells -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_strip_with_held_sides_is_that_of_elasticity() -> None:
     """Three surfaces a ply; by the law they have 1 % more shear between the plies, at any mesh."""
     found = limit("laminated-strip", ("40x1", "80x1"), sides="held")
@@ -128,6 +130,7 @@ def reduced(ply: Ply) -> float:
     return float(C[0, 0] - C[0, 3] ** 2 / C[3, 3])
 
 
+@pytest.mark.slow
 def test_strip_with_free_sides_is_what_is_printed_but_for_the_stress_under_the_load() -> None:
     """A beam does not feel the line load below it: in elasticity there is 2.4 % more, and in the shell the same.
 

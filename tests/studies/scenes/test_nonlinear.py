@@ -179,6 +179,7 @@ def test_pinched_cylinder_goes_the_way_of_the_published_one() -> None:
         assert np.max(from_curve("sze-pinched", result, quantity)) <= most
 
 
+@pytest.mark.slow
 def test_arcs_bend_coarse_elements_as_far_as_fine_ones() -> None:
     """Beside the elastica, and the limit of the hemisphere, 8.144 of finer grids; chords are 16 and 2.8 % too stiff."""
     tip = referenced("cantilever", "exact", "tip_deflection_mm", load_fraction=1.0)[0]

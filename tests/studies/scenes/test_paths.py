@@ -73,6 +73,7 @@ def both(scene: str, mesh: str | None) -> list[Result]:
     return [solve(*resolve(scene, {"path": path}, mesh)) for path in ("series", "arc-length")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "mesh"), [("roof-d", "4x4"), *(pytest.param(name, None, marks=pytest.mark.slow) for name in CURVES)]
 )

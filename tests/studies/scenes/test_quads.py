@@ -50,6 +50,7 @@ def limit(scene: str, meshes: tuple[str, str], **given: str) -> float:
     return fine + (fine - coarse) / 3
 
 
+@pytest.mark.slow
 def test_surfaces_inside_the_wall_have_the_shear_of_solids() -> None:
     """The hook is twisted: two faces leave the parabola of that shear out, 0.9 % of its deflection, and five do not."""
     meshes = ("28x8", "56x16")
@@ -118,6 +119,7 @@ def test_that_solid_by_scikit_fem() -> None:
             assert f @ spsolve(K[free][:, free], f) == pytest.approx(known.value, rel=5e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "expected"), [("in-plane", 0.99987), ("out-of-plane", 0.99778)])
 def test_the_thin_strip_is_solved_through_its_rounding(load: str, expected: float) -> None:
     """Shares of the limit of S4; Kratos' thick quadrilaterals have 1.00008 and 0.99813 on this mesh."""

@@ -59,6 +59,7 @@ def of_shell(**settings: str) -> np.ndarray:
     return np.array([read(result, name) for name in ("force_N", "width_mm", "pressure_MPa")]).T
 
 
+@pytest.mark.slow
 def test_five_surfaces_have_the_forces_and_pressures_of_the_solid() -> None:
     solid = np.array(list(SOLID.values()))
     assert of_shell()[:, 0] == pytest.approx(solid[:, 0], rel=1e-3)

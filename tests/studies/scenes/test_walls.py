@@ -168,6 +168,7 @@ def test_crushed_ring_of_any_law_is_that_of_the_solid(law) -> None:
     assert all(step["stability"]["negative"] == 0 for step in shell.steps)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("surfaces", ["3", "5"])
 def test_the_tyre_of_more_surfaces_is_stable_and_close(surfaces) -> None:
     """Two faces have the reduced law, the others the plain one; no element lets a surface alternate."""
@@ -250,6 +251,7 @@ def built(scene: str, settings: dict[str, str], **options: str) -> SceneModel:
     return found.build(request)
 
 
+@pytest.mark.slow
 def test_three_surfaces_have_the_answers_of_thin_shells_of_two() -> None:
     """The plain law beside the reduced one, within 0.2 % on one mesh."""
     for scene, mesh, quantity in (

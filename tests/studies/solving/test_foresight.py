@@ -137,6 +137,7 @@ def test_a_process_that_takes_more_than_its_memory_says_so_in_a_line(tmp_path: P
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the limit is of private memory where the kernel counts it")
 def test_a_small_solve_under_a_small_limit_ends(tmp_path: Path) -> None:
     """A library of linear algebra that is refused its buffer would wait for ever."""

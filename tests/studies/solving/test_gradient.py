@@ -43,6 +43,7 @@ def last(found: list[Derivative], quantity: str) -> dict[str, Derivative]:
     return {each.setting: each for each in found if each.quantity == quantity}
 
 
+@pytest.mark.slow
 def test_forces_scale_with_moduli_and_with_lengths_squared() -> None:
     """Euler: sum s dF/ds over all moduli and pressures is F, over all lengths 2 F; angles have no part in it."""
     force = last(of("tyre", TYRE, "12x14", *MODULI, *LENGTHS), "force_N")
@@ -74,6 +75,7 @@ def test_a_model_that_is_valid_at_one_value_alone_has_no_derivative_with_it() ->
     assert "quarter" in result.remarks[-1]
 
 
+@pytest.mark.slow
 def test_a_frictional_path_remembers_what_a_setting_did_to_its_anchors() -> None:
     """Dissipation is a modulus times a volume; the drag is one of the lengths, mu of no dimension."""
     once = RUBBED | {"delta_mm": "10", "drag_mm": "2"}  # of a list every value is changed by as much, and not scaled

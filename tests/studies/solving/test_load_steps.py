@@ -64,6 +64,7 @@ def test_the_error_is_of_first_order_once_steps_are_small() -> None:
         assert limit - found[0][name]["value"] == pytest.approx(found[0][name]["error"], rel=0.2), name
 
 
+@pytest.mark.slow
 def test_the_answer_stays_that_of_the_steps_asked_for() -> None:
     plain, told = path("plate"), path("plate")
     estimate(told)
@@ -79,6 +80,7 @@ def test_the_answer_stays_that_of_the_steps_asked_for() -> None:
     assert (low, high) == pytest.approx((halved[-1]["value"] - 3 * abs(error), halved[-1]["value"] + 3 * abs(error)))
 
 
+@pytest.mark.slow
 def test_a_step_that_was_cut_is_halved_in_its_parts_and_the_cut_is_printed() -> None:
     result = path("plate")
     stage, (end,) = result.ways[-1]
@@ -96,6 +98,7 @@ def test_paths_that_agree_say_nothing() -> None:
     assert StepError("force_N", 10.0, 10.5, 1e-8).interval == {"low": 7.0, "high": 13.0}
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_error_beside_the_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     settings = ["shape=plate", "mu=0.4", "delta_mm=0.5", "drag_mm=0.1,0.02"]
     asked = ["solve", "panel", "--mesh", "4x4", *(word for each in settings for word in ("--set", each))]
@@ -112,6 +115,7 @@ def test_the_command_prints_the_error_beside_the_force(tmp_path: Path, capsys: p
     assert "errors" not in json.loads((tmp_path / "without" / "result.json").read_text())
 
 
+@pytest.mark.slow
 def test_a_notebook_has_the_intervals() -> None:
     run = solve_in_a_notebook("panel", mesh="4x4", **PLATE)
     assert run.errors["friction_N"]["low"] < run.quantities["friction_N"] < run.errors["friction_N"]["high"]

@@ -47,6 +47,7 @@ def test_below_the_bound_there_is_one_answer() -> None:
         assert len(answers(springs)) in ((1,) if springs.coupling < 1 else (1, 3)), springs
 
 
+@pytest.mark.slow
 def test_a_claimed_answer_is_one_of_them_and_below_the_bound_all_find_it() -> None:
     """Beyond it programmes and pivots alone end on a candidate that is pulled off and rubs itself down."""
     table = klarbring_table().set_index(["case", "algorithm"])

@@ -21,6 +21,7 @@ def exact_but_for_the_mesh(table: pd.DataFrame) -> None:
         np.testing.assert_allclose(table[f"{name}_error"], table[f"discrete_{name}_error"], rtol=0, atol=ROUNDING)
 
 
+@pytest.mark.slow
 def test_the_error_of_the_strip_follows_from_where_its_front_lies() -> None:
     """And load steps of one sense change nothing."""
     table = strip_table((10, 13, 16), (1,))
@@ -43,6 +44,7 @@ def test_the_front_is_read_where_a_parabola_has_its_vertex() -> None:
         assert front(bar, -3 * slip) == pytest.approx(zone)
 
 
+@pytest.mark.slow
 def test_drum_and_capstan() -> None:
     """Partial slip within a thousandth. In gross slip the ratio is that of its own recursion, (1 + a/2)/(1 - a/2) a
     node with a = mu theta/n, by both readings.

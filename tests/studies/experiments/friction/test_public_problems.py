@@ -46,6 +46,7 @@ def test_the_shipped_table_is_what_its_module_tells() -> None:
     assert (own.loc[own["certified"] != "True", "reason"] != "").all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [slice(0, None, 2), pytest.param(slice(1, None, 2), marks=pytest.mark.slow)])
 def test_small_problems_come_out_as_in_the_table(names: slice) -> None:
     kept = public_table().set_index(["problem", "algorithm"])

@@ -50,6 +50,7 @@ def test_a_sample_has_the_orders_of_theory(measure: str, surface: str, element: 
     assert off(found)["order_resultants"] < WITHIN["order_resultants"]
 
 
+@pytest.mark.slow
 def test_moved_nodes_keep_the_order_of_a_measure_whose_shears_are_no_vector() -> None:
     found = distortion_orders(distortion(("novozhilov",), (8, 16)))
     assert found["order_displacement"].between(1.9, 2.1).all()

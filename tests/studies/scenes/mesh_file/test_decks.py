@@ -210,6 +210,7 @@ def test_pressure_follows_with_nlgeom(tmp_path) -> None:
     assert dead["quantities"]["largest_mm"] == pytest.approx(0.01, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_mesh_that_is_enough_is_chosen(tmp_path, capsys) -> None:
     deck, out = written(tmp_path, STRIP), str(tmp_path / "out")
     assert main(["choose", deck, "--error", "5%", "--of", "u3_TIP_mm", "--budget", "4s", "--out", out]) == OK

@@ -256,6 +256,7 @@ def test_nonsymmetric_section_is_close_to_the_symmetric_one(paper: Result) -> No
     assert found.steps[-1]["force_N"] == pytest.approx(paper.steps[-1]["force_N"], rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", ["20x20", pytest.param("42x40", marks=pytest.mark.slow)])
 def test_cross_ply_tyre_is_mirror_symmetric(mesh: str) -> None:
     """With the paper's element to 20 mm; near 12 mm such a tyre bifurcates, and the softer element finds that first."""

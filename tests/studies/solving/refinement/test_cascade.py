@@ -61,6 +61,7 @@ def test_the_force_of_a_tyre_against_other_grids_and_programs(settings, true: fl
     assert seen["extrapolated_force_N"] == pytest.approx(true, rel=seen["uncertainty"] + known)
 
 
+@pytest.mark.slow
 def test_lines_that_may_follow_an_estimate_do() -> None:
     scene, request = first_grid("tyre", {"delta_mm": "20"})
     assert (request.choice("grading"), request.mesh) == ("adapted", (20, 20))

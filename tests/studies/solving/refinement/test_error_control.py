@@ -164,6 +164,7 @@ def test_the_command_refines_and_says_so(tmp_path: Path, capsys: pytest.CaptureF
     assert (tmp_path / "refinement.csv").exists()
 
 
+@pytest.mark.slow
 def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
     monkeypatch.setattr(
         "studies.solving.refinement.error_control.solve_to_error.__defaults__", (None, lambda text: None, 200)

@@ -23,6 +23,7 @@ def stated(scene: str, mesh: str | None = None, settings: dict[str, str] | None 
     return solve_with_error(*complete(scene, settings or {}, mesh, **options))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "mesh", "finer", "settings"),
     [
@@ -114,6 +115,7 @@ def test_a_deflection_under_a_point_load_has_no_limit() -> None:
     assert any(line.startswith("limit not known, it grows by") for line in mesh_error.lines(result))
 
 
+@pytest.mark.slow
 def test_with_friction_the_interval_is_that_of_grids_and_of_load_steps() -> None:
     from studies.solving import load_steps
 
@@ -152,6 +154,7 @@ def test_the_command_leaves_it_out(tmp_path, capsys: pytest.CaptureFixture[str])
     assert "errors" not in json.loads((tmp_path / "result.json").read_text())
 
 
+@pytest.mark.slow
 def test_the_command_starts_cold(tmp_path) -> None:
     def spent(start: str) -> int:
         asked = ["solve", "hemisphere", "--set", "load_fraction=1", "--mesh", "32x32", "--start", start]
