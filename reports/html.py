@@ -189,6 +189,10 @@ def _figures_and_captions(tokens: list[Token], picture: Picture) -> Iterator[Tok
         elif token.type == "paragraph_open" and is_title(tokens[at + 1]) and tokens[at + 3].type == "table_open":
             caption = f"<caption>{RENDERER.renderInline(children[1:-1], MARKDOWN.options, {})}</caption>"
             at += 3
+        elif token.type == "inline" and [child.type for child in _children(token)] == ["image"]:
+            image = _children(token)[0]  # in a table: pictures side by side
+            yield _html(f"<figure>{picture(str(image.attrs['src']).rpartition('figures/')[2], image.content)}</figure>")
+            at += 1
         elif token.type in ("table_open", "table_close"):
             yield _html(f'<div class="wide"><table>{caption}\n' if token.type == "table_open" else "</table></div>\n")
             at, caption = at + 1, ""

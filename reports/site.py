@@ -30,12 +30,12 @@ LINK = re.compile(r"\[([^\[\]]+)\]\(([\w./-]+\.md)(?:#[^)]*)?\)")
 
 def write_pages(store: Path, out: Path, campaign: str | None = None) -> list[Path]:
     """Render everything, then write it into ``out``; returns the paths. After a StoreError nothing is written."""
-    return write_texts(out, _rendered(load_store(store, campaign)))
+    return write_texts(out, files_of(store, campaign))
 
 
 def check_pages(store: Path, out: Path, campaign: str | None = None) -> list[str]:
     """Differences between the pages in ``out`` and those of the store, a line each; pictures need only be there."""
-    return compare_pages(_rendered(load_store(store, campaign), draw=False), out)
+    return compare_pages(files_of(store, campaign, draw=False), out)
 
 
 def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
@@ -44,10 +44,11 @@ def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
     return "" if loaded.pages == ALL else loaded.campaign, completeness_line(loaded)
 
 
-def _rendered(store: Store, **options: bool) -> dict[str, str]:
+def files_of(path: Path, campaign: str | None = None, *, draw: bool = True) -> dict[str, str]:
     """As rendered; raises StoreError for what no page can show, and names that lead out, as tables of others have."""
+    store = load_store(path, campaign)
     try:
-        files = rendered(store, **options)
+        files = rendered(store, draw=draw)
     except StoreError:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:

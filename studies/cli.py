@@ -40,7 +40,7 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "report": ("campaigns", "write the pages of a store"),
     "advise": ("advise", "the cheapest configuration of a scene that meets a tolerance"),
     "check": ("gate", "compare a fresh campaign with the committed baseline"),
-    "compare": ("gate", "two stores side by side, as a comment for a review"),
+    "compare": ("comparison", "two stores side by side, as a comment for a review or a page"),
     "card": ("parts", "what a part of yours keeps, claims and costs, on one page"),
     "extremes": ("cases", "solve and judge one point of a map of extremes"),
     "fuzz": ("cases", "solve one random case again and hold it against its laws"),

@@ -27,7 +27,7 @@ ALLOWED = {
 }
 MORE = {
     "studies/commands/campaigns.py": {"reports"},  # the command line hands the tables over
-    "studies/commands/gate.py": {"reports"},  # and how words stand in Markdown
+    "studies/commands/comparison.py": {"reports"},  # and how words stand in Markdown, or on a page
     "studies/commands/parts.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
     "studies/commands/sweep.py": {"reports"},

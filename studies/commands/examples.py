@@ -72,7 +72,7 @@ EXAMPLES = {
         "--update --owner 'A. Name' --reason 'new element' --date 2026-01-31",
         "--time before after",
     ),
-    "compare": ("before after --campaign quick", "before after --use my_measure.py"),
+    "compare": ("before after --campaign quick", "before after --out change.html"),
     "card": (
         "my_algorithm.py --check --out card.md",
         "--of semismooth",

@@ -11,8 +11,11 @@ import pandas as pd
 import pytest
 
 from studies.cli import main
+from studies.commands.comparison import stale
 from studies.gate.baseline import BASELINE, TOLERANCES, UPDATES
 from studies.output.atomic import write_json
+from studies.run.campaign import find
+from studies.run.plan import plan
 
 CAMPAIGN = """
 title = "small"
@@ -158,6 +161,25 @@ def test_two_stores_make_a_comment(solved: Path, capsys: pytest.CaptureFixture[s
     assert text.startswith("### Campaign small, A → B\n")
     assert "A: 6 of 6 cells ran, 6 converged. B: 6 of 6 cells ran, 6 converged." in text
     assert "Nothing changed beyond the bounds." in text
+    assert "6 cells solved in both: newton iterations " in text
+    assert "stale" not in text
+
+
+def test_two_stores_make_a_page(solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store, page = str(solved / "store"), tmp_path / "change.html"
+    words = ["compare", store, store, "--campaign", "small", "--out"]
+    assert main([*words, str(page)]) == 0
+    assert "Campaign small, A → B</h1>" in page.read_text()
+    assert main([*words, str(tmp_path)]) == 2
+    assert "is a directory" in capsys.readouterr().err
+
+
+def test_cells_that_other_sources_have_solved_are_stale() -> None:
+    ids = {row.cell.label: row.id for row in plan(find("quick"))}
+    now = pd.DataFrame({"label": list(ids), "id": [known or "" for known in ids.values()]})
+    before = now.assign(id=["0" * 16, "1" * 16, *now["id"][2:]])
+    assert stale("quick", before, now) == "2 cells of A are stale: other sources have solved them."
+    assert stale("quick", now, now) == stale("of somebody", before, now) == ""
 
 
 def test_advice_on_the_command_line(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from studies.ask.request import Request, Settings
 from studies.ask.scene import UsageError
-from studies.commands.gate import comment
+from studies.commands.comparison import comment
 from studies.gate.baseline import COMMAND, OUTCOME, TOLERANCES, UPDATES, Update, bound_of, read_baseline, read_bounds
 from studies.gate.compare import NothingComparedError, check, compared, failures, lines, measured, update
 
