@@ -37,9 +37,11 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from studies import notebook, questions
-
-    return getattr(questions if name in QUESTIONS else notebook, name)
+    if name in QUESTIONS:
+        from studies import questions as room
+    else:
+        from studies import notebook as room
+    return getattr(room, name)
 
 
 def __dir__() -> list[str]:

@@ -6,12 +6,12 @@ Nothing is asked or solved here, see :mod:`studies.notebook`.
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from studies.output.shown import Shown
 from studies.scenes import SCENES
@@ -21,11 +21,18 @@ from studies.solving.variants import ELEMENT, MEASURE, REFERENCE, SURFACES
 from studies.sweeps import sweep as sweeping
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 HEADLINE = 4  # quantities, or reasons, that are shown
 AS_ASKED = "as asked for"  # of the element of the reference
 FIGURES = {MEASURE: "measures.svg", SURFACES: "surfaces.svg", ELEMENT: "elements.svg"}
+
+
+def _frame(rows: Sequence[Mapping[str, Any]], columns: list[str] | None = None) -> pd.DataFrame:
+    import pandas as pd  # slow to load, and not there where only the numbers are wanted
+
+    return pd.DataFrame(rows, columns=columns)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,7 +82,7 @@ class Run(Shown):
         Where no load was reached there is no row; the columns of what is read off are there all the same.
         """
         rows = [{**step.seen, **step.counters} for step in self.result.loads]
-        return pd.DataFrame(rows, columns=None if rows else self._columns())
+        return _frame(rows, columns=None if rows else self._columns())
 
     def _columns(self) -> list[str]:
         """What the stage that ended would have read off, as it reads it where its path begins."""
@@ -105,7 +112,7 @@ class Run(Shown):
             told = step.certificate
             said = {"failures": ", ".join(told["failures"]), "stability": told["stability"]["word"]}
             rows.append({**told["kkt"], **told["balances"], **said})
-        return pd.DataFrame(rows)
+        return _frame(rows)
 
     @property
     def quantities(self) -> dict[str, float]:
@@ -132,8 +139,8 @@ class Run(Shown):
         found = gradient.of_quantities(scene, self.result, [(quantity, keys)])
         gradient.record(self.result, found)
         if check:
-            return pd.DataFrame([each.row for each in taylor.check(scene, self.result, found)])
-        return pd.DataFrame([each.row for each in found])
+            return _frame([each.row for each in taylor.check(scene, self.result, found)])
+        return _frame([each.row for each in found])
 
     @property
     def cost(self) -> dict[str, float]:
@@ -182,17 +189,17 @@ class Chosen(Shown):
     @property
     def variants(self) -> pd.DataFrame:
         """A row a measure, an option of the element, a model: its error in the limit of the meshes, and its mesh."""
-        return pd.DataFrame(self.choice.variants)
+        return _frame(self.choice.variants)
 
     @property
     def grids(self) -> pd.DataFrame:
         """A row each of their grids."""
-        return pd.DataFrame(self.choice.grids)
+        return _frame(self.choice.grids)
 
     @property
     def algorithms(self) -> pd.DataFrame:
         """A row an algorithm of contact: how it ended, from rest, on a mesh that is enough."""
-        return pd.DataFrame(self.choice.trials)
+        return _frame(self.choice.trials)
 
     @property
     def uncertain(self) -> list[str]:
@@ -224,7 +231,7 @@ class Swept(Shown):
     @property
     def members(self) -> pd.DataFrame:
         """A row a member: settings, verdict, quantities at the last load, its error where one was asked for, costs."""
-        return pd.DataFrame(self.found.rows)
+        return _frame(self.found.rows)
 
     def figure(self) -> Figure:
         """The quantity over one setting, or its map over two."""

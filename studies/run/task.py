@@ -5,10 +5,8 @@ Only what a warm process has loaded anyway enters here.
 
 from __future__ import annotations
 
-import fcntl
 import math
 import os
-import resource
 import signal
 import sys
 from dataclasses import dataclass
@@ -59,12 +57,16 @@ def end_with(alive: int) -> None:
     signals of input (O_ASYNC), and where nobody heeds them by default (macOS), that thread is all there is.
     """
     if sys.platform == "linux":
+        import fcntl  # as limits, not there on every system; a solve in its own process does without
+
         fcntl.fcntl(alive, fcntl.F_SETOWN, -os.getpgrp())
         fcntl.fcntl(alive, fcntl.F_SETFL, fcntl.fcntl(alive, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 def limit(time_s: float | None, memory_MB: float | None) -> None:
     """Limit private memory beyond what there is, and the time in case no other side does; None takes a limit away."""
+    import resource  # as above
+
     if memory_MB is not None:
         _settle_libraries()
     signal.alarm(0 if time_s is None else int(time_s) + LATE)
