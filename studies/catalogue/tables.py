@@ -25,8 +25,8 @@ from studies.catalogue.words import loads, obstacle, shape_of, solid_supports, s
 from studies.run.answers import Answers
 from studies.run.scene_cells import SHEETS
 from studies.scenes import SCENES
-from studies.scenes.contact.faces import FacesModel
 from studies.scenes.element import ShearCorrected
+from studies.scenes.faces.model import FacesModel
 
 PARTS = ("kind", "part", "meaning", "about", "source", "module", "up", "azimuth_deg", "elevation_deg")
 SETTINGS = ("kind", "part", "key", "meaning", "unit", "range", "default")

@@ -12,8 +12,8 @@ from contact.catalogue import ALGORITHMS
 from contact.verify import PAIR
 from studies.output.vtu import read_vtu
 from studies.scenes.complete import complete
-from studies.scenes.contact.face_patch import RADIUS, H, lame_between
-from studies.scenes.contact.faces import FacesModel
+from studies.scenes.faces.face_patch import RADIUS, H, lame_between
+from studies.scenes.faces.model import FacesModel
 from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order

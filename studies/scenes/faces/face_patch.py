@@ -23,7 +23,8 @@ from formulations.shell import ShellModel
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
-from studies.scenes.contact.faces import (
+from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
+from studies.scenes.faces.model import (
     OTHER,
     PAIRING,
     SLAVE,
@@ -35,7 +36,6 @@ from studies.scenes.contact.faces import (
     Side,
     of_second,
 )
-from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, NU, H, SIDE = 1000.0, 0.3, 2.0, 40.0  # MPa, -, mm, mm

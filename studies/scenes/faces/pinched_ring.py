@@ -21,9 +21,9 @@ from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel
-from studies.scenes.contact.faces import OTHER, PAIRING, Bodies, FacesModel, Placed, Side, of_second
 from studies.scenes.contact.ring import RADIUS, WIDTH, E
 from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
+from studies.scenes.faces.model import OTHER, PAIRING, Bodies, FacesModel, Placed, Side, of_second
 from studies.scenes.statics import edge_forces, loaded_shell
 
 SIDE = np.pi / 2

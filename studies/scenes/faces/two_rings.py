@@ -20,7 +20,10 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.base import RIM_LINES, contact_lines
-from studies.scenes.contact.faces import (
+from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
+from studies.scenes.data import Row, references
+from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
+from studies.scenes.faces.model import (
     OTHER,
     PAIRING,
     SLAVE,
@@ -32,9 +35,6 @@ from studies.scenes.contact.faces import (
     Side,
     of_second,
 )
-from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
-from studies.scenes.data import Row, references
-from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 FACING = np.diag([-1.0, 1.0, -1.0])  # half a turn about the second axis

@@ -1,0 +1,1 @@
+"""Scenes whose bodies meet one another, or themselves, and deform on both sides."""
