@@ -20,7 +20,7 @@ from scipy import sparse
 
 from contact.coulomb import Coulomb, Friction, Surface
 from contact.parameters import Parameter
-from contact.swept import Standing
+from contact.swept import Passable
 
 
 class Linearised(Protocol):
@@ -135,8 +135,8 @@ class ContactProblem:
     multipliers: how many unknowns, the last ones, are multipliers of conditions on the others: as many eigenvalues of a
     tangent are negative that belong to no motion, see :mod:`contact.control`.
 
-    standing: the foundation and the candidates in a frame in which it stands still; None where no straight way of a
-    candidate leads through it, as through a plane.
+    standing: the foundation and the candidates in a frame in which it stands still, or two faces that both move; None
+    where no straight way of a candidate leads through it, as through a plane.
 
     guide (n,): a known state close to the solution, given for every load of a path: a step starts from the last state
     plus the change of the guide, and the balance of energy counts from it, without friction; None where that is rest.
@@ -165,7 +165,7 @@ class ContactProblem:
     driven: int = 0
     multipliers: int = 0
     travel: Callable[[], ContactProblem] | None = None
-    standing: Standing | None = None
+    standing: Passable | None = None
     guide: np.ndarray | None = None
     faces: Faces | None = None
     surface: Surface | None = None

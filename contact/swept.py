@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -40,35 +41,46 @@ class Standing:
     gradient: Callable[[np.ndarray], np.ndarray]
     least_radius: float = np.inf
 
+    def passed(self, u0: np.ndarray, after: Standing, u1: np.ndarray) -> list[Crossing]:
+        """Of candidates from u0 (n,) to u1, the foundation where it is after."""
+        start = self.positions(u0)
+        way = after.positions(u1) - start
+        whose, enters, leaves = dips(after.gap, start, way)
+        begin, way = start[whose], way[whose]
+        slides = after.gap(begin) <= TOUCHING * np.linalg.norm(way, axis=1)
+        cosine = np.einsum("ij,ij->i", *(after.gradient(begin + s[:, None] * way) for s in (enters, leaves)))
+        passes = np.flatnonzero(cosine < np.where(slides, SLID, FREE))
+        return [Crossing(int(whose[i]), float(enters[i]), float(leaves[i])) for i in passes]
+
+
+class Passable(Protocol):
+    """What may be passed through on the way from one state to the next: :class:`Standing`, or faces that both move."""
+
+    def passed(self, u0: np.ndarray, after: Any, u1: np.ndarray) -> list[Crossing]:
+        """All passages from u0 (n,), the bodies where they were, to u1, where they are after."""
+
 
 @dataclass(frozen=True)
 class Crossing:
-    """A candidate, and the shares of its way at which it goes into the foundation and comes out of it, or ends."""
+    """A point, and the shares of its way at which it goes into what it passes through and comes out of it, or ends."""
 
     candidate: int
     enters: float
     leaves: float
+    kind: str = "candidate"
+    through: str = "the foundation"
 
     def __str__(self) -> str:
-        return f"candidate {self.candidate} passes through the foundation"
+        return f"{self.kind} {self.candidate} passes through {self.through}"
 
 
-def crossings(before: Standing | None, u0: np.ndarray, after: Standing | None, u1: np.ndarray) -> list[Crossing]:
-    """All passages from u0 (n,), the foundation where it was before, to u1, where it is after; none without them."""
-    if before is None or after is None:
-        return []
-    start = before.positions(u0)
-    way = after.positions(u1) - start
-    whose, enters, leaves = dips(after.gap, start, way)
-    begin, way = start[whose], way[whose]
-    slides = after.gap(begin) <= TOUCHING * np.linalg.norm(way, axis=1)
-    cosine = np.einsum("ij,ij->i", *(after.gradient(begin + s[:, None] * way) for s in (enters, leaves)))
-    passes = np.flatnonzero(cosine < np.where(slides, SLID, FREE))
-    return [Crossing(int(whose[i]), float(enters[i]), float(leaves[i])) for i in passes]
+def crossings(before: Passable | None, u0: np.ndarray, after: Passable | None, u1: np.ndarray) -> list[Crossing]:
+    """All passages from u0 (n,), the bodies where they were before, to u1, where they are after; none without them."""
+    return [] if before is None or after is None else before.passed(u0, after, u1)
 
 
-def crossings_along(way: Iterable[tuple[Standing | None, np.ndarray]]) -> list[Crossing]:
-    """Those of all steps of a path of states (foundation, u)."""
+def crossings_along(way: Iterable[tuple[Passable | None, np.ndarray]]) -> list[Crossing]:
+    """Those of all steps of a path of states (what may be passed through, u)."""
     return [each for before, after in pairwise(way) for each in crossings(*before, *after)]
 
 
@@ -106,7 +118,7 @@ def dips(
     return whose[first], share[first], share[last]
 
 
-def between_nodes(standing: Standing | None, weights: np.ndarray, touching: np.ndarray) -> str:
+def between_nodes(standing: Passable | None, weights: np.ndarray, touching: np.ndarray) -> str:
     """What no candidate sees: a foundation with a radius below the size of an element passes between nodes.
 
     The size is the side of a square of the largest share of area, weights (m,) [mm^2], of those ``touching`` (m,) bool,
@@ -114,7 +126,7 @@ def between_nodes(standing: Standing | None, weights: np.ndarray, touching: np.n
     """
     shares = weights[touching] if touching.any() else weights
     size = float(np.sqrt(np.max(shares, initial=0.0)))
-    if standing is None or standing.least_radius >= size:
+    if not isinstance(standing, Standing) or standing.least_radius >= size:
         return ""
     sizes = f"the least radius of the foundation, {standing.least_radius:.3g} mm, is below the size of an element"
     return f"{sizes} there, {size:.3g} mm: nodes alone touch, and between them it may stand inside the wall"

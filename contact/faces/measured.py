@@ -18,13 +18,21 @@ AT_ONCE = 10_000_000  # entries of an array
 
 def distances(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Signed distances (p,) of points x (p, 3) from a face of points (k, 3) and patches (q, 4), negative behind it."""
+    off, normal = feet(x, positions, quads)
+    least, along = np.linalg.norm(off, axis=1), np.einsum("pc,pc->p", off, normal)
+    return np.where(along < BEHIND * least, -least, least)
+
+
+def feet(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """From the closest points of the face to x (p, 3), and the unit normals there, both (p, 3)."""
     corners = positions[quads]
     size = max(1, AT_ONCE // (3 * max(1, len(quads))))
     parts = [_some(x[i : i + size], corners) for i in range(0, len(x), size)]
-    return np.concatenate([np.zeros(0), *parts])
+    off, normal = zip((np.zeros((0, 3)),) * 2, *parts, strict=True)
+    return np.concatenate(off), np.concatenate(normal)
 
 
-def _some(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
+def _some(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     low, high = corners.min(axis=1), corners.max(axis=1)
     outside = np.maximum(np.maximum(low - x[:, None], x[:, None] - high), 0.0)
     nearest = np.min(np.linalg.norm(x[:, None] - corners[:, 0], axis=2), axis=1)
@@ -50,8 +58,7 @@ def _some(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
     first = np.flatnonzero(distance == least[point])
     off_of = np.zeros_like(x)
     off_of[point[first]] = off[first]
-    along = np.einsum("pc,pc->p", off_of, normal) / np.linalg.norm(normal, axis=1)
-    return np.where(along < BEHIND * least, -least, least)
+    return off_of, normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
 def _off(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> np.ndarray:

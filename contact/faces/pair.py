@@ -23,12 +23,13 @@ Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Konyukhov, Schweizerhof, Comp
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import sparse
 
 from contact.faces.measured import distances
+from contact.faces.passages import Meeting
 from contact.faces.patches import shape, twist
 from contact.faces.sampling import Mortar, Sampling
 from contact.faces.search import Nearest, nearest
@@ -44,6 +45,7 @@ class Pair:
 
     master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
     weights (m,) [mm^2]: reference areas of the candidates.  sampling: of the slave at the positions (k, 3) of all.
+    slave (a, 4): its patches, for the judge alone, who looks at what passes through them; none where it does not.
     """
 
     reference: np.ndarray
@@ -51,6 +53,7 @@ class Pair:
     master: np.ndarray
     weights: np.ndarray
     sampling: Callable[[np.ndarray], Sampling]
+    slave: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.intp))
 
     def positions(self, u: np.ndarray) -> np.ndarray:
         """x (k, 3)."""
@@ -76,6 +79,11 @@ class Pair:
     def frozen(self) -> bool:
         """Whether the points of the slave move with u, and the rows leave that out."""
         return isinstance(self.sampling, Mortar)
+
+    @property
+    def standing(self) -> Meeting | None:
+        """What the points of both faces may not pass through."""
+        return Meeting(self.positions, self.slave, self.master) if len(self.slave) else None
 
     @property
     def size(self) -> float:
@@ -195,5 +203,6 @@ def between(linearise: Linearise, pair: Pair) -> ContactProblem:
         weights=pair.weights,
         gap_curvature=curvature,
         gap_size=pair.size,
+        standing=pair.standing,
         faces=pair,
     )

@@ -122,9 +122,9 @@ class Bodies:
         operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
         if pairing == "nodes":
             areas = self.parts[slave.body].shell.discretisation.nodal_areas(FACES[slave.face])[nodes]
-            return Pair(reference, operator, its, areas, Nodes(nodes))
+            return Pair(reference, operator, its, areas, Nodes(nodes), quads[slave.patches])
         mortar = Mortar(reference, quads[slave.patches], its, nodes)
-        return Pair(reference, operator, its, mortar.weights, mortar)
+        return Pair(reference, operator, its, mortar.weights, mortar, quads[slave.patches])
 
     def against(self, pair: Pair) -> ContactProblem:
         """The contact problem of the pair, with all that the judge may see.
