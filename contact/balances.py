@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contact.problem import ContactProblem, Linearised
+from contact.problem import ContactProblem, Faces, Linearised
 
 BALANCE = 1e-8
 _INNER = float(np.sqrt(3 / 7)) / 2
@@ -79,11 +79,19 @@ def force_balance(
 def pair_balance(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> tuple[float | None, float | None]:
     """Resultant of the forces of two faces on each other over their sum, and their moment over that times their size.
 
-    Both are zero where the forces come from a gap that no rigid motion of both changes. None before a foundation.
+    Both are zero where the forces come from a gap that no rigid motion of both changes. Of several pairs that of the
+    worst one, each by itself. None before a foundation.
     """
     if problem.faces is None:
         return None, None
-    forces, x = problem.faces.forces(u, problem.nodal_forces(pressure)), problem.faces.positions(u)
+    nodal = problem.nodal_forces(pressure)
+    found = [_of_pair(faces, u, nodal[own]) for faces, own in problem.faces.parts]
+    force, moment = np.max(found, axis=0)
+    return float(force), float(moment)
+
+
+def _of_pair(faces: Faces, u: np.ndarray, nodal: np.ndarray) -> tuple[float, float]:
+    forces, x = faces.forces(u, nodal), faces.positions(u)
     arm = x - x.mean(axis=0)
     size = float(np.sum(np.linalg.norm(forces, axis=1))) or 1.0
     length = float(np.max(np.linalg.norm(arm, axis=1), initial=0.0)) or 1.0

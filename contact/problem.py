@@ -44,7 +44,11 @@ class Linearised(Protocol):
 
 
 class Faces(Protocol):
-    """Two faces that press each other, as the judge looks at them."""
+    """Two faces that press each other, or several pairs of them, as the judge looks at them."""
+
+    @property
+    def parts(self) -> tuple[tuple[Faces, slice], ...]:
+        """Each pair by itself and which candidates are its own."""
 
     def positions(self, u: np.ndarray) -> np.ndarray:
         """All points (k, 3) of both [mm]."""

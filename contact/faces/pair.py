@@ -24,16 +24,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
 from contact.faces.measured import distances
-from contact.faces.passages import Meeting
+from contact.faces.passages import Ways
 from contact.faces.patches import shape, twist
 from contact.faces.sampling import Mortar, Sampling
 from contact.faces.search import Nearest, nearest
-from contact.problem import ContactProblem, Linearise
+from contact.problem import ContactProblem, Faces, Linearise
+from contact.swept import Passable
 
 KEPT = 2  # states
 KINK = 1e-5  # of the size of a patch: nearer than this, the direction from an edge turns too fast to have a derivative
@@ -76,14 +78,19 @@ class Pair:
         return np.asarray(sampled.average @ distances(sampled.points @ x, x, self.master))
 
     @property
+    def parts(self) -> tuple[tuple[Pair, slice], ...]:
+        """The pair and its candidates, which are all."""
+        return ((self, slice(None)),)
+
+    @property
     def frozen(self) -> bool:
         """Whether the points of the slave move with u, and the rows leave that out."""
         return isinstance(self.sampling, Mortar)
 
     @property
-    def standing(self) -> Meeting | None:
+    def standing(self) -> Ways | None:
         """What the points of both faces may not pass through."""
-        return Meeting(self.positions, self.slave, self.master) if len(self.slave) else None
+        return Ways(self.positions, self.slave, self.master) if len(self.slave) else None
 
     @property
     def size(self) -> float:
@@ -179,11 +186,49 @@ def _across(a: np.ndarray, n: np.ndarray, free: np.ndarray) -> np.ndarray:
     return np.divide(found, size, out=found, where=size > 0)
 
 
-def between(linearise: Linearise, pair: Pair) -> ContactProblem:
-    """The contact problem of a pair; ``linearise``: the mechanics of all bodies at once."""
-    A, kept = pair.operator, dict[bytes, tuple[Paired, sparse.csr_matrix]]()
+class Met(Protocol):
+    """What is closest to what at one u: :class:`Paired`, or that of several pairs."""
 
-    def at(u: np.ndarray) -> tuple[Paired, sparse.csr_matrix]:
+    @property
+    def gap(self) -> np.ndarray:
+        """g (m,)."""
+
+    @property
+    def rows(self) -> sparse.csr_matrix:
+        """dg (m, 3k) by the positions."""
+
+    def curvature(self, force: np.ndarray) -> sparse.csr_matrix:
+        """sum_i f_i d2g_i (3k, 3k) by the positions."""
+
+
+class Posed(Faces, Protocol):
+    """One :class:`Pair`, or :class:`contact.faces.several.Several`."""
+
+    @property
+    def operator(self) -> sparse.csr_matrix:
+        """d positions/du (3k, n)."""
+
+    @property
+    def weights(self) -> np.ndarray:
+        """(m,) [mm^2]."""
+
+    @property
+    def standing(self) -> Passable | None:
+        """What may not be passed through."""
+
+    @property
+    def size(self) -> float:
+        """[mm]."""
+
+    def at(self, u: np.ndarray) -> Met:
+        """What is closest to what."""
+
+
+def between(linearise: Linearise, pair: Posed) -> ContactProblem:
+    """The contact problem of a pair, or of several; ``linearise``: the mechanics of all bodies at once."""
+    A, kept = pair.operator, dict[bytes, tuple[Met, sparse.csr_matrix]]()
+
+    def at(u: np.ndarray) -> tuple[Met, sparse.csr_matrix]:
         """The closest points and the rows there: the last ones are asked for again and again."""
         key = u.tobytes()
         if key not in kept:

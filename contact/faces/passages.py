@@ -36,14 +36,14 @@ HALVES = ([0, 1, 2], [0, 2, 3])  # of a patch
 
 
 @dataclass(frozen=True, eq=False)
-class Meeting:
-    """Two faces: positions(u) -> (k, 3) of all points; patches slave (a, 4) and master (b, 4)."""
+class Ways:
+    """Those of two faces: positions(u) -> (k, 3) of all points; patches slave (a, 4) and master (b, 4)."""
 
     positions: Callable[[np.ndarray], np.ndarray]
     slave: np.ndarray
     master: np.ndarray
 
-    def passed(self, u0: np.ndarray, after: Meeting, u1: np.ndarray) -> list[Crossing]:
+    def passed(self, u0: np.ndarray, after: Ways, u1: np.ndarray) -> list[Crossing]:
         """Points of either face that pass through the other from u0 (n,) here to u1 there."""
         ends = np.stack([self.positions(u0), after.positions(u1)])
         sides = (self.slave, self.master, "slave point"), (self.master, self.slave, "master point")

@@ -144,19 +144,20 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     resultants H_11-, ..., H_33 [N/mm] in the order of the strains, and stresses S_LL1-, S_TT1-, S_LT1-, S_LL1+, ...
     [MPa] along and across the fibres of ply 1, 2, ... from inside, on its inner (-) and outer (+) side.
     """
-    write_vtu(path, *_layer(shell, u, pressure, face))
+    write_vtu(path, *_layer(shell, u, np.stack([pressure * (face == 0), pressure * (face == 1)])))
 
 
 Placement = tuple[ShellModel, np.ndarray, np.ndarray]  # a shell, its turn (3, 3) and its shift (3,) in space
 
 
 def write_shells(
-    path: Path, placed: Sequence[Placement], u: Sequence[np.ndarray], pressure: Sequence[np.ndarray], face: int = 1
+    path: Path, placed: Sequence[Placement], u: Sequence[np.ndarray], pressure: Sequence[np.ndarray]
 ) -> None:
-    """Several shells in one file, one after the other, "body" their number; what all of them have is written."""
-    layers = [
-        _layer(shell, *state, face) for (shell, _, _), state in zip(placed, zip(u, pressure, strict=True), strict=True)
-    ]
+    """Several shells in one file, one after the other, "body" their number; what all of them have is written.
+
+    pressure: (2, N) of each, on its inner and its outer face.
+    """
+    layers = [_layer(shell, *state) for (shell, _, _), state in zip(placed, zip(u, pressure, strict=True), strict=True)]
     points = [x @ turn.T + shift for (x, *_), (_, turn, shift) in zip(layers, placed, strict=True)]
     starts = np.cumsum([0, *map(len, points)])
     cells = [layer[1] + start for layer, start in zip(layers, starts, strict=False)]
@@ -173,9 +174,7 @@ def write_shells(
     write_vtu(path, np.concatenate(points), np.concatenate(cells), data[0], data[1])
 
 
-def _layer(
-    shell: ShellModel, u: np.ndarray, pressure: np.ndarray, face: int
-) -> tuple[np.ndarray, np.ndarray, Data, Data]:
+def _layer(shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, Data, Data]:
     """Points, cells, and what they carry, of :func:`write_fields`."""
     discretisation = shell.discretisation
     inner, outer = discretisation.positions()
@@ -189,7 +188,7 @@ def _layer(
     names += [f"S_{part}{ply}{side}" for ply in plies for side in "-+" for part in ("LL", "TT", "LT")]
     points = {
         "displacement": np.concatenate(discretisation.cartesian(u, shell.prescribed)),
-        "pressure": np.concatenate([pressure * (face == 0), pressure * (face == 1)]),
+        "pressure": pressure.ravel(),
         "face": np.repeat([0.0, 1.0], n),
     }
     cells = dict(zip(names, np.hstack([resultants, stresses.reshape(len(corners), -1)]).T, strict=True))

@@ -31,6 +31,7 @@ from studies.scenes.faces.model import (
     SLAVES,
     Bodies,
     FacesModel,
+    Facing,
     Meeting,
     Placed,
     Side,
@@ -100,8 +101,8 @@ class FacePatch:
 
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
         pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
-        sides = Side(own, faces[own]), Side(1 - own, faces[1 - own])
-        return FacesModel(bodies, *sides, nodes, pairing, pressures, measured, "pressure_MPa", lying=True)
+        pair = Facing(Side(own, faces[own]), Side(1 - own, faces[1 - own]), nodes)
+        return FacesModel(bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True)
 
 
 def _body(request: Request, mesh: tuple[int, int], number: int, *, flat: bool) -> ShellModel:

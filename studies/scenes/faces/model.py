@@ -17,11 +17,12 @@ from scipy import sparse
 
 from contact.faces.pair import Pair, between
 from contact.faces.sampling import PAIRINGS, Mortar, Nodes
+from contact.faces.several import Several
 from contact.problem import ContactProblem, ContactSolution, Linearisation
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
 from studies.ask.request import Request
-from studies.ask.scene import Begun, Observation, Setting, Stage, candidates_at
+from studies.ask.scene import Begun, Observation, Setting, Stage
 from studies.output.vtu import write_shells
 
 PAIRING = Setting.one_of(
@@ -126,10 +127,10 @@ class Bodies:
         mortar = Mortar(reference, quads[slave.patches], its, nodes)
         return Pair(reference, operator, its, mortar.weights, mortar, quads[slave.patches])
 
-    def against(self, pair: Pair) -> ContactProblem:
-        """The contact problem of the pair, with all that the judge may see.
+    def against(self, pair: Pair | Several) -> ContactProblem:
+        """The contact problem of the pairs, with all that the judge may see.
 
-        The orders of elimination of the bodies are none of the pair, whose faces couple what each has last or first.
+        The orders of elimination of the bodies are none of a pair, whose faces couple what each has last or first.
         """
         shells = [each.shell for each in self.parts]
         problem = replace(between(self.linearise, pair), residual=self.residual)
@@ -137,13 +138,29 @@ class Bodies:
 
 
 @dataclass(frozen=True, eq=False)
+class Facing:
+    """Two sides that may meet; nodes (m,): of the slave's grid, the candidates."""
+
+    slave: Side
+    master: Side
+    nodes: np.ndarray
+
+    @property
+    def said(self) -> str:
+        """Which faces."""
+        own, its = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
+        return f"{own} against {its}"
+
+
+@dataclass(frozen=True, eq=False)
 class Meeting:
     """What a scene may read off a state u (n,): by candidate, at the positions (m, 3) [mm] of their nodes.
 
-    force (m,) [N], pressure (m,) [MPa], area (m,) [mm^2].
+    pair (m,): the number of theirs.  force (m,) [N], pressure (m,) [MPa], area (m,) [mm^2].
     """
 
     u: np.ndarray
+    pair: np.ndarray
     position: np.ndarray
     force: np.ndarray
     pressure: np.ndarray
@@ -154,15 +171,13 @@ class Meeting:
 class FacesModel:
     """One path of the parameter ``key``, from rest.
 
-    bodies_at(t): all bodies where they are.  pair_at(bodies): of what may touch.  nodes (m,): of the slave's grid, the
-    candidates.  measure_at(t, meeting): what is read, {name_unit: value}.
+    bodies_at(t): all bodies where they are.  pairs: what may touch.  measure_at(t, meeting): what is read, {name_unit:
+    value}.
     lying: everything touches without pressure at rest.  shown: where its fields are, at the last target unless given.
     """
 
     bodies_at: Callable[[float], Bodies]
-    slave: Side
-    master: Side
-    nodes: np.ndarray
+    pairs: tuple[Facing, ...]
     pairing: str
     targets: Sequence[float]
     measure_at: Callable[[float, Meeting], Mapping[str, float]]
@@ -178,8 +193,12 @@ class FacesModel:
     @property
     def said(self) -> str:
         """Which faces meet, and how."""
-        own, its = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
-        return f"{own} against {its}, {self.pairing}"
+        return f"{'; '.join(each.said for each in self.pairs)}, {self.pairing}"
+
+    @cached_property
+    def pair_of_candidate(self) -> np.ndarray:
+        """The number of the pair of each candidate (m,)."""
+        return np.repeat(np.arange(len(self.pairs)), [len(each.nodes) for each in self.pairs])
 
     @cached_property
     def n_unknowns(self) -> int:
@@ -191,20 +210,25 @@ class FacesModel:
         yield Stage("load", self._begin, tuple(self.targets), self._observe)
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
-        rest = ContactSolution.at_rest(self.n_unknowns, len(self.nodes))
-        return self.problem_at, previous or replace(rest, active=np.full(len(self.nodes), self.lying))
+        m = len(self.pair_of_candidate)
+        rest = ContactSolution.at_rest(self.n_unknowns, m)
+        return self.problem_at, previous or replace(rest, active=np.full(m, self.lying))
 
-    def pair_at(self, t: float) -> Pair:
-        """The pair at a point of the path."""
-        return self.bodies_at(t).pair(self.slave, self.master, self.nodes, self.pairing)
+    def pairs_at(self, t: float) -> tuple[Pair, ...]:
+        """The pairs at a point of the path."""
+        bodies = self.bodies_at(t)
+        return tuple(bodies.pair(each.slave, each.master, each.nodes, self.pairing) for each in self.pairs)
 
     def problem_at(self, t: float) -> ContactProblem:
-        """All bodies and their pair at a point of the path."""
-        return self.bodies_at(t).against(self.pair_at(t))
+        """All bodies and their pairs at a point of the path."""
+        pairs = self.pairs_at(t)
+        return self.bodies_at(t).against(pairs[0] if len(pairs) == 1 else Several(pairs))
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
-        position = self.pair_at(t).positions(state.u)[self.nodes]
-        meeting = Meeting(state.u, position, problem.nodal_forces(state.pressure), state.pressure, problem.weights)
+        found = zip(self.pairs_at(t), self.pairs, strict=True)
+        position = np.concatenate([pair.positions(state.u)[each.nodes] for pair, each in found])
+        forces, pressure = problem.nodal_forces(state.pressure), state.pressure
+        meeting = Meeting(state.u, self.pair_of_candidate, position, forces, pressure, problem.weights)
         quantities = dict(self.measure_at(t, meeting))
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
@@ -215,20 +239,20 @@ class FacesModel:
     @property
     def candidate_of_point(self) -> tuple[np.ndarray, np.ndarray]:
         """The candidate of each point of its file, -1 for none, and the node of its body that it is, (P,) each."""
-        candidates, nodes = list[np.ndarray](), list[np.ndarray]()
-        for number, each in enumerate(self.bodies_at(0.0).parts):
-            n = each.shell.discretisation.grid.n_nodes
-            for face in (0, 1):
-                own = (number, face) == (self.slave.body, self.slave.face)
-                candidates.append(candidates_at(self.nodes if own else np.zeros(0, np.intp), n))
-                nodes.append(np.arange(n))
+        counts = [each.shell.discretisation.grid.n_nodes for each in self.bodies_at(0.0).parts]
+        nodes = [np.arange(n) for n in counts for _ in (0, 1)]
+        candidates, start = [np.full(n, -1) for n in counts for _ in (0, 1)], 0
+        for each in self.pairs:
+            own = candidates[2 * each.slave.body + each.slave.face]
+            own[each.nodes] = start + np.arange(len(each.nodes))
+            start += len(each.nodes)
         return np.concatenate(candidates), np.concatenate(nodes)
 
     def write_fields(self, path: Path, state: ContactSolution) -> None:
-        """All bodies where they are shown, with the contact pressure on the face that is the slave."""
+        """All bodies where they are shown, with the contact pressures on the faces that are slaves."""
         bodies = self.bodies_at(self.targets[-1] if self.shown is None else self.shown)
-        pressures = [np.zeros(each.shell.discretisation.grid.n_nodes) for each in bodies.parts]
-        if len(state.pressure):
-            pressures[self.slave.body][self.nodes] = state.pressure
+        pressures = [np.zeros((2, each.shell.discretisation.grid.n_nodes)) for each in bodies.parts]
+        for number, each in enumerate(self.pairs if len(state.pressure) else ()):
+            pressures[each.slave.body][each.slave.face, each.nodes] = state.pressure[self.pair_of_candidate == number]
         placed = [(each.shell, each.turn, each.shift) for each in bodies.parts]
-        write_shells(path, placed, bodies.split(state.u), pressures, self.slave.face)
+        write_shells(path, placed, bodies.split(state.u), pressures)

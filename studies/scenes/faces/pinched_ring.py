@@ -23,7 +23,7 @@ from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Set
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.ring import RADIUS, WIDTH, E
 from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
-from studies.scenes.faces.model import OTHER, PAIRING, Bodies, FacesModel, Placed, Side, of_second
+from studies.scenes.faces.model import OTHER, PAIRING, Bodies, FacesModel, Facing, Placed, Side, of_second
 from studies.scenes.statics import edge_forces, loaded_shell
 
 SIDE = np.pi / 2
@@ -86,11 +86,10 @@ class PinchedRing:
             )
         first = np.flatnonzero(grid.centre[:, 1] + grid.half[:, 1] <= TOUCHING * SIDE + 1e-9)
         second = np.flatnonzero(grid.centre[:, 1] > SIDE)
-        sides = Side(0, 0, first), Side(0, 0, second)
+        pair = Facing(Side(0, 0, first), Side(0, 0, second), np.unique(grid.elements[first]))
         return FacesModel(
             lambda t: Bodies((Placed(shell.scaled(t)),)),
-            *sides,
-            np.unique(grid.elements[first]),
+            (pair,),
             request.choice("pairing"),
             loads,
             lambda t, meeting: read(meeting.force, meeting.u),

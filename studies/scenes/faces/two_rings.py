@@ -30,6 +30,7 @@ from studies.scenes.faces.model import (
     SLAVES,
     Bodies,
     FacesModel,
+    Facing,
     Meeting,
     Placed,
     Side,
@@ -99,7 +100,8 @@ class TwoRings:
             return {"P_R2_over_EI": load, "P_H2_over_EI": load * height**2, "flat_half_length": centre}
 
         pairing = request.choice("pairing")
-        return FacesModel(bodies, Side(own, 1), Side(1 - own, 1), nodes, pairing, deltas, measured, "delta_mm")
+        pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
+        return FacesModel(bodies, (pair,), pairing, deltas, measured, "delta_mm")
 
 
 def _ring(request: Request, h: float, count: int) -> ShellModel:

@@ -19,19 +19,12 @@ from contact.interchange.oracle import minimise
 from contact.problem import ContactSolution
 from contact.verify import PAIR, judge
 from support.problems.contact_problems import linear_mechanics
+from support.problems.sheets import sheet
 
 ROUNDING = 1e-13
 STEP = 1e-5
 BY_DIFFERENCES = 2e-8  # of the size: central ones with that step
 each_pairing = pytest.mark.parametrize("pairing", PAIRINGS)
-
-
-def sheet(n1: int, n2: int, side: float, height: float, bent: float, *, up: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Points (k, 3) and patches (q, 4) of a square sheet z = height + bent (x^2 + y^2/2), which looks up or down."""
-    x, y = (grid.ravel() for grid in np.meshgrid(*(np.linspace(-side, side, n + 1) for n in (n1, n2)), indexing="ij"))
-    low = (np.arange(n1)[:, None] * (n2 + 1) + np.arange(n2)).ravel()
-    quads = low[:, None] + np.array([0, n2 + 1, n2 + 2, 1])
-    return np.stack([x, y, height + bent * (x**2 + y**2 / 2)], axis=-1), quads if up else quads[:, ::-1]
 
 
 def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.1, side: float = 1.2) -> Pair:

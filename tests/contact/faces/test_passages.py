@@ -14,7 +14,7 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import PathPoint, follow
 from contact.events import EventKind, events
 from contact.faces.pair import Pair, between
-from contact.faces.passages import DEEP, Meeting
+from contact.faces.passages import DEEP, Ways
 from contact.faces.sampling import Mortar, Nodes
 from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 from contact.swept import crossings, crossings_along
@@ -69,7 +69,7 @@ def test_passages_of_random_segments_through_a_box_that_moves_and_grows(rng: np.
         np.vstack([end + begin + way, sizes[1] * x + begin + way]),
     ]
     slave = np.arange(m).reshape(-1, 4)
-    meeting = Meeting(lambda u: ends[int(u[0])], slave, quads + m)
+    meeting = Ways(lambda u: ends[int(u[0])], slave, quads + m)
     told = {
         each.candidate
         for each in crossings(meeting, np.zeros(1), meeting, np.ones(1))
@@ -91,7 +91,7 @@ def test_corners_of_the_master_are_looked_at_as_well() -> None:
     x, quads = box()
     plate = np.array([[-1.5, -1.5, 0], [1.5, -1.5, 0], [1.5, 1.5, 0], [-1.5, 1.5, 0]])
     below = [np.vstack([plate, 0.5 * x + [0.1, 0.2, height]]) for height in (3.0, -3.0)]
-    meeting = Meeting(lambda u: below[int(u[0])], np.array([[0, 1, 2, 3]]), quads + 4)
+    meeting = Ways(lambda u: below[int(u[0])], np.array([[0, 1, 2, 3]]), quads + 4)
     found = crossings(meeting, np.zeros(1), meeting, np.ones(1))
     assert {each.kind for each in found} == {"master point"}
     assert {each.candidate for each in found} == set(range(4, 4 + len(x)))

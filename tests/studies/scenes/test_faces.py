@@ -44,12 +44,12 @@ def test_nodes_alone_do_not_pass_it() -> None:
     scene, request = complete("face-patch", {"pairing": "nodes", "pressure_MPa": "1e-6"}, "4x8", measure="linear")
     model = scene.build(request)
     assert isinstance(model, FacesModel)
-    pair = model.pair_at(1e-6)
+    (pair,) = model.pairs_at(1e-6)
     u = np.zeros(model.n_unknowns)
     on_master = pair.forces(u, pair.weights)[model.shell.discretisation.grid.n_nodes :, 2]
     mortar = solved("face-patch", "4x8", "linear").model
     assert isinstance(mortar, FacesModel)
-    exact = mortar.pair_at(1.0)
+    (exact,) = mortar.pairs_at(1.0)
     right = exact.forces(u, exact.weights)[model.shell.discretisation.grid.n_nodes :, 2]
     assert np.max(np.abs(on_master - right)) > 0.1 * np.max(np.abs(right))
 
