@@ -37,7 +37,19 @@ CLIMBED = {  # the scenes that declare ladders of each family, as they come in t
     SNAP: ("roof-a", "roof-b", "roof-c", "roof-d", "roof-e", "roof-f", "shallow-cap"),
     LINEAR: ("scordelis-lo", "pinched-cylinder", "free-hyperboloid", "pagano"),
     CLOSED: ("pressurised-cylinder", "pressurised-sphere", "pressurised-torus"),
-    CONTACT: ("strip-contact", "heavy-strip", "plate-contact", "ring", "collapsing-tube", "walled-column"),
+    CONTACT: (
+        "strip-contact",
+        "heavy-strip",
+        "plate-contact",
+        "ring",
+        "collapsing-tube",
+        "walled-column",
+        "two-rings",
+        "pinched-ring",
+        "stack",
+        "half-spheres",
+        "face-patch",
+    ),
     TYRE: ("tyre",),
 }
 

@@ -52,6 +52,8 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "walled-column": "studies.scenes.contact.walled_column",
     "two-rings": "studies.scenes.faces.two_rings",
     "pinched-ring": "studies.scenes.faces.pinched_ring",
+    "stack": "studies.scenes.faces.stack",
+    "half-spheres": "studies.scenes.faces.half_spheres",
     "face-patch": "studies.scenes.faces.face_patch",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",

@@ -20,7 +20,7 @@ from formulations.geometry.surfaces import Plate, cylinder
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
+from studies.ask.declarations import CONTACT, Ladder, Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
@@ -77,6 +77,16 @@ class FacePatch:
         "pressure_ratio": "force between the faces over their reference area, over the pressure on the first body",
         "pressure_error": "root of the mean square of p less its mean, over the mean",
     }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            ("4x4", "8x8", "12x12"),
+            ("pressure_ratio",),
+            "linear",
+            settings={"shape": "curved"},
+            coarser=("2x2",),
+        ),
+    )
     sheet: Sheet = Sheet("z", -55.0, 26.0, settings={"pairing": "mortar"})
 
     def build(self, request: Request) -> SceneModel:

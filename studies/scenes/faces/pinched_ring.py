@@ -17,7 +17,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import Sheet
+from studies.ask.declarations import CONTACT, Ladder, Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel
@@ -45,6 +45,15 @@ class PinchedRing:
         "contact_R2_over_EI": "force of the whole ring on itself times R^2/(E I)",
         "spread_over_R": "outward displacement half-way between the forces over R",
     }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            ("1x24", "2x48", "3x72"),
+            ("spread_over_R", "contact_R2_over_EI"),
+            settings={"F_R2_over_EI": "8"},
+            coarser=("1x16",),
+        ),
+    )
     sheet: Sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:

@@ -15,11 +15,11 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
+from studies.ask.declarations import CONTACT, Ladder, Sheet
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
-from studies.scenes.contact.base import RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, contact_lines
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
@@ -75,6 +75,15 @@ class TwoRings:
         "P_H2_over_EI": "that force times the square of the distance of the middle planes, over E I",
         "flat_half_length": "centre of the nodal contact forces from the middle of the contact, over R",
     }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            ("2x20", "3x30", "4x40"),
+            ("P_H2_over_EI", "flat_half_length"),
+            settings={"delta_mm": "50", **ON_RIM},
+            coarser=("1x10",),
+        ),
+    )
     sheet: Sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
