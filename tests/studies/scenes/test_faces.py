@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -128,6 +129,65 @@ def test_a_ring_that_does_not_touch_itself_is_two_quarters() -> None:
     plane = solve(*complete("pinched-ring", {**load, "against": "plane"}, "1x12")).quantities
     assert itself["contact_R2_over_EI"] == plane["contact_R2_over_EI"] == 0
     assert itself["spread_over_R"] == pytest.approx(plane["spread_over_R"], rel=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pairing", ["nodes", "mortar"])
+def test_rings_in_a_row_share_their_shortening(pairing: str) -> None:
+    """Each is the one between plates, which travel by a quarter of what the outer middle planes approach."""
+    plate = solve(*complete("ring", RIM, "1x20")).quantities
+    row = solved("stack", "1x20", pairing=pairing, other_elements=100, **RIM)
+    bound = 1e-5 if pairing == "nodes" else 2e-3  # of means over patches the rim is another one
+    for name in ("P_R2_over_EI", "flat_half_length"):
+        assert row.quantities[name] == pytest.approx(plate[name], rel=bound)
+    assert row.quantities["second_over_first"] == pytest.approx(1.0, abs=bound)
+    assert isinstance(row.model, FacesModel)
+    assert len(row.model.pairs) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pairing", ["nodes", "mortar"])
+def test_rings_in_a_row_whose_meshes_do_not_match_converge_to_the_elastica(pairing: str) -> None:
+    errors = []
+    for mesh in ("1x20", "1x40"):
+        found = solved("stack", mesh, pairing=pairing, **RIM).quantities
+        assert found["second_over_first"] == pytest.approx(1.0, abs=1e-2)
+        errors.append(abs(found["P_R2_over_EI"] / 5.742160 - 1))
+    assert errors[1] < errors[0] / 3
+    assert errors[1] <= 3e-3
+
+
+@pytest.mark.slow
+def test_equal_half_spheres_meet_as_each_meets_a_plane_in_the_limit() -> None:
+    both = solved("half-spheres", "80x1", other_h_mm=1.8).quantities["force_N"]
+    one = solve(*complete("half-spheres", {"against": "plane", "delta_mm": "0.3"}, "80x1")).quantities["force_N"]
+    assert both == pytest.approx(one, rel=5e-3)  # the last node that touches carries as much
+
+
+@pytest.mark.parametrize("slave", ["first", pytest.param("second", marks=pytest.mark.slow)])
+def test_a_stiff_half_sphere_is_a_rigid_ball(slave: str) -> None:
+    given = {"delta_mm": "0.2"}
+    stiff = solved("half-spheres", "40x1", slave=slave, other_E_MPa="1e6", **given).quantities["force_N"]
+    soft = solved("half-spheres", "40x1", slave=slave, **given).quantities["force_N"]
+    ball = solve(*complete("half-spheres", {"against": "ball", **given}, "40x1")).quantities["force_N"]
+    assert stiff == pytest.approx(ball, rel=2e-2)  # as much as the last node that touches
+    assert soft < 0.6 * ball
+
+
+def test_both_faces_of_the_middle_ring_are_in_one_file(tmp_path) -> None:
+    result = solved("stack", "1x20", delta_mm="35", lines="rim", pairing="nodes")
+    assert result.last is not None
+    result.model.write_fields(tmp_path / "fields.vtu", result.last)
+    fields = read_vtu(tmp_path / "fields.vtu")
+    at = fields.points + fields.data["displacement"]
+    bodies = [at[np.unique(fields.cells[fields.data["body"] == number])] for number in (0, 1, 2)]
+    for below, above in pairwise(bodies):
+        assert abs(np.min(above[:, 0]) - np.max(below[:, 0])) < 0.1
+    candidate, _ = result.model.candidate_of_point
+    shown = np.flatnonzero(candidate >= 0)
+    assert sorted(candidate[shown].tolist()) == list(range(len(result.last.pressure)))
+    np.testing.assert_array_equal(fields.data["pressure"][shown], result.last.pressure[candidate[shown]])
+    assert not fields.data["pressure"][candidate < 0].any()
 
 
 def test_fields_have_both_bodies_where_they_are(tmp_path) -> None:
