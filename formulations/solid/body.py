@@ -92,8 +92,8 @@ class SolidDiscretisation:
             * (4 * product(27, 3, 3) + product(6, 6, 81) + product(81, 6, 81) + product(27, 27, 3))
         )
         for law, part in self._passes():
-            G, volume, F = self.gradients[part], self.volumes[part], self.deformation(full, part)
-            strain = np.stack([_green(F, i, j) * (1 if i == j else 2) for i, j in VOIGT], axis=-1)
+            G, volume = self.gradients[part], self.volumes[part]
+            F, strain = self._strained(full, part)
             stress, C = law.response(strain)
             stress = stress * volume[..., None]
             B = _strain_gradient(F, G)
@@ -107,6 +107,25 @@ class SolidDiscretisation:
                 of_nodes[:, :, x, :, x] += initial
             tangent[part] = block
         return force, tangent
+
+    def internal_force(self, full: np.ndarray) -> np.ndarray:
+        """The force (E, 81) of :meth:`internal` alone."""
+        force = np.empty((len(self.volumes), 81))
+        for law, part in self._passes():
+            F, strain = self._strained(full, part)
+            stress = law.response(strain)[0] * self.volumes[part][..., None]
+            force[part] = np.einsum("egp,egpk->ek", stress, _strain_gradient(F, self.gradients[part]))
+        return force
+
+    def energy(self, full: np.ndarray) -> float:
+        """Strain energy [N mm] at the displacements (N, 3)."""
+        parts = ((law, part, self._strained(full, part)[1]) for law, part in self._passes())
+        return float(sum(np.sum(law.energy(strain) * self.volumes[part]) for law, part, strain in parts))
+
+    def _strained(self, full: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """F (e, 27, 3, 3) and Green's strain (e, 27, 6) of elements."""
+        F = self.deformation(full, part)
+        return F, np.stack([_green(F, i, j) * (1 if i == j else 2) for i, j in VOIGT], axis=-1)
 
     def deformation(self, full: np.ndarray, part: np.ndarray) -> np.ndarray:
         """F (e, 27, 3, 3) of elements at the displacements (N, 3): Cartesian rows, columns along the local axes."""
@@ -174,6 +193,25 @@ class SolidModel:
             scale=float(max(norm(internal, check_finite=False), norm(external, check_finite=False))),
             remember=lambda du: None,
         )
+
+    def residual(self, u: np.ndarray) -> np.ndarray:
+        """The residual of :meth:`linearise` alone."""
+        body = self.discretisation
+        full = body.expand(u)
+        outside = np.zeros(body.fixed.size) if self.pressure is None else self._pressure_load(self.pressure, full)[0]
+        internal = body.nodal(body.dofs, body.internal_force(full)) - outside
+        return internal[body.free] - (0.0 if self.forces is None else self.forces)
+
+    def energy(self, u: np.ndarray) -> float:
+        """Strain energy minus the work of the dead loads [N mm], the potential of the residual where there is one."""
+        full = self.discretisation.expand(u)
+        outside = 0.0 if self.pressure is None else float(self._pressure_load(self.pressure, full)[0] @ full.ravel())
+        return self.discretisation.energy(full) - outside - (0.0 if self.forces is None else float(self.forces @ u))
+
+    @property
+    def conservative(self) -> bool:
+        """Whether :meth:`energy` is the potential of the residual: the pressure does not follow the body."""
+        return self.pressure is None or not self.pressure.follower
 
     def _pressure_load(self, pressure: Pressure, full: np.ndarray) -> tuple[np.ndarray, sparse.csc_matrix | None]:
         """Nodal forces (3N,) of p n dA on the inner face; with ``follower`` their derivative on the free unknowns."""

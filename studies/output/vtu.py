@@ -11,7 +11,7 @@ import re
 import sys
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -19,6 +19,7 @@ import numpy as np
 
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
+from formulations.solid_mesh import SolidMesh
 from formulations.strains.quantities import STRAINS
 
 CELLS = {8: 12, 27: 29}  # nodes of a hexahedron -> its type: VTK_HEXAHEDRON, VTK_TRIQUADRATIC_HEXAHEDRON
@@ -144,38 +145,40 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     resultants H_11-, ..., H_33 [N/mm] in the order of the strains, and stresses S_LL1-, S_TT1-, S_LT1-, S_LL1+, ...
     [MPa] along and across the fibres of ply 1, 2, ... from inside, on its inner (-) and outer (+) side.
     """
-    write_vtu(path, *_layer(shell, u, np.stack([pressure * (face == 0), pressure * (face == 1)])))
+    write_layers(path, [shell_layer(shell, u, np.concatenate([pressure * (face == 0), pressure * (face == 1)]))])
 
 
-Placement = tuple[ShellModel, np.ndarray, np.ndarray]  # a shell, its turn (3, 3) and its shift (3,) in space
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """One body of a file: points (N, 3), cells (e, 8 or 27) of their nodes, what points and what cells carry."""
+
+    points: np.ndarray
+    cells: np.ndarray
+    of_points: Mapping[str, np.ndarray]
+    of_cells: Mapping[str, np.ndarray]
+
+    def placed(self, turn: np.ndarray, shift: np.ndarray) -> Layer:
+        """At x = turn X + shift; turn (3, 3), shift (3,)."""
+        moved = self.of_points["displacement"] @ turn.T
+        return replace(self, points=self.points @ turn.T + shift, of_points={**self.of_points, "displacement": moved})
 
 
-def write_shells(
-    path: Path, placed: Sequence[Placement], u: Sequence[np.ndarray], pressure: Sequence[np.ndarray]
-) -> None:
-    """Several shells in one file, one after the other, "body" their number; what all of them have is written.
-
-    pressure: (2, N) of each, on its inner and its outer face.
-    """
-    layers = [_layer(shell, *state) for (shell, _, _), state in zip(placed, zip(u, pressure, strict=True), strict=True)]
-    points = [x @ turn.T + shift for (x, *_), (_, turn, shift) in zip(layers, placed, strict=True)]
-    starts = np.cumsum([0, *map(len, points)])
-    cells = [layer[1] + start for layer, start in zip(layers, starts, strict=False)]
-    data: list[dict[str, np.ndarray]] = []
-    for part in (2, 3):
-        each = [dict(layer[part]) for layer in layers]
-        if part == 2:
-            for own, (_, turn, _) in zip(each, placed, strict=True):
-                own["displacement"] = own["displacement"] @ turn.T
-        data.append(
-            {name: np.concatenate([own[name] for own in each]) for name in each[0] if all(name in own for own in each)}
-        )
-    data[1]["body"] = np.repeat(np.arange(float(len(cells))), [len(each) for each in cells])
-    write_vtu(path, np.concatenate(points), np.concatenate(cells), data[0], data[1])
+def write_layers(path: Path, layers: Sequence[Layer]) -> None:
+    """Bodies in one file, one after the other, with what all of them have; "body" is the number of one of several."""
+    starts = np.cumsum([0, *(len(each.points) for each in layers)])
+    cells = [each.cells + start for each, start in zip(layers, starts, strict=False)]
+    of_points, of_cells = (_of_all([each.of_points for each in layers]), _of_all([each.of_cells for each in layers]))
+    if len(layers) > 1:
+        of_cells["body"] = np.repeat(np.arange(float(len(cells))), [len(each) for each in cells])
+    write_vtu(path, np.concatenate([each.points for each in layers]), np.concatenate(cells), of_points, of_cells)
 
 
-def _layer(shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, Data, Data]:
-    """Points, cells, and what they carry, of :func:`write_fields`."""
+def _of_all(data: Sequence[Data]) -> dict[str, np.ndarray]:
+    return {name: np.concatenate([own[name] for own in data]) for name in data[0] if all(name in own for own in data)}
+
+
+def shell_layer(shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> Layer:
+    """What :func:`write_fields` writes; pressure (2N,): of both faces."""
     discretisation = shell.discretisation
     inner, outer = discretisation.positions()
     n = len(inner)
@@ -188,11 +191,11 @@ def _layer(shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> tuple[np.n
     names += [f"S_{part}{ply}{side}" for ply in plies for side in "-+" for part in ("LL", "TT", "LT")]
     points = {
         "displacement": np.concatenate(discretisation.cartesian(u, shell.prescribed)),
-        "pressure": pressure.ravel(),
+        "pressure": pressure,
         "face": np.repeat([0.0, 1.0], n),
     }
     cells = dict(zip(names, np.hstack([resultants, stresses.reshape(len(corners), -1)]).T, strict=True))
-    return np.concatenate([inner, outer]), np.hstack([corners, corners + n]), points, cells
+    return Layer(np.concatenate([inner, outer]), np.hstack([corners, corners + n]), points, cells)
 
 
 def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pressure: np.ndarray) -> None:
@@ -205,3 +208,12 @@ def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pr
     order = places if mesh.orientation > 0 else places[:, [1, 0, 2]]  # a hexahedron of positive volume
     data = {"displacement": solid.expand(u), "pressure": pressure}
     write_vtu(path, mesh.x, mesh.elements[:, order @ (9, 3, 1)], data, {"ply": mesh.ply.astype(float)})
+
+
+def solid_layer(mesh: SolidMesh, displacement: np.ndarray, pressure: np.ndarray) -> Layer:
+    """A solid beside other bodies: an element as eight hexahedra between its 27 nodes; data (N, 3), (N,)."""
+    places = np.array(CORNERS_8)
+    order = places if mesh.orientation > 0 else places[:, [1, 0, 2]]
+    eighths = [(order + corner) @ (9, 3, 1) for corner in CORNERS_8]
+    cells = np.concatenate([mesh.elements[:, each] for each in eighths])
+    return Layer(mesh.x, cells, {"displacement": displacement, "pressure": pressure}, {})

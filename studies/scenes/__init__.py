@@ -55,6 +55,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "stack": "studies.scenes.faces.stack",
     "half-spheres": "studies.scenes.faces.half_spheres",
     "face-patch": "studies.scenes.faces.face_patch",
+    "two-cylinders": "studies.scenes.faces.two_cylinders",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",
     "pressed-panel": "studies.scenes.contact.pressed_panel",

@@ -119,6 +119,28 @@ def pinched_ring(travel: float) -> float:
     return 2 * travel / (np.pi / 4 - 2 / np.pi)
 
 
+def pressed_cylinders(approach: float, radius: float, moduli: tuple[float, float]) -> tuple[float, float]:
+    """Force per length F [N/mm] and half width a [mm] of two long cylinders of one radius whose axes approach [mm].
+
+    Hertz between halves of discs with E*_i = E_i/(1 - nu_i^2) [MPa], 1/E* = sum 1/E*_i, R* = R/2::
+
+        a^2 = 4 F R*/(pi E*),    approach = F/(pi E*) (2 ln(4 R/a) - 1) = a^2/(2 R) (2 ln(4 R/a) - 1)
+
+    Source: Johnson, Contact Mechanics (1985), 4.2(c) and (5.57) (recalled); up to the order of a/R. Raises ValueError
+    unless 0 < approach < R/10.
+    """
+    if not 0 < approach < 0.1 * radius:
+        raise ValueError(f"approach = {approach:g} must be in (0, {0.1 * radius:g}): Hertz's contact is small")
+    a = _root(lambda a: a**2 / (2 * radius) * (2 * math.log(4 * radius / a) - 1) - approach, 1e-9 * radius, radius)
+    return math.pi * a**2 / (2 * radius * sum(1 / each for each in moduli)), a
+
+
+def hertz_pressure(force: float, radius: float, modulus: float) -> tuple[float, float]:
+    """Half width a [mm] and largest pressure p0 [MPa] under F [N/mm] for R* [mm], E* [MPa]: p0 = 2 F/(pi a)."""
+    a = math.sqrt(4 * force * radius / (math.pi * modulus))
+    return a, 2 * force / (math.pi * a)
+
+
 def flattened_ring(height: float) -> tuple[float, float]:
     """Load P R^2/(EI) and half length c/R of the flat part of a ring between plates H/2R = ``height`` apart.
 

@@ -1,4 +1,4 @@
-"""Shells whose faces meet: several bodies as one system, block by block, and the pair that two of their faces make.
+"""Bodies whose faces meet: all of them as one system, block by block, and the pair that two of their faces make.
 
 A body has a frame of its own, which is turned and shifted in space: one that is carried towards another one is the same
 body with another shift. What a gap is does not enter here, see :mod:`contact.faces.pair`.
@@ -18,12 +18,13 @@ from scipy import sparse
 from contact.faces.pair import Pair, between
 from contact.faces.sampling import PAIRINGS, Mortar, Nodes
 from contact.faces.several import Several
-from contact.problem import ContactProblem, ContactSolution, Linearisation
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, Stage
-from studies.output.vtu import write_shells
+from studies.output.vtu import Layer, shell_layer, write_layers
+from studies.scenes.faces.bodies import Body
 
 PAIRING = Setting.one_of(
     "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
@@ -54,6 +55,28 @@ class Placed:
     turn: np.ndarray = field(default_factory=lambda: np.eye(3))
     shift: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
+    @property
+    def n_free(self) -> int:
+        """Number of unknowns."""
+        return self.shell.discretisation.n_free
+
+    @property
+    def conservative(self) -> bool:
+        """Whether :meth:`energy` is the potential of the residual."""
+        return self.shell.conservative
+
+    def linearise(self, u: np.ndarray, memory: object = None) -> Linearised:
+        """Residual and tangent at u (n,)."""
+        return self.shell.linearise(u, memory)
+
+    def residual(self, u: np.ndarray) -> np.ndarray:
+        """That of :meth:`linearise` alone."""
+        return self.shell.residual(u)
+
+    def energy(self, u: np.ndarray) -> float:
+        """Potential [N mm]."""
+        return self.shell.energy(u)
+
     def face(self, face: int) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
         """Positions (N, 3) at rest, displacements (3N, n), and patches (E, 4) turned outwards: 0 inner, 1 outer."""
         body = self.shell.discretisation
@@ -63,6 +86,24 @@ class Placed:
         place = body.positions()[face] @ self.turn.T + self.shift
         operator = sparse.csr_matrix(whole @ body.displacement_operator(every, face))
         return place, operator, np.where(inwards[:, None], quads[:, ::-1], quads)
+
+    def areas(self, face: int) -> np.ndarray:
+        """Shares (N,) [mm^2] of the points in the area of a face."""
+        return self.shell.discretisation.nodal_areas(FACES[face])
+
+    def points_of(self, face: int) -> np.ndarray:
+        """Where the points of a face (N,) are among those of :meth:`layer`."""
+        n = self.shell.discretisation.grid.n_nodes
+        return np.arange(n) + face * n
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Which node of the grid each point of :meth:`layer` is."""
+        return np.tile(np.arange(self.shell.discretisation.grid.n_nodes), 2)
+
+    def layer(self, u: np.ndarray, pressure: np.ndarray) -> Layer:
+        """What a file has of it, with the pressure (2N,) [MPa] on both faces."""
+        return shell_layer(self.shell, u, pressure).placed(self.turn, self.shift)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,14 +117,14 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Shells as one system: the unknowns one body after the other."""
+    """All bodies as one system: the unknowns one body after the other."""
 
-    parts: tuple[Placed, ...]
+    parts: tuple[Body, ...]
 
     @cached_property
     def starts(self) -> np.ndarray:
         """Where the unknowns of each begin, and the number of all (bodies + 1,)."""
-        return np.append(0, np.cumsum([each.shell.discretisation.n_free for each in self.parts]))
+        return np.append(0, np.cumsum([each.n_free for each in self.parts]))
 
     def split(self, u: np.ndarray) -> list[np.ndarray]:
         """The unknowns of each."""
@@ -93,7 +134,7 @@ class Bodies:
         """Residual, tangent and scale of all; the memory is a list of theirs."""
         memories = memory if isinstance(memory, list) else [None] * len(self.parts)
         each = zip(self.parts, self.split(u), memories, strict=True)
-        lins = [one.shell.linearise(own, known) for one, own, known in each]
+        lins = [one.linearise(own, known) for one, own, known in each]
         return Linearisation(
             np.concatenate([lin.residual for lin in lins]),
             sparse.csc_matrix(sparse.block_diag([lin.tangent for lin in lins], format="csc")),
@@ -103,11 +144,11 @@ class Bodies:
 
     def residual(self, u: np.ndarray) -> np.ndarray:
         """That of :meth:`linearise` alone."""
-        return np.concatenate([one.shell.residual(own) for one, own in zip(self.parts, self.split(u), strict=True)])
+        return np.concatenate([one.residual(own) for one, own in zip(self.parts, self.split(u), strict=True)])
 
     def energy(self, u: np.ndarray) -> float:
         """The sum of all [N mm]."""
-        return sum(one.shell.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
+        return sum(one.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
 
     def pair(self, slave: Side, master: Side, nodes: np.ndarray, pairing: str) -> Pair:
         """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch."""
@@ -122,7 +163,7 @@ class Bodies:
         ]
         operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
         if pairing == "nodes":
-            areas = self.parts[slave.body].shell.discretisation.nodal_areas(FACES[slave.face])[nodes]
+            areas = self.parts[slave.body].areas(slave.face)[nodes]
             return Pair(reference, operator, its, areas, Nodes(nodes), quads[slave.patches])
         mortar = Mortar(reference, quads[slave.patches], its, nodes)
         return Pair(reference, operator, its, mortar.weights, mortar, quads[slave.patches])
@@ -132,14 +173,13 @@ class Bodies:
 
         The orders of elimination of the bodies are none of a pair, whose faces couple what each has last or first.
         """
-        shells = [each.shell for each in self.parts]
         problem = replace(between(self.linearise, pair), residual=self.residual)
-        return replace(problem, energy=self.energy) if all(shell.conservative for shell in shells) else problem
+        return replace(problem, energy=self.energy) if all(each.conservative for each in self.parts) else problem
 
 
 @dataclass(frozen=True, eq=False)
 class Facing:
-    """Two sides that may meet; nodes (m,): of the slave's grid, the candidates."""
+    """Two sides that may meet; nodes (m,): points of the slave's face, the candidates."""
 
     slave: Side
     master: Side
@@ -150,6 +190,10 @@ class Facing:
         """Which faces."""
         own, its = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
         return f"{own} against {its}"
+
+    def points(self, bodies: Sequence[Body]) -> np.ndarray:
+        """The candidates (m,) among the points that a file has of the slave."""
+        return bodies[self.slave.body].points_of(self.slave.face)[self.nodes]
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,8 +231,11 @@ class FacesModel:
 
     @cached_property
     def shell(self) -> ShellModel:
-        """The first body."""
-        return self.bodies_at(self.targets[-1]).parts[0].shell
+        """The first of the bodies that is one; raises AttributeError where none is, as where there is no such thing."""
+        for each in self.bodies_at(self.targets[-1]).parts:
+            if isinstance(each, Placed):
+                return each.shell
+        raise AttributeError("no body is a shell")
 
     @property
     def said(self) -> str:
@@ -239,20 +286,19 @@ class FacesModel:
     @property
     def candidate_of_point(self) -> tuple[np.ndarray, np.ndarray]:
         """The candidate of each point of its file, -1 for none, and the node of its body that it is, (P,) each."""
-        counts = [each.shell.discretisation.grid.n_nodes for each in self.bodies_at(0.0).parts]
-        nodes = [np.arange(n) for n in counts for _ in (0, 1)]
-        candidates, start = [np.full(n, -1) for n in counts for _ in (0, 1)], 0
+        bodies = self.bodies_at(0.0).parts
+        candidates, start = [np.full(len(each.nodes), -1) for each in bodies], 0
         for each in self.pairs:
-            own = candidates[2 * each.slave.body + each.slave.face]
-            own[each.nodes] = start + np.arange(len(each.nodes))
+            candidates[each.slave.body][each.points(bodies)] = start + np.arange(len(each.nodes))
             start += len(each.nodes)
-        return np.concatenate(candidates), np.concatenate(nodes)
+        return np.concatenate(candidates), np.concatenate([each.nodes for each in bodies])
 
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """All bodies where they are shown, with the contact pressures on the faces that are slaves."""
         bodies = self.bodies_at(self.targets[-1] if self.shown is None else self.shown)
-        pressures = [np.zeros((2, each.shell.discretisation.grid.n_nodes)) for each in bodies.parts]
+        pressures = [np.zeros(len(each.nodes)) for each in bodies.parts]
         for number, each in enumerate(self.pairs if len(state.pressure) else ()):
-            pressures[each.slave.body][each.slave.face, each.nodes] = state.pressure[self.pair_of_candidate == number]
-        placed = [(each.shell, each.turn, each.shift) for each in bodies.parts]
-        write_shells(path, placed, bodies.split(state.u), pressures)
+            own = state.pressure[self.pair_of_candidate == number]
+            pressures[each.slave.body][each.points(bodies.parts)] = own
+        layers = zip(bodies.parts, bodies.split(state.u), pressures, strict=True)
+        write_layers(path, [one.layer(own, pressure) for one, own, pressure in layers])

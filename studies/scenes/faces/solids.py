@@ -1,0 +1,90 @@
+"""Solids with a face that meets others, beside the shells of :mod:`studies.scenes.faces.model`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from contact.faces.sampling import Mortar
+from contact.problem import Linearised
+from formulations.solid.ties import TiedSolid
+from studies.ask.request import Request
+from studies.ask.scene import UsageError
+from studies.output.vtu import Layer, solid_layer
+
+
+def settled_for_solids(request: Request, name: str) -> Request:
+    """Plain Newton, for a solid has no resultants to predict; raises UsageError for a strain measure, it has none."""
+    if request.measure != "exact":
+        raise UsageError(f"measure {request.measure!r} does not apply to {name}: a solid has none, leave it out")
+    return replace(request, model="full", newton="plain", leaves=())
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedSolid:
+    """A solid in space: x = turn X + shift with its own coordinates X; turn (3, 3), shift (3,) [mm].
+
+    Its one face that may meet others has the number that it is asked for by, 0 inner or 1 outer; its points are the
+    corners of the elements there.
+    """
+
+    solid: TiedSolid
+    turn: np.ndarray = field(default_factory=lambda: np.eye(3))
+    shift: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    @property
+    def n_free(self) -> int:
+        """Number of unknowns."""
+        return self.solid.n_free
+
+    @property
+    def conservative(self) -> bool:
+        """Whether it has a potential."""
+        return self.solid.conservative
+
+    def linearise(self, u: np.ndarray, memory: object = None) -> Linearised:
+        """Residual and tangent."""
+        return self.solid.linearise(u, memory)
+
+    def residual(self, u: np.ndarray) -> np.ndarray:
+        """The residual alone."""
+        return self.solid.residual(u)
+
+    def energy(self, u: np.ndarray) -> float:
+        """The potential [N mm]."""
+        return self.solid.energy(u)
+
+    @cached_property
+    def corners(self) -> np.ndarray:
+        """Nodes of the mesh (k,) that are the points of the face."""
+        return np.unique(self.solid.patches)
+
+    def face(self, face: int) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
+        """Positions (k, 3) at rest, displacements (3k, n), and patches (F, 4) turned outwards."""
+        body = self.solid.solid.discretisation
+        turn = sparse.kron(sparse.eye_array(len(self.corners)), self.turn, format="csr")
+        operator = turn @ body.displacement_operator(self.corners) @ self.solid.operator
+        patches = np.searchsorted(self.corners, self.solid.patches)
+        return body.mesh.x[self.corners] @ self.turn.T + self.shift, sparse.csr_matrix(operator), patches
+
+    def areas(self, face: int) -> np.ndarray:
+        """Shares (k,) [mm^2] of the points in the face."""
+        x, patches = self.solid.solid.discretisation.mesh.x, self.solid.patches
+        return Mortar(x, patches, patches, self.corners).weights
+
+    def points_of(self, face: int) -> np.ndarray:
+        """Where the points of the face (k,) are among those of :meth:`layer`."""
+        return self.corners
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """The node that each point of :meth:`layer` is."""
+        return np.arange(len(self.solid.solid.discretisation.mesh.x))
+
+    def layer(self, u: np.ndarray, pressure: np.ndarray) -> Layer:
+        """Points, cells and what they carry, with the pressure (N,) [MPa] at the corners of its face."""
+        layer = solid_layer(self.solid.solid.discretisation.mesh, self.solid.expand(u), self.solid.between(pressure))
+        return layer.placed(self.turn, self.shift)

@@ -1,0 +1,158 @@
+"""Two solid cylinders pressed on each other: Hertz's line contact, both sides of which deform.
+
+A quarter of each in plane strain, cut where its middle plane and the plane of symmetry through the contact are: an
+infinite column of cylinders of two materials in turn, whose middle planes approach by 2 delta. As small as the contact
+is, it is that of two half spaces, and the approach of halves of discs has a closed form, too. Both hold up to the order
+of a/R, in which the solids, whose strains are large where they may, differ from it.
+
+Lines of the mesh get closer towards the contact as sinh does, so that a quarter of them is in it and one lies on its
+rim by the closed form. The middle of each cylinder is left out, as its rays meet there: it is BORE wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from formulations.geometry.surfaces import cylinder
+from formulations.section.laminate import Laminate, Ply
+from formulations.solid.ties import TiedSolid
+from formulations.solid_mesh import SolidMesh
+from studies.ask.declarations import Sheet
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
+from studies.scenes.data import Row, references
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SLAVE,
+    SLAVES,
+    Bodies,
+    Facing,
+    FacesModel,
+    Meeting,
+    Side,
+    of_second,
+)
+from studies.scenes.faces.solids import PlacedSolid, settled_for_solids
+
+RADIUS, WIDTH, E, NU = 100.0, 1.0, 1000.0, 0.3  # mm, mm, MPa
+BORE = 0.005  # of the radius; one of 0.02 takes 5e-4 off the force
+DELTAS = (0.01, 0.025)  # a/R = 0.0057 and 0.0095
+IN_CONTACT, BELOW = 0.25, 0.2  # share of the elements along the face in the contact, and down to its half width
+FACE = 0.5  # share of the elements along the face that may meet others
+FACING = np.diag([-1.0, 1.0, -1.0])  # half a turn about the second axis
+TRAVELS = Setting.positive("delta_mm", DELTAS, "half of the approach of the middle planes", 1.0, kind="floats")
+STIFFER = Setting("E_ratio", 1.0, "Young's modulus of the second cylinder over that of the first", low=1e-3, high=1e3)
+SOURCE = "Hertz, line contact of half spaces, and the approach of halves of discs (Johnson)"
+
+
+def _moduli(ratio: float) -> tuple[float, float]:
+    return E / (1 - NU**2), ratio * E / (1 - NU**2)
+
+
+def _references() -> tuple[Reference, ...]:
+    found: list[Row] = []
+    for delta in DELTAS:
+        for ratio in (1.0, 10.0):
+            force = pressed_cylinders(2 * delta, RADIUS, _moduli(ratio))[0]
+            values = {"P_over_ER": force / E / RADIUS, "peak_over_hertz": 1.0, "half_width_over_hertz": 1.0}
+            found.append(({"delta_mm": delta, "E_ratio": ratio}, values))
+    return references("exact", SOURCE, 1e-2, found)
+
+
+class TwoCylinders:
+    """a1 along the axis, a2 from the contact over a quarter of each cylinder."""
+
+    name: str = "two-cylinders"
+    title: str = "Two solid cylinders pressed on each other"
+    default_mesh: tuple[int, int] = (1, 32)
+    settings: tuple[Setting, ...] = (TRAVELS, STIFFER, OTHER, PAIRING, SLAVE, EPSILON, SOLVER)
+    references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "P_over_ER": "force between the cylinders per length, over E R of the first",
+        "peak_over_hertz": "largest pressure over Hertz's under the same force",
+        "half_width_over_hertz": "half width of the contact by the second moment of its pressure, over Hertz's",
+    }
+    models: tuple[str, ...] = ("auto", "full")
+    sheet: Sheet = Sheet("x", -62.0, 14.0)
+
+    def settle(self, request: Request) -> Request:
+        """As for all solids."""
+        return settled_for_solids(request, self.name)
+
+    def build(self, request: Request) -> SceneModel:
+        """Symmetry where the quarters are cut."""
+        deltas, moduli = request.numbers("delta_mm"), _moduli(request.number("E_ratio"))
+        half_width = pressed_cylinders(2 * deltas[-1], RADIUS, moduli)[1]
+        counts = request.mesh[1], of_second(request.mesh[1], request)
+        bodies = [
+            _quarter(request, n, modulus * (1 - NU**2), half_width) for n, modulus in zip(counts, moduli, strict=True)
+        ]
+        own = SLAVES.index(request.choice("slave"))
+        modulus = 1 / sum(1 / each for each in moduli)
+
+        def placed(delta: float) -> Bodies:
+            shift = np.array([2 * (RADIUS - delta), 0.0, WIDTH])
+            return Bodies((PlacedSolid(bodies[0]), PlacedSolid(bodies[1], FACING, shift)))
+
+        def measured(delta: float, meeting: Meeting) -> dict[str, float]:
+            force = 2 * float(meeting.force.sum()) / WIDTH
+            if force <= 0:
+                return {"P_over_ER": force / E / RADIUS, "peak_over_hertz": 0.0, "half_width_over_hertz": 0.0}
+            a, peak = hertz_pressure(force, RADIUS / 2, modulus)
+            squared = float(meeting.force @ meeting.position[:, 1] ** 2 / meeting.force.sum())
+            return {
+                "P_over_ER": force / E / RADIUS,
+                "peak_over_hertz": float(meeting.pressure.max()) / peak,
+                "half_width_over_hertz": 2 * np.sqrt(squared) / a,  # of a semi-ellipse that mean square is a^2/4
+            }
+
+        nodes = np.arange(len(placed(0.0).parts[own].points_of(1)))
+        pairing = request.choice("pairing")
+        pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
+        return FacesModel(placed, (pair,), pairing, deltas, measured, "delta_mm")
+
+
+def _quarter(request: Request, n: int, young: float, half_width: float) -> TiedSolid:
+    side = np.pi / 2
+    around = towards_start(n, side, half_width / RADIUS, IN_CONTACT)
+    depths = towards_start(max(1, 3 * n // 4), RADIUS * (1 - BORE), half_width, BELOW)
+    layers = np.diff(depths)[::-1]
+    laminate = Laminate(tuple(Ply.isotropic(young, NU, h) for h in layers), -float(depths[-1]))
+    mesh = SolidMesh.build(cylinder(RADIUS), np.linspace(0.0, WIDTH, request.mesh[0] + 1), around, laminate)
+    fixed = np.zeros((len(mesh.x), 3), bool)
+    fixed[mesh.on(1, 0.0), 1] = True
+    fixed[mesh.on(1, side), 0] = True
+    fixed[:, 2] = True
+    ends = mesh.parameter[mesh.outer, 1].max(axis=1)
+    face = mesh.outer[ends <= around[max(1, round(FACE * n))] + 1e-9]
+    try:
+        return TiedSolid.build(mesh, laminate, fixed, face, uniform=True)
+    except ValueError as error:
+        raise UsageError(f"mesh {request.mesh_text}: {error}") from None
+
+
+def towards_start(n: int, length: float, near: float, share: float) -> np.ndarray:
+    """n + 1 lines from 0 to a length, L sinh(b s)/sinh(b) at even s, with b such that ``near`` lies at s = share.
+
+    Those of 2 n contain them. Evenly spaced where ``near`` is no less than that share of the length.
+    """
+    s = np.linspace(0.0, 1.0, n + 1)
+    if near >= share * length:
+        return length * s
+    low, high = 1e-6, 700.0
+    for _ in range(80):
+        b = (low + high) / 2
+        low, high = (b, high) if _sinh_ratio(share, b) * length > near else (low, b)
+    return length * _sinh_ratio(s, b)
+
+
+def _sinh_ratio(s: np.ndarray | float, b: float) -> np.ndarray:
+    """sinh(b s)/sinh(b) for b > 0, without overflow."""
+    return np.asarray(np.exp(b * (np.asarray(s) - 1)) * np.expm1(-2 * b * np.asarray(s)) / np.expm1(-2 * b))
+
+
+SCENES: tuple[Scene, ...] = (TwoCylinders(),)
