@@ -28,7 +28,8 @@ from studies.scenes.benchmarks.quads import OnQuads
 
 SCENE, FRICTION = "scene", "friction"  # kinds of a number that stands for a request
 KINDS = {SCENE: 0.2, FRICTION: 0.15, "posed": 0.15, "matrices": 0.5}  # by what a case costs
-OFTEN = {"panel": 8, "tyre": 10, "crushed-ring-solid": 1, "tyre-solid": 1}  # for their settings, or for their cost
+SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders", "ring-on-layer")
+OFTEN = {"panel": 8, "tyre": 10, **dict.fromkeys(SOLIDS, 1)}  # for their settings, or for their cost
 RUBBED = {"panel": 10.0, "tyre": 8.0, "crushed-ring-solid": 0.3, "tyre-solid": 0.5}  # with friction; the others 1
 WITH_CONTACT = 4  # the others, as often as a scene without
 CHANGED = (0, 1, 2, 3, 4, 6, 8)  # how many settings leave their default

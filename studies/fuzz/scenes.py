@@ -30,6 +30,7 @@ LOOSE, TIGHT = 1e-6, 1e-10  # tolerance beyond which a state is solved on before
 FINER = (4, 12)  # times as many load steps, in which one answer is looked for
 FAINT = "1e-10"  # a coefficient of friction next to none
 UNITS, NEARBY = 9.0, 0.3  # powers of ten of a unit of the panel; where a length is forgotten both ways still converge
+PLAIN = ("crushed-ring-solid", "tyre-solid", "two-cylinders")  # Newton, for they have no resultants
 PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
 PRODUCTS = {"_mm": (1, 0), "_MPa": (0, 1), "_N": (2, 1)}  # powers of length and of stress, by how a name ends
 SCALED = {"tyre": 2.0, "tyre-solid": 2.0}  # factor of lengths and of stresses, up and down, within their ranges
@@ -60,7 +61,7 @@ def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
         found["another algorithm"] = _algorithms
     if float(asked.settings.get(MU.key, 0)) > 0:
         found["friction fades"] = _fades
-    if asked.scene != "crushed-ring-solid" and asked.scene != "tyre-solid":
+    if asked.scene not in PLAIN:
         found["the other newton"] = _newton
     found["another solver"] = _solver
     if asked.settings.get("until") != "limit":  # of which every step size finds another point

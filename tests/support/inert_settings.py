@@ -37,6 +37,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
     **dict.fromkeys((*(f"roof-{letter}" for letter in "abcdef"), "shallow-cap", "sze-pullout"), BY_POINTS),
     "free-hyperboloid": ({"given": {"shear_correction": 1.0}},),
     "face-patch": ({"mesh": (8, 8)},),  # on coarser ones 0.75 and 0.825 of the elements are as many
+    "ring-on-layer": ({"given": {"nu_layer": 0.3, "delta_mm": "1"}},),  # a contact that is small beside the ring
     "panel": (
         {"mesh": (6, 6)},
         {"given": {"E_ratio": 10.0, "inflation": 1.0}},

@@ -23,6 +23,26 @@ def settled_for_solids(request: Request, name: str) -> Request:
     return replace(request, model="full", newton="plain", leaves=())
 
 
+def towards_start(n: int, length: float, near: float, share: float) -> np.ndarray:
+    """n + 1 lines from 0 to a length, L sinh(b s)/sinh(b) at even s, with b such that ``near`` lies at s = share.
+
+    Those of 2 n contain them. Evenly spaced where ``near`` is no less than that share of the length.
+    """
+    s = np.linspace(0.0, 1.0, n + 1)
+    if near >= share * length:
+        return length * s
+    low, high = 1e-6, 700.0
+    for _ in range(80):
+        b = (low + high) / 2
+        low, high = (b, high) if _sinh_ratio(share, b) * length > near else (low, b)
+    return length * _sinh_ratio(s, b)
+
+
+def _sinh_ratio(s: np.ndarray | float, b: float) -> np.ndarray:
+    """sinh(b s)/sinh(b) for b > 0, without overflow."""
+    return np.asarray(np.exp(b * (np.asarray(s) - 1)) * np.expm1(-2 * b * np.asarray(s)) / np.expm1(-2 * b))
+
+
 @dataclass(frozen=True, eq=False)
 class PlacedSolid:
     """A solid in space: x = turn X + shift with its own coordinates X; turn (3, 3), shift (3,) [mm].

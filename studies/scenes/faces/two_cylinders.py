@@ -11,6 +11,7 @@ rim by the closed form. The middle of each cylinder is left out, as its rays mee
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -30,19 +31,20 @@ from studies.scenes.faces.model import (
     SLAVE,
     SLAVES,
     Bodies,
-    Facing,
     FacesModel,
+    Facing,
     Meeting,
     Side,
     of_second,
 )
-from studies.scenes.faces.solids import PlacedSolid, settled_for_solids
+from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
 
 RADIUS, WIDTH, E, NU = 100.0, 1.0, 1000.0, 0.3  # mm, mm, MPa
 BORE = 0.005  # of the radius; one of 0.02 takes 5e-4 off the force
 DELTAS = (0.01, 0.025)  # a/R = 0.0057 and 0.0095
 IN_CONTACT, BELOW = 0.25, 0.2  # share of the elements along the face in the contact, and down to its half width
 FACE = 0.5  # share of the elements along the face that may meet others
+FEWEST = 4  # elements along the face: one in the contact
 FACING = np.diag([-1.0, 1.0, -1.0])  # half a turn about the second axis
 TRAVELS = Setting.positive("delta_mm", DELTAS, "half of the approach of the middle planes", 1.0, kind="floats")
 STIFFER = Setting("E_ratio", 1.0, "Young's modulus of the second cylinder over that of the first", low=1e-3, high=1e3)
@@ -88,6 +90,9 @@ class TwoCylinders:
         deltas, moduli = request.numbers("delta_mm"), _moduli(request.number("E_ratio"))
         half_width = pressed_cylinders(2 * deltas[-1], RADIUS, moduli)[1]
         counts = request.mesh[1], of_second(request.mesh[1], request)
+        if min(counts) < FEWEST:
+            along = " and ".join(map(str, counts))
+            raise UsageError(f"mesh {request.mesh_text}: {along} elements along the faces, each must have {FEWEST}")
         bodies = [
             _quarter(request, n, modulus * (1 - NU**2), half_width) for n, modulus in zip(counts, moduli, strict=True)
         ]
@@ -107,7 +112,7 @@ class TwoCylinders:
             return {
                 "P_over_ER": force / E / RADIUS,
                 "peak_over_hertz": float(meeting.pressure.max()) / peak,
-                "half_width_over_hertz": 2 * np.sqrt(squared) / a,  # of a semi-ellipse that mean square is a^2/4
+                "half_width_over_hertz": 2 * math.sqrt(squared) / a,  # of a semi-ellipse that mean square is a^2/4
             }
 
         nodes = np.arange(len(placed(0.0).parts[own].points_of(1)))
@@ -133,26 +138,6 @@ def _quarter(request: Request, n: int, young: float, half_width: float) -> TiedS
         return TiedSolid.build(mesh, laminate, fixed, face, uniform=True)
     except ValueError as error:
         raise UsageError(f"mesh {request.mesh_text}: {error}") from None
-
-
-def towards_start(n: int, length: float, near: float, share: float) -> np.ndarray:
-    """n + 1 lines from 0 to a length, L sinh(b s)/sinh(b) at even s, with b such that ``near`` lies at s = share.
-
-    Those of 2 n contain them. Evenly spaced where ``near`` is no less than that share of the length.
-    """
-    s = np.linspace(0.0, 1.0, n + 1)
-    if near >= share * length:
-        return length * s
-    low, high = 1e-6, 700.0
-    for _ in range(80):
-        b = (low + high) / 2
-        low, high = (b, high) if _sinh_ratio(share, b) * length > near else (low, b)
-    return length * _sinh_ratio(s, b)
-
-
-def _sinh_ratio(s: np.ndarray | float, b: float) -> np.ndarray:
-    """sinh(b s)/sinh(b) for b > 0, without overflow."""
-    return np.asarray(np.exp(b * (np.asarray(s) - 1)) * np.expm1(-2 * b * np.asarray(s)) / np.expm1(-2 * b))
 
 
 SCENES: tuple[Scene, ...] = (TwoCylinders(),)

@@ -66,7 +66,7 @@ def test_a_drawn_value_is_one_that_its_setting_takes(seed: int, scene: str) -> N
 def test_every_kind_is_drawn_slender_grids_too_and_most_settings_are_changed_somewhere() -> None:
     """The values of a case do not depend on one another: what is drawn once stays as it is."""
     assert {kind_of(seed) for seed in range(60)} == set(KINDS)
-    asked = [asked_of(seed) for seed in range(300) if kind_of(seed) == "scene"]
+    asked = [asked_of(seed) for seed in range(500) if kind_of(seed) == "scene"]
     keys = {key for each in asked if each.scene == "panel" for key in each.settings}
     assert len(keys) > 0.5 * len(SCENES["panel"].settings)
     grids = [[int(n) for n in each.options["mesh"].split("x")] for each in asked]

@@ -1,0 +1,117 @@
+"""Solids as bodies of pairs: derivatives of the whole, Hertz between cylinders, a ring on a layer stiff and soft."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.faces.pair import between
+from contact.faces.sampling import PAIRINGS
+from contact.verify import PAIR
+from studies.ask.scene import UsageError
+from studies.output.vtu import read_vtu
+from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
+from studies.scenes.complete import complete
+from studies.scenes.faces.model import FacesModel
+from studies.scenes.faces.ring_on_layer import BED, STIFF
+from studies.scenes.faces.solids import towards_start
+from studies.solving.result import Result
+from studies.solving.solve import solve
+from support.problems.differences import fitted_order
+
+AGREE = 1e-8
+BY_DIFFERENCES = 1e-6  # of the size
+FIRST = {"delta_mm": "0.025"}
+
+
+def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: Any) -> Result:
+    result = solve(*complete(scene, settings, mesh, contact=contact))
+    assert result.outcome.converged, result.reason
+    for step in result.steps:
+        assert max(step["balances"]["pair_force"], step["balances"]["pair_moment"]) <= PAIR
+    return result
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS)
+@pytest.mark.parametrize("slave", ["first", "second"])
+def test_the_tangent_of_a_shell_and_a_solid_that_press_each_other_is_a_derivative(
+    rng, pairing: str, slave: str
+) -> None:
+    """Of residual less contact forces, at points of the slave that stay where they are; both without a resultant."""
+    scene, request = complete("ring-on-layer", {"pairing": pairing, "slave": slave, "layer_law": "neo-hooke"}, "1x8")
+    model = scene.build(replace(request, newton="plain"))
+    assert isinstance(model, FacesModel)
+    bodies, pair = model.bodies_at(35.0), model.pair_at(35.0)
+    u, du = rng.normal(size=(2, model.n_unknowns)) * 0.02
+    there = pair.sampling(pair.positions(u))
+    problem = between(bodies.linearise, replace(pair, sampling=lambda x: there))
+    pressure = rng.uniform(0.5, 1.0, len(pair.weights))
+
+    def out_of_balance(at: np.ndarray) -> np.ndarray:
+        return bodies.residual(at) - problem.contact_force(at, pressure)
+
+    t = 1e-4
+    slope = (out_of_balance(u + t * du) - out_of_balance(u - t * du)) / (2 * t)
+    exact = problem.stiffness(bodies.linearise(u), u, pressure) @ du
+    np.testing.assert_allclose(exact, slope, rtol=0, atol=BY_DIFFERENCES * np.max(np.abs(exact)))
+    x, forces = pair.positions(u), pair.forces(u, pair.weights * pressure)
+    size = np.sum(np.linalg.norm(forces, axis=1))
+    assert np.linalg.norm(forces.sum(axis=0)) <= PAIR * size
+    assert np.linalg.norm(np.cross(x, forces).sum(axis=0)) <= PAIR * size * np.max(np.abs(x))
+
+
+def test_lines_get_closer_and_those_of_half_the_size_contain_them() -> None:
+    lines = towards_start(8, 50.0, 0.3, 0.25)
+    assert lines[2] == pytest.approx(0.3, rel=1e-12)
+    assert np.all(np.diff(lines, 2) > 0)
+    np.testing.assert_allclose(towards_start(16, 50.0, 0.3, 0.25)[::2], lines, rtol=1e-12)
+    np.testing.assert_allclose(towards_start(4, 50.0, 40.0, 0.25), [0, 12.5, 25, 37.5, 50])
+
+
+def test_cylinders_approach_as_their_halves_are_compressed() -> None:
+    """F from the closed form in the other direction: both halves, each by F/(pi E*)(2 ln(4R/a) - 1)."""
+    moduli = 300.0, 800.0
+    force, a = pressed_cylinders(0.05, 100.0, moduli)
+    together = 1 / (1 / moduli[0] + 1 / moduli[1])
+    assert sum(force / np.pi / each * (2 * np.log(400 / a) - 1) for each in moduli) == pytest.approx(0.05, rel=1e-12)
+    width, peak = hertz_pressure(force, 50.0, together)
+    assert width == pytest.approx(a, rel=1e-12)
+    assert np.pi / 2 * a * peak == pytest.approx(force, rel=1e-12)
+    with pytest.raises(ValueError, match="small"):
+        pressed_cylinders(20.0, 100.0, moduli)
+
+
+def test_cylinders_on_a_coarse_mesh_have_the_force_of_hertz(tmp_path) -> None:
+    """And a file with all of both where they are: eight hexahedra an element."""
+    result = solved("two-cylinders", "1x8", **FIRST)
+    assert result.quantities["P_over_ER"] == pytest.approx(
+        pressed_cylinders(0.05, 100.0, (1000 / 0.91,) * 2)[0] / 1e5, rel=0.01
+    )
+    assert result.last is not None
+    result.model.write_fields(tmp_path / "fields.vtu", result.last)
+    fields = read_vtu(tmp_path / "fields.vtu")
+    at = fields.points + fields.data["displacement"]
+    first, second = (at[np.unique(fields.cells[fields.data["body"] == number])] for number in (0, 1))
+    assert np.max(first[:, 0]) == pytest.approx(np.min(second[:, 0]), abs=1e-9)
+    assert np.ptp(second[:, 0]) == pytest.approx(np.ptp(first[:, 0]), abs=0.05)
+    assert np.max(fields.data["pressure"]) == pytest.approx(np.max(result.last.pressure))
+    corners = fields.points[fields.cells]
+    sides = [corners[:, end] - corners[:, 0] for end in (1, 3, 4)]
+    volumes = np.einsum("ec,ec->e", np.cross(sides[0], sides[1]), sides[2])
+    assert np.all(volumes > 0)
+    assert len(fields.cells) == 8 * (8 * 6 + 6 * 4)
+
+
+def test_bad_input_is_refused_in_one_line() -> None:
+    for settings, options, said in (
+        ({}, {"measure": "linear"}, "a solid has none"),
+        ({"other_elements": "10"}, {"mesh": "1x8"}, "8 and 1 elements along the faces, each must have 4"),
+        ({"delta_mm": "2"}, {}, r"\(0, 1\]"),
+    ):
+        with pytest.raises(UsageError, match=said):
+            scene, request = complete("two-cylinders", settings, **options)
+            scene.build(request)
