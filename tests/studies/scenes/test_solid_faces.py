@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contact.catalogue import ALGORITHMS
 from contact.faces.pair import between
 from contact.faces.sampling import PAIRINGS
 from contact.verify import PAIR
@@ -26,6 +25,7 @@ from support.problems.differences import fitted_order
 AGREE = 1e-8
 BY_DIFFERENCES = 1e-6  # of the size
 FIRST = {"delta_mm": "0.025"}
+RIGID = {key: str(value) for key, value in STIFF.items() if key != "measure"}
 
 
 def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: Any) -> Result:
@@ -96,7 +96,7 @@ def test_cylinders_on_a_coarse_mesh_have_the_force_of_hertz(tmp_path) -> None:
     fields = read_vtu(tmp_path / "fields.vtu")
     at = fields.points + fields.data["displacement"]
     first, second = (at[np.unique(fields.cells[fields.data["body"] == number])] for number in (0, 1))
-    assert np.max(first[:, 0]) == pytest.approx(np.min(second[:, 0]), abs=1e-9)
+    assert np.max(first[:, 0]) == pytest.approx(np.min(second[:, 0]), abs=2e-3)  # averaged gaps; they approach by 0.05
     assert np.ptp(second[:, 0]) == pytest.approx(np.ptp(first[:, 0]), abs=0.05)
     assert np.max(fields.data["pressure"]) == pytest.approx(np.max(result.last.pressure))
     corners = fields.points[fields.cells]
@@ -106,12 +106,95 @@ def test_cylinders_on_a_coarse_mesh_have_the_force_of_hertz(tmp_path) -> None:
     assert len(fields.cells) == 8 * (8 * 6 + 6 * 4)
 
 
-def test_bad_input_is_refused_in_one_line() -> None:
-    for settings, options, said in (
-        ({}, {"measure": "linear"}, "a solid has none"),
-        ({"other_elements": "10"}, {"mesh": "1x8"}, "8 and 1 elements along the faces, each must have 4"),
-        ({"delta_mm": "2"}, {}, r"\(0, 1\]"),
-    ):
-        with pytest.raises(UsageError, match=said):
-            scene, request = complete("two-cylinders", settings, **options)
-            scene.build(request)
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"other_elements": "10"}, "8 and 1 elements along the faces, each must have 4"),
+        ({"delta_mm": "2"}, r"delta_mm = '2' must be increasing numbers in \(0, 1\]"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(settings: dict[str, str], said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        built(settings)
+
+
+def test_a_measure_is_refused() -> None:
+    with pytest.raises(UsageError, match="a solid has none"):
+        complete("two-cylinders", {}, measure="linear")
+
+
+def built(settings: dict[str, str]) -> object:
+    scene, request = complete("two-cylinders", settings, "1x8")
+    return scene.build(request)
+
+
+def by_hertz(ratio: float = 1.0) -> float:
+    """P over E R at half an approach of 0.025 mm."""
+    return pressed_cylinders(0.05, 100.0, (1000 / 0.91, ratio * 1000 / 0.91))[0] / 1e5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("slave", "ratio"), [("first", 1), ("second", 1), ("first", 10), ("second", 10)])
+def test_cylinders_converge_to_hertz_whoever_is_the_master_and_the_stiffer(slave: str, ratio: float) -> None:
+    """Pressures fall to zero as a root does: means over elements miss half of the last one, which is of order one."""
+    found = [solved("two-cylinders", mesh, slave=slave, E_ratio=ratio, **FIRST).quantities for mesh in ("1x16", "1x32")]
+    half_width = [abs(each["half_width_over_hertz"] - 1) for each in found]
+    assert half_width[1] <= 0.06
+    assert fitted_order([2.0, 1.0], half_width) >= 0.9
+    assert found[1]["P_over_ER"] == pytest.approx(by_hertz(ratio), rel=1e-2)
+    assert found[1]["peak_over_hertz"] == pytest.approx(1, abs=2e-2)
+
+
+@pytest.mark.slow
+def test_nodes_against_patches_have_the_force_of_hertz_and_peaks_that_scatter() -> None:
+    found = solved("two-cylinders", "1x32", pairing="nodes", **FIRST).quantities
+    assert found["P_over_ER"] == pytest.approx(by_hertz(), rel=1e-2)
+    assert found["half_width_over_hertz"] == pytest.approx(1, abs=2e-2)
+    assert found["peak_over_hertz"] == pytest.approx(1, abs=4e-2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("scene", "mesh", "travel"), [("two-cylinders", "1x8", "0.01,0.025"), ("ring-on-layer", "1x12", "35")]
+)
+@pytest.mark.parametrize("name", ["augmented-lagrangian", "qp", "lcp"])
+def test_algorithms_agree(name: str, scene: str, mesh: str, travel: str) -> None:
+    ours, theirs = (solved(scene, mesh, contact=each, delta_mm=travel).quantities for each in (name, "semismooth"))
+    for key, value in theirs.items():
+        assert ours[key] == pytest.approx(value, rel=AGREE)
+
+
+def test_a_ring_on_a_stiff_layer_is_that_on_a_plate() -> None:
+    """Nodes against a flat face to what the layer yields; the soft one of the same thickness yields far more."""
+    plate = solve(*complete("ring", {"delta_mm": "50"}, "1x20")).quantities
+    layer = solved("ring-on-layer", "1x20", pairing="nodes", delta_mm="50", **RIGID).quantities
+    for name in ("P_R2_over_EI", "flat_half_length"):
+        assert layer[name] == pytest.approx(plate[name], rel=1e-6)
+    soft = solved("ring-on-layer", "1x20", pairing="nodes", delta_mm="50", slave="first").quantities
+    assert abs(soft["P_R2_over_EI"] / plate["P_R2_over_EI"] - 1) > 1e-3
+
+
+@pytest.mark.slow
+def test_a_ring_on_a_stiff_layer_has_the_force_of_the_elastica() -> None:
+    found = solved("ring-on-layer", "1x64", delta_mm="50", **RIGID).quantities
+    assert found["P_R2_over_EI"] == pytest.approx(5.742160, rel=1e-3)
+    assert found["flat_half_length"] == pytest.approx(0.476577, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("law", "push"), [("svk", 0.995 * (1 - 0.995**2) / 2), ("hencky", -np.log(0.995) / 0.995)])
+def test_a_thin_soft_layer_is_a_bed_of_springs(law: str, push: float) -> None:
+    """The peak by the law of what is pressed by 0.005 alone; the force of the circle on springs, a/t = 23."""
+    found = solved("ring-on-layer", "1x48", layer_law=law, **{key: str(value) for key, value in BED.items()}).quantities
+    assert found["peak_over_springs"] == pytest.approx(push / 0.005, rel=1e-3)
+    assert found["force_over_springs"] == pytest.approx(1, rel=1.5e-2)
+
+
+@pytest.mark.slow
+def test_a_thin_layer_is_the_law_of_a_finite_epsilon_on_a_plate() -> None:
+    """epsilon = E/t: another formulation, without a second body. Springs have no shear, so the rim differs."""
+    ring = solve(*complete("ring", {"delta_mm": "5", "epsilon": "50"}, "1x128")).quantities
+    layer = {"layer_mm": "0.5", "E_layer_MPa": "25", "other_elements": "100"}
+    found = solved("ring-on-layer", "1x128", delta_mm="5", **layer).quantities
+    assert found["P_R2_over_EI"] == pytest.approx(ring["P_R2_over_EI"], rel=1e-3)
+    assert found["flat_half_length"] == pytest.approx(ring["flat_half_length"], rel=5e-2)  # on a rigid plate it is 0
