@@ -29,7 +29,8 @@ MESHES = {  # smaller than the default one; averaged gaps leave the forces of en
     "tyre": "28x26",
     "tyre-solid": "14x18",
     "pinched-ring": "1x48 pairing=nodes",
-    "two-cylinders": "1x16",
+    "two-cylinders": "1x8",
+    "ring-on-layer": "1x12 delta_mm=35",
 }
 TOLERANCES = {"manufactured-contact": "1e-11"}  # its forces are ten times as wrong as its balance, which is 1e-9
 SETTINGS = (
