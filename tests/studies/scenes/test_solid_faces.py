@@ -45,7 +45,7 @@ def test_the_tangent_of_a_shell_and_a_solid_that_press_each_other_is_a_derivativ
     scene, request = complete("ring-on-layer", {"pairing": pairing, "slave": slave, "layer_law": "neo-hooke"}, "1x8")
     model = scene.build(replace(request, newton="plain"))
     assert isinstance(model, FacesModel)
-    bodies, pair = model.bodies_at(35.0), model.pair_at(35.0)
+    bodies, pair = model.bodies_at(35.0), model.pairs_at(35.0)[0]
     u, du = rng.normal(size=(2, model.n_unknowns)) * 0.02
     there = pair.sampling(pair.positions(u))
     problem = between(bodies.linearise, replace(pair, sampling=lambda x: there))
