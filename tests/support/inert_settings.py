@@ -36,6 +36,8 @@ BY_POINTS: tuple[dict[str, Any], ...] = ({"given": {"path": "arc-length"}},)
 WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults, in which more settings have a say
     **dict.fromkeys((*(f"roof-{letter}" for letter in "abcdef"), "shallow-cap", "sze-pullout"), BY_POINTS),
     "free-hyperboloid": ({"given": {"shear_correction": 1.0}},),
+    "stack": ({"mesh": (1, 20)},),  # on coarser ones 0.75 and 0.825 of the elements are as many
+    "half-spheres": ({"mesh": (40, 1)},),
     "face-patch": ({"mesh": (8, 8)},),  # on coarser ones 0.75 and 0.825 of the elements are as many
     "ring-on-layer": ({"given": {"nu_layer": 0.3, "delta_mm": "1"}},),  # a contact that is small beside the ring
     "panel": (
