@@ -80,7 +80,7 @@ class FacePatch:
     ladders: tuple[Ladder, ...] = (
         Ladder(
             CONTACT,
-            ("4x4", "8x8", "12x12"),
+            ("4x4", "8x8", "16x16"),
             ("pressure_ratio",),
             "linear",
             settings={"shape": "curved"},

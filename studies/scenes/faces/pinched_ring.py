@@ -48,10 +48,10 @@ class PinchedRing:
     ladders: tuple[Ladder, ...] = (
         Ladder(
             CONTACT,
-            ("1x24", "2x48", "3x72"),
+            ("2x24", "4x48", "8x96"),
             ("spread_over_R", "contact_R2_over_EI"),
             settings={"F_R2_over_EI": "8"},
-            coarser=("1x16",),
+            coarser=("1x12",),
         ),
     )
     sheet: Sheet = Sheet("x", -62.0, 14.0)

@@ -67,10 +67,10 @@ class Stack:
     ladders: tuple[Ladder, ...] = (
         Ladder(
             CONTACT,
-            ("2x20", "3x30", "4x40"),
+            ("2x16", "4x32", "8x64"),
             ("P_R2_over_EI", "flat_half_length"),
             settings={"delta_mm": "50", **ON_RIM},
-            coarser=("1x10",),
+            coarser=("1x8",),
         ),
     )
     sheet: Sheet = Sheet("x", -62.0, 14.0)

@@ -78,10 +78,10 @@ class TwoRings:
     ladders: tuple[Ladder, ...] = (
         Ladder(
             CONTACT,
-            ("2x20", "3x30", "4x40"),
+            ("2x16", "4x32", "8x64"),
             ("P_H2_over_EI", "flat_half_length"),
             settings={"delta_mm": "50", **ON_RIM},
-            coarser=("1x10",),
+            coarser=("1x8",),
         ),
     )
     sheet: Sheet = Sheet("x", -62.0, 14.0)
