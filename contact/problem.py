@@ -59,10 +59,6 @@ class Faces(Protocol):
     def measured(self, u: np.ndarray) -> np.ndarray:
         """Gaps (m,) [mm] from distances that are measured anew."""
 
-    @property
-    def frozen(self) -> bool:
-        """Whether gaps have rows that leave out how the points move at which they are taken."""
-
 
 Linearise = Callable[[np.ndarray, object], Linearised]  # (u, memory)
 

@@ -95,9 +95,7 @@ class Sensitivity:
     """
 
     def __init__(self, problem: ContactProblem, state: ContactSolution, epsilon: float) -> None:
-        """Factorise; raises SingularMatrixError, and ValueError where gaps are dependent or rows not exact."""
-        if problem.faces is not None and problem.faces.frozen:
-            raise ValueError("averaged gaps (mortar) have no exact derivatives, pairing=nodes has")
+        """Factorise; raises SingularMatrixError, and ValueError where gaps are dependent."""
         self._problem, self._state = problem, state
         run = NewtonRun(problem, epsilon)
         lin = problem.linearise(state.u, None)

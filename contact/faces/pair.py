@@ -13,8 +13,7 @@ q_a = n . sum_l N_l,a dX_l ::
 
 with m_ab = a_a . a_b and b_ab = n . X,ab over a patch. Beyond an edge, which is straight, only the coordinate along it
 is left, b is none, and each direction t across n that the closest point does not follow adds (t . v)^2/gamma.
-The points of a mortar move over the slave as the pieces do that they lie in, which the rows leave out: they are exact
-for fixed points, and else right to what the integration is (``frozen``).
+Points x_s stay where they are in the slave, so that this is all of it.
 A gap does not see a rigid motion of both bodies, so neither does its derivative: the contact forces of a pair have no
 resultant and no moment, whatever the form, to the last digit.
 Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Konyukhov, Schweizerhof, Computational Contact Mechanics (2013).
@@ -22,7 +21,6 @@ Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Konyukhov, Schweizerhof, Comp
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -32,7 +30,7 @@ from scipy import sparse
 from contact.faces.measured import distances
 from contact.faces.passages import Ways
 from contact.faces.patches import shape, twist
-from contact.faces.sampling import Mortar, Sampling
+from contact.faces.sampling import Sampling
 from contact.faces.search import Nearest, nearest
 from contact.problem import ContactProblem, Faces, Linearise
 from contact.swept import Passable
@@ -46,16 +44,20 @@ class Pair:
     """A slave and a master in one set of points: x(u) = reference + operator u, reference (k, 3), operator (3k, n).
 
     master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
-    weights (m,) [mm^2]: reference areas of the candidates.  sampling: of the slave at the positions (k, 3) of all.
-    slave (a, 4): its patches, for the judge alone, who looks at what passes through them; none where it does not.
+    sampling: where the slave is looked at.  slave (a, 4): its patches, for the judge alone, who looks at what passes
+    through them; none where it does not.
     """
 
     reference: np.ndarray
     operator: sparse.csr_matrix
     master: np.ndarray
-    weights: np.ndarray
-    sampling: Callable[[np.ndarray], Sampling]
+    sampling: Sampling
     slave: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.intp))
+
+    @property
+    def weights(self) -> np.ndarray:
+        """Reference areas (m,) [mm^2] of the candidates."""
+        return self.sampling.weights
 
     def positions(self, u: np.ndarray) -> np.ndarray:
         """x (k, 3)."""
@@ -64,8 +66,7 @@ class Pair:
     def at(self, u: np.ndarray) -> Paired:
         """What is closest to what at u (n,)."""
         x = self.positions(u)
-        sampled = self.sampling(x)
-        return Paired(self, x, sampled, nearest(sampled.points @ x, x, self.master))
+        return Paired(self, x, nearest(self.sampling.points @ x, x, self.master))
 
     def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
         """Forces (k, 3) [N] on all points of both faces by the candidates' forces (m,)."""
@@ -74,18 +75,12 @@ class Pair:
     def measured(self, u: np.ndarray) -> np.ndarray:
         """Gaps (m,) at the same points of the slave, by distances that are measured anew."""
         x = self.positions(u)
-        sampled = self.sampling(x)
-        return np.asarray(sampled.average @ distances(sampled.points @ x, x, self.master))
+        return np.asarray(self.sampling.average @ distances(self.sampling.points @ x, x, self.master))
 
     @property
     def parts(self) -> tuple[tuple[Pair, slice], ...]:
         """The pair and its candidates, which are all."""
         return ((self, slice(None)),)
-
-    @property
-    def frozen(self) -> bool:
-        """Whether the points of the slave move with u, and the rows leave that out."""
-        return isinstance(self.sampling, Mortar)
 
     @property
     def standing(self) -> Ways | None:
@@ -104,23 +99,22 @@ class Paired:
 
     pair: Pair
     x: np.ndarray
-    sampled: Sampling
     near: Nearest
 
     @property
     def gap(self) -> np.ndarray:
         """g (m,)."""
-        return np.asarray(self.sampled.average @ self.near.gap)
+        return np.asarray(self.pair.sampling.average @ self.near.gap)
 
     @property
     def rows(self) -> sparse.csr_matrix:
         """dg (m, 3k) by the positions of the points."""
-        return sparse.csr_matrix(self.sampled.average @ _along(self._apart, self.near.direction))
+        return sparse.csr_matrix(self.pair.sampling.average @ _along(self._apart, self.near.direction))
 
     @property
     def _apart(self) -> sparse.csr_matrix:
         """V (p, k): v = dx_s - dX at a fixed xi."""
-        return sparse.csr_matrix(self.sampled.points - self._on_master(shape(self.near.xi)[0]))
+        return sparse.csr_matrix(self.pair.sampling.points - self._on_master(shape(self.near.xi)[0]))
 
     def _on_master(self, values: np.ndarray) -> sparse.csr_matrix:
         """Values (p, 4) at the corners of the patches, (p, k)."""
@@ -132,7 +126,7 @@ class Paired:
 
     def curvature(self, force: np.ndarray) -> sparse.csr_matrix:
         """sum_i f_i d2g_i (3k, 3k) by the positions, of candidates' forces (m,)."""
-        on_points = self.sampled.average.T @ force
+        on_points = self.pair.sampling.average.T @ force
         kept = np.flatnonzero(on_points)  # the others would only fill the matrix with zeros
         apart, slope = self._apart[kept], shape(self.near.xi)[1]
         a, n, free = self.near.a[kept], self.near.direction[kept], self.near.free[kept]

@@ -2,9 +2,12 @@
 
 nodes: S = 1, C = 1: each node against the patch that it meets.
 mortar: g_i = sum_s w_s Phi_i(xi_s) gamma_s/W_i with the reference areas w_s of points in the patches of the slave, and
-W_i = int Phi_i dA. The points lie in the pieces into which the patches of the master cut those of the slave, where the
-shape functions of both are smooth: between flat parallelograms every integral is exact. Phi are the shape functions of
-the slave, so that a uniform pressure is one of theirs, and forces are p_i W_i on both sides.
+W_i = int Phi_i dA over them. The points lie in the pieces into which the patches of the master cut those of the slave at rest,
+where the shape functions of both are smooth: between flat parallelograms that lie on each other as at rest every
+integral is exact. They stay where they are in the slave, so that gaps have exact derivatives; where the master slides,
+its edges pass between them. A patch that does not look at the master all over has points of its own, OWN^2 of Gauss.
+Phi are the shape functions of the slave, so that a uniform pressure is one of theirs, and forces are p_i W_i on both
+sides.
 Sources: Puso, Laursen, CMAME 193 (2004) 601-629; Farah, Popp, Wall, Comput. Mech. 55 (2015) 209-228.
 """
 
@@ -29,65 +32,91 @@ _A, _B = 0.445948490915965, 0.091576213509771
 TRIANGLE = np.array([np.roll([1 - 2 * c, c, c], k) for c in (_A, _B) for k in range(3)])
 TRIANGLE_WEIGHTS = np.repeat([0.223381589678011, 0.109951743655322], 3)
 GAUSS = CORNERS / np.sqrt(3)
+OWN = 4  # points along each side of a patch that does not look at the master all over
+SIDES = np.array([[[0, 3], [1, 2]], [[0, 1], [3, 2]]])  # corners of a patch at the ends of each coordinate
+_X, _W = np.polynomial.legendre.leggauss(OWN)
+INSIDE, INSIDE_WEIGHTS = np.stack(np.meshgrid(_X, _X), axis=-1).reshape(-1, 2), np.outer(_W, _W).ravel()
 
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """points S (p, k): those of the slave from the points of the faces.  average C (m, p): gaps from theirs."""
+    """points S (p, k): those of the slave from the points of the faces.  average C (m, p): gaps from theirs.
+
+    weights W (m,) [mm^2]: reference areas of the candidates.
+    """
 
     points: sparse.csr_matrix
     average: sparse.csr_matrix
+    weights: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Nodes:
-    """The points ``nodes`` (m,) of k."""
-
-    nodes: np.ndarray
-
-    def __call__(self, x: np.ndarray) -> Sampling:
-        """The same at all positions x (k, 3)."""
-        m = len(self.nodes)
-        return Sampling(_chosen(self.nodes, len(x)), _chosen(np.arange(m), m))
+def at_nodes(nodes: np.ndarray, k: int, weights: np.ndarray) -> Sampling:
+    """The points ``nodes`` (m,) of k, with areas (m,)."""
+    m = len(nodes)
+    return Sampling(_chosen(nodes, k), _chosen(np.arange(m), m), weights)
 
 
-@dataclass(frozen=True, eq=False)
-class Mortar:
-    """The patches ``slave`` (a, 4) before ``master`` (b, 4); nodes (m,): those whose multipliers there are.
+def mortar(x: np.ndarray, slave: np.ndarray, master: np.ndarray, nodes: np.ndarray) -> Sampling:
+    """The patches ``slave`` (a, 4) before ``master`` (b, 4) of points x (k, 3) at rest.
 
-    reference (k, 3): positions that areas are of.  A node that lies before nothing of the
-    master, or far from it, is a point by itself.
+    nodes (m,): those of the slave that have a multiplier. One that has nothing before it but what is beside the master
+    is a point by itself.
     """
+    patch, xi, area = _points(x, slave, master)
+    N, slope = shape(xi)
+    quads = slave[patch]
+    a = np.einsum("pla,plc->pca", slope, x[quads])
+    w = area * np.linalg.norm(np.cross(a[..., 0], a[..., 1]), axis=1)
+    ends, of = 4 * np.arange(len(w) + 1), (len(w), len(x))
+    points = sparse.csr_matrix((N.ravel(), quads.ravel(), ends), shape=of)
+    of_node = sparse.csr_matrix(((w[:, None] * N).ravel(), quads.ravel(), ends), shape=of).T.tocsr()[nodes]
+    weights, whole = np.asarray(of_node.sum(axis=1)).ravel(), areas(x, slave)[nodes]
+    alone = np.flatnonzero(weights <= SLIVER * whole)
+    weights[alone] = whole[alone]
+    average = [sparse.diags_array(1 / weights) @ of_node, _chosen(alone, len(nodes)).T]
+    points = sparse.vstack([points, _chosen(nodes[alone], len(x))], format="csr")
+    return Sampling(sparse.csr_matrix(points), sparse.csr_matrix(sparse.hstack(average, format="csr")), weights)
 
-    reference: np.ndarray
-    slave: np.ndarray
-    master: np.ndarray
-    nodes: np.ndarray
 
-    def __call__(self, x: np.ndarray) -> Sampling:
-        """At the positions x (k, 3)."""
-        patch, xi, area = pieces(x, self.slave, self.master)
-        N, slope = shape(xi)
-        quads = self.slave[patch]
-        a = np.einsum("pla,plc->pca", slope, self.reference[quads])
-        w = area * np.linalg.norm(np.cross(a[..., 0], a[..., 1]), axis=1)
-        p, k = len(w), len(x)
-        ends = 4 * np.arange(p + 1)
-        points = sparse.csr_matrix((N.ravel(), quads.ravel(), ends), shape=(p, k))
-        of_node = sparse.csr_matrix(((w[:, None] * N).ravel(), quads.ravel(), ends), shape=(p, k)).T.tocsr()[self.nodes]
-        alone = np.flatnonzero(np.asarray(of_node.sum(axis=1)).ravel() <= SLIVER * self.weights)
-        average = [sparse.diags_array(1 / self.weights) @ of_node, _chosen(alone, len(self.nodes)).T]
-        whole = sparse.vstack([points, _chosen(self.nodes[alone], k)], format="csr")
-        return Sampling(sparse.csr_matrix(whole), sparse.csr_matrix(sparse.hstack(average, format="csr")))
+def _points(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Patch (p,), xi (p, 2) and weights (p,) of an integral over xi.
 
-    @property
-    def weights(self) -> np.ndarray:
-        """W (m,) [mm^2]."""
-        N, slope = shape(GAUSS)
-        a = np.einsum("gla,qlc->qgca", slope, self.reference[self.slave])
-        dA = np.linalg.norm(np.cross(a[..., 0], a[..., 1]), axis=-1)
-        whole = np.bincount(self.slave.ravel(), (dA @ N).ravel(), minlength=len(self.reference))
-        return np.asarray(whole[self.nodes])
+    Pieces, or, of a patch that does not look at the master all over, points of a rule of its own; where that is because
+    it lies beyond the rim, nothing is before the rest of it.
+    """
+    patch, xi, area = pieces(x, slave, master)
+    whole = np.bincount(patch, area, minlength=len(slave)) >= INSIDE_WEIGHTS.sum() * (1 - ON)
+    beside = np.zeros((len(slave), len(INSIDE)), bool)
+    some = np.flatnonzero(~whole)
+    beside[some] = _beside(x, slave[some], master)
+    own, kept = np.flatnonzero(~whole & ~beside.any(axis=1)), (whole | beside.any(axis=1))[patch]
+    return (
+        np.concatenate([patch[kept], np.repeat(own, len(INSIDE))]),
+        np.vstack([xi[kept], np.tile(INSIDE, (len(own), 1))]),
+        np.append(area[kept], np.tile(INSIDE_WEIGHTS, len(own))),
+    )
+
+
+def _beside(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> np.ndarray:
+    """Which points of the rule in patches (a, 4) are beyond the rim of the master, and no farther than a patch is long."""
+    corners = x[slave]
+    at = np.einsum("gl,alc->agc", shape(INSIDE)[0], corners).reshape(-1, 3)
+    near = nearest(at, x, master)
+    edges = np.sort(master[:, SIDES], axis=-1)
+    _, which, number = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
+    rim = (number[which.ravel()] == 1).reshape(-1, 2, 2)
+    over = near.xi > 0
+    beyond = ~near.free & np.take_along_axis(rim[near.quad], over[..., None].astype(int), axis=2)[..., 0]
+    long = np.repeat(np.linalg.norm(np.ptp(corners, axis=1), axis=1), len(INSIDE))
+    return np.asarray((beyond.any(axis=1) & (np.abs(near.gap) <= long)).reshape(len(slave), len(INSIDE)))
+
+
+def areas(x: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """W (k,) [mm^2] of the points x (k, 3) of a face, zero where no patch is."""
+    N, slope = shape(GAUSS)
+    a = np.einsum("gla,qlc->qgca", slope, x[quads])
+    dA = np.linalg.norm(np.cross(a[..., 0], a[..., 1]), axis=-1)
+    return np.bincount(quads.ravel(), (dA @ N).ravel(), minlength=len(x))
 
 
 def _chosen(numbers: np.ndarray, k: int) -> sparse.csr_matrix:

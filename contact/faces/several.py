@@ -60,11 +60,6 @@ class Several:
         return np.concatenate([each.measured(u) for each in self.pairs])
 
     @property
-    def frozen(self) -> bool:
-        """Whether the points of a slave move with u, and the rows leave that out."""
-        return any(each.frozen for each in self.pairs)
-
-    @property
     def standing(self) -> Passable:
         """What the points of no face may pass through."""
         return Passages(tuple(way for each in self.pairs if (way := each.standing) is not None))

@@ -16,7 +16,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.faces.pair import Pair, between
-from contact.faces.sampling import PAIRINGS, Mortar, Nodes
+from contact.faces.sampling import PAIRINGS, Sampling, at_nodes, mortar
 from contact.faces.several import Several
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised
 from formulations.conditions.boundary import FACES
@@ -150,23 +150,28 @@ class Bodies:
         """The sum of all [N mm]."""
         return sum(one.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
 
-    def pair(self, slave: Side, master: Side, nodes: np.ndarray, pairing: str) -> Pair:
-        """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch."""
+    def pair(
+        self, slave: Side, master: Side, nodes: np.ndarray, pairing: str, sampling: Sampling | None = None
+    ) -> Pair:
+        """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch.
+
+        sampling: where the slave is looked at, by default as for bodies that are at rest where these are.
+        """
         found = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
-        (x, own, quads), _ = found[0]
-        (x_other, other, its), _ = found[1]
+        (x, moves, quads), _ = found[0]
+        (x_other, others, its), _ = found[1]
         reference, n = np.vstack([x, x_other]), int(self.starts[-1])
-        columns = [sparse.csr_matrix((each.shape[0], n)) for each in (own, other)]
+        columns = [sparse.csr_matrix((each.shape[0], n)) for each in (moves, others)]
         placed = [
             sparse.hstack([columns[k][:, : self.starts[body]], each, columns[k][:, self.starts[body + 1] :]])
-            for k, (each, body) in enumerate(((own, slave.body), (other, master.body)))
+            for k, (each, body) in enumerate(((moves, slave.body), (others, master.body)))
         ]
         operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
-        if pairing == "nodes":
-            areas = self.parts[slave.body].areas(slave.face)[nodes]
-            return Pair(reference, operator, its, areas, Nodes(nodes), quads[slave.patches])
-        mortar = Mortar(reference, quads[slave.patches], its, nodes)
-        return Pair(reference, operator, its, mortar.weights, mortar, quads[slave.patches])
+        if sampling is None and pairing == "nodes":
+            sampling = at_nodes(nodes, len(reference), self.parts[slave.body].areas(slave.face)[nodes])
+        elif sampling is None:
+            sampling = mortar(reference, quads[slave.patches], its, nodes)
+        return Pair(reference, operator, its, sampling, quads[slave.patches])
 
     def against(self, pair: Pair | Several) -> ContactProblem:
         """The contact problem of the pairs, with all that the judge may see.
@@ -261,10 +266,16 @@ class FacesModel:
         rest = ContactSolution.at_rest(self.n_unknowns, m)
         return self.problem_at, previous or replace(rest, active=np.full(m, self.lying))
 
+    @cached_property
+    def _samplings(self) -> tuple[Sampling, ...]:
+        """Where the slaves are looked at all along the path: at points of them that are found at rest."""
+        bodies = self.bodies_at(0.0)
+        return tuple(bodies.pair(each.slave, each.master, each.nodes, self.pairing).sampling for each in self.pairs)
+
     def pairs_at(self, t: float) -> tuple[Pair, ...]:
         """The pairs at a point of the path."""
-        bodies = self.bodies_at(t)
-        return tuple(bodies.pair(each.slave, each.master, each.nodes, self.pairing) for each in self.pairs)
+        bodies, found = self.bodies_at(t), zip(self.pairs, self._samplings, strict=True)
+        return tuple(bodies.pair(each.slave, each.master, each.nodes, self.pairing, known) for each, known in found)
 
     def problem_at(self, t: float) -> ContactProblem:
         """All bodies and their pairs at a point of the path."""

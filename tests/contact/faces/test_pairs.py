@@ -12,7 +12,7 @@ from scipy import sparse
 from contact.catalogue import ALGORITHMS
 from contact.faces.measured import distances
 from contact.faces.pair import Pair, between
-from contact.faces.sampling import PAIRINGS, Mortar, Nodes, clipped
+from contact.faces.sampling import OWN, PAIRINGS, areas, at_nodes, clipped, mortar
 from contact.faces.search import nearest
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import minimise
@@ -34,14 +34,9 @@ def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.
     reference += noise * np.random.default_rng(1).normal(size=reference.shape)
     nodes, master = np.arange(len(above[0])), below[1] + len(above[0])
     everything = sparse.csr_matrix(sparse.eye_array(reference.size, format="csr"))
-    mortar = Mortar(reference, above[1], master, nodes)
-    return Pair(reference, everything, master, mortar.weights, Nodes(nodes) if pairing == "nodes" else mortar)
-
-
-def frozen(one: Pair, u: np.ndarray) -> Pair:
-    """With the points of the slave that there are at u: what moves them is of the order of their rule."""
-    there = one.sampling(one.positions(u))
-    return replace(one, sampling=lambda x: there)
+    if pairing == "nodes":
+        return Pair(reference, everything, master, at_nodes(nodes, len(reference), areas(reference, above[1])[nodes]))
+    return Pair(reference, everything, master, mortar(reference, above[1], master, nodes))
 
 
 @each_pairing
@@ -50,7 +45,6 @@ def test_rows_and_curvature_are_derivatives(pairing: str) -> None:
     rng = np.random.default_rng(2)
     one = pair(pairing, side=0.9)
     u = 0.01 * rng.normal(size=one.operator.shape[1])
-    one = frozen(one, u)
     at, force = one.at(u), rng.uniform(0.5, 1.0, len(one.weights))
     assert {0, 1, 2} == set(at.near.free.sum(axis=1).tolist())
     ways = rng.normal(size=(8, len(u)))
@@ -99,8 +93,7 @@ def test_pieces_of_flat_faces_have_all_of_their_area_and_the_loads_of_both() -> 
     """The forces of a uniform pressure on the master: int N_l dA over what the slave covers, by brute force."""
     one = pair("mortar", bent=0.0, noise=0.0)
     u = np.zeros(one.operator.shape[1])
-    sampled = one.sampling(one.positions(u))
-    np.testing.assert_allclose(sampled.average.sum(axis=1), 1.0, atol=ROUNDING)
+    np.testing.assert_allclose(one.sampling.average.sum(axis=1), 1.0, atol=ROUNDING)
     np.testing.assert_allclose(one.at(u).gap, 0.1, atol=ROUNDING)
     on_master = one.forces(u, one.weights)[len(one.weights) :, 2]
     t = (np.arange(4000) + 0.5) / 2000 - 1
@@ -110,6 +103,23 @@ def test_pieces_of_flat_faces_have_all_of_their_area_and_the_loads_of_both() -> 
         return np.array([np.interp(t, lines, row).mean() * 2 for row in np.eye(n + 1)])
 
     np.testing.assert_allclose(on_master, -np.outer(shares(5), shares(3)).ravel(), atol=1e-7)
+
+
+def test_what_lies_beyond_the_rim_of_the_master_is_no_part_of_an_area() -> None:
+    """A slave that overhangs by a tenth on all sides: its weights are what is before the master, its forces are, too."""
+    one = pair("mortar", bent=0.0, noise=0.0, side=0.9)
+    np.testing.assert_allclose(one.sampling.average.sum(axis=1), 1.0, atol=ROUNDING)
+    assert one.weights.sum() == pytest.approx(1.8**2, rel=ROUNDING)
+    np.testing.assert_allclose(one.at(np.zeros(one.operator.shape[1])).gap, 0.1, atol=ROUNDING)
+
+
+def test_a_patch_that_turns_away_from_the_master_at_rest_has_points_all_over() -> None:
+    """One upright sheet beside a flat one, which it may be laid on later."""
+    above, below = sheet(2, 2, 1.0, 0.0, 0.0, up=False), sheet(3, 3, 1.0, 0.0, 0.0, up=True)
+    turned = above[0] @ np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]) + np.array([0.0, 0.0, 5.0])
+    found = mortar(np.vstack([turned, below[0]]), above[1], below[1] + len(turned), np.arange(len(turned)))
+    assert found.points.shape[0] == OWN**2 * len(above[1])
+    assert found.weights.sum() == pytest.approx(4.0, rel=ROUNDING)
 
 
 def test_polygons_are_cut_by_polygons() -> None:

@@ -20,7 +20,7 @@ from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 
 LAST_DIGITS = 1e-12
-AGREE = 1e-8
+AGREE = 1e-11
 RIM = {"lines": "rim", "delta_mm": "50"}
 
 

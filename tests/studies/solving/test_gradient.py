@@ -135,10 +135,15 @@ def test_a_quantity_that_two_stages_read_is_that_of_the_last_load() -> None:
     assert force.above == pytest.approx((high - low) / 0.002, rel=1e-4)
 
 
-def test_averaged_gaps_have_no_derivatives() -> None:
-    scene, result = solved("two-rings", "1x10", (("pairing", "mortar"), ("delta_mm", "5")))
-    assert gradient.gradients(scene, result, ("delta_mm",)) == []
-    assert "averaged gaps" in result.remarks[-1]
+@pytest.mark.parametrize("pairing", ["nodes", "mortar"])
+def test_the_force_between_two_rings_by_differences(pairing: str) -> None:
+    given = {"pairing": pairing, "delta_mm": "20,50", "lines": "rim", "tolerance": "1e-12"}
+    (force,) = (each for each in of("two-rings", given, "1x10", "h_mm") if each.quantity == "P_H2_over_EI")
+    thick, step = 1.0, 1e-4
+    ends = [solved("two-rings", "1x10", tuple((given | {"h_mm": repr(thick + by)}).items()))[1] for by in (-step, step)]
+    low, high = (end.quantities["P_H2_over_EI"] for end in ends)
+    assert abs(high - low) > 1e-6
+    assert force.above == pytest.approx((high - low) / (2 * step), rel=1e-6)
 
 
 def test_what_cannot_be_differentiated_is_a_remark(monkeypatch) -> None:
