@@ -33,7 +33,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
-from contact.newton.held import Held, Pivots
+from contact.newton.held import Pivots
+from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, solution, symmetric
 
@@ -275,8 +276,9 @@ def _largest(
 
 def _negative(problem: ContactProblem, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, epsilon: float) -> int:
     """Negative eigenvalues of the symmetric tangent on what the set leaves free."""
-    M = Held.on(problem, u, nodes, K, epsilon).matrix
-    return negative_pivots(M, ordered=problem.ordered, multipliers=problem.multipliers)
+    held = bound(problem, u, nodes, K, epsilon)
+    forces = held.multipliers
+    return negative_pivots(held.matrix, ordered=problem.ordered or forces > 0, multipliers=problem.multipliers + forces)
 
 
 def _cosines(v: np.ndarray, modes: np.ndarray) -> np.ndarray:

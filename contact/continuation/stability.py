@@ -27,7 +27,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.continuation.critical_points import MODES, spectrum
-from contact.newton.held import Held, holdable
+from contact.newton.held import holdable
+from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised, Overlooked
 from contact.solvers.sparse import SingularMatrixError, added, negative_pivots, symmetric
 
@@ -108,10 +109,11 @@ def stability(problem: ContactProblem, state: ContactSolution, epsilon: float = 
 
 def _counted(problem: ContactProblem, state: ContactSolution, K: sparse.csc_matrix, epsilon: float) -> Stability:
     """By the symmetric part of a tangent K (n, n)."""
-    M = Held.on(problem, state.u, np.flatnonzero(state.active), K, epsilon).matrix
+    held = bound(problem, state.u, np.flatnonzero(state.active), K, epsilon)
+    M, multipliers = held.matrix, problem.multipliers + held.multipliers
     conservative = symmetric(K)
     part = M if conservative else sparse.csc_matrix((M + M.T) / 2)
-    negative, unsigned, spent = _signs(part, problem.multipliers, ordered=problem.ordered)
+    negative, unsigned, spent = _signs(part, multipliers, ordered=problem.ordered or held.multipliers > 0)
     return Stability(negative, unsigned, conservative, factorisations=spent)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 STEPS = 60  # of Newton's method, most points need four
 HALVINGS = 8
-CLOSE = 1e-12  # change of xi at which it ends
+CLOSE = 1e-12  # change of xi at which it ends, times the distance over the size of the patch where that is larger
 ROUNDING = 1e-13  # of the size of a patch: distances no longer than that are alike
 
 
@@ -50,7 +50,8 @@ def closest(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
         hessian = np.where(held[:, :, None] | held[:, None, :], np.eye(2) * metric, hessian)
         step = -np.linalg.solve(hessian, slope[..., None])[..., 0]
         there = np.clip(here + step, -1, 1)
-        before = np.einsum("pc,pc->p", off, off) * (1 + CLOSE) + np.trace(metric, axis1=1, axis2=2) * ROUNDING**2
+        far, size = np.einsum("pc,pc->p", off, off), np.trace(metric, axis1=1, axis2=2)
+        before = far * (1 + CLOSE) + size * ROUNDING**2
         for _ in range(HALVINGS):
             after = _offset(there, at, patch)[0]
             longer = np.einsum("pc,pc->p", after, after) > before
@@ -58,7 +59,7 @@ def closest(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
                 break
             there[longer] = (there[longer] + here[longer]) / 2
         xi[todo] = there
-        todo = todo[np.max(np.abs(there - here), axis=1) > CLOSE]
+        todo = todo[np.max(np.abs(there - here), axis=1) > CLOSE * (1 + np.sqrt(far / size))]
     return xi
 
 
@@ -66,6 +67,16 @@ def _offset(xi: np.ndarray, x: np.ndarray, corners: np.ndarray) -> tuple[np.ndar
     """x - X (p, 3) and the tangents (p, 3, 2)."""
     N, slope = shape(xi)
     return x - np.einsum("pl,plc->pc", N, corners), np.einsum("pla,plc->pca", slope, corners)
+
+
+def frames(corners: np.ndarray) -> np.ndarray:
+    """Two unit vectors in the middle of patches (p, 4, 3) and the normal there, as columns (p, 3, 3)."""
+    _, slope = shape(np.zeros((1, 2)))
+    a = np.einsum("la,plc->pca", slope[0], corners)
+    normal = np.cross(a[..., 0], a[..., 1])
+    first = a[..., 0] / np.linalg.norm(a[..., 0], axis=1, keepdims=True)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normal, first), normal], axis=-1)
 
 
 def normals(positions: np.ndarray, quads: np.ndarray) -> np.ndarray:

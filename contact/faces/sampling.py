@@ -2,8 +2,8 @@
 
 nodes: S = 1, C = 1: each node against the patch that it meets.
 mortar: g_i = sum_s w_s Phi_i(xi_s) gamma_s/W_i with the reference areas w_s of points in the patches of the slave, and
-W_i = int Phi_i dA over them. The points lie in the pieces into which the patches of the master cut those of the slave at rest,
-where the shape functions of both are smooth: between flat parallelograms that lie on each other as at rest every
+W_i = int Phi_i dA over them. The points lie in the pieces into which the patches of the master cut those of the slave
+at rest, where the shape functions of both are smooth: between flat parallelograms that lie on each other as at rest every
 integral is exact. They stay where they are in the slave, so that gaps have exact derivatives; where the master slides,
 its edges pass between them. A patch that does not look at the master all over has points of its own, OWN^2 of Gauss.
 Phi are the shape functions of the slave, so that a uniform pressure is one of theirs, and forces are p_i W_i on both
@@ -19,7 +19,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from contact.faces.patches import CORNERS, shape
+from contact.faces.patches import CORNERS, frames, shape
 from contact.faces.search import nearest
 
 PAIRINGS = ("nodes", "mortar")
@@ -98,7 +98,7 @@ def _points(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.nd
 
 
 def _beside(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> np.ndarray:
-    """Which points of the rule in patches (a, 4) are beyond the rim of the master, and no farther than a patch is long."""
+    """Which points of the rule in patches (a, 4) are beyond the rim of the master, no farther than a patch is long."""
     corners = x[slave]
     at = np.einsum("gl,alc->agc", shape(INSIDE)[0], corners).reshape(-1, 3)
     near = nearest(at, x, master)
@@ -132,7 +132,7 @@ def pieces(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.nda
     """
     own, other = _facing(x, slave, master)
     corners = x[slave[own]]
-    middle, axes = corners.mean(axis=1), _axes(corners)[..., :2]
+    middle, axes = corners.mean(axis=1), frames(corners)[..., :2]
     flat = np.einsum("plc,pci->pli", corners - middle[:, None], axes)
     cutter = np.einsum("plc,pci->pli", x[master[other]][:, ::-1] - middle[:, None], axes)
     polygon, count = clipped(cutter, flat)
@@ -152,18 +152,8 @@ def _facing(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.nd
     found = cKDTree(middles).query_ball_point(middle[near], (own + radius.max() + away)[near])
     a = np.repeat(near, [len(each) for each in found])
     b = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
-    looks = np.einsum("pc,pc->p", _axes(mine)[a, :, 2], _axes(its)[b, :, 2]) < 0
+    looks = np.einsum("pc,pc->p", frames(mine)[a, :, 2], frames(its)[b, :, 2]) < 0
     return a[looks], b[looks]
-
-
-def _axes(corners: np.ndarray) -> np.ndarray:
-    """Two unit vectors in the middle of patches (p, 4, 3) and the normal there, as columns (p, 3, 3)."""
-    _, slope = shape(np.zeros((1, 2)))
-    a = np.einsum("la,plc->pca", slope[0], corners)
-    normal = np.cross(a[..., 0], a[..., 1])
-    first = a[..., 0] / np.linalg.norm(a[..., 0], axis=1, keepdims=True)
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normal, first), normal], axis=-1)
 
 
 def clipped(polygon: np.ndarray, by: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,8 @@
 """Which patch of a face is closest to a point, and where: found anew for every position of both.
 
 A tree of the middles of the patches finds those whose boxes come as near as the nearest corner. The closest point of
-the one whose box is nearest leaves few others. Nothing is missed: no point of a patch is nearer than its box.
+the one whose box is nearest leaves few others. A box lies along its patch, and is as flat as that. Nothing is missed:
+no point of a patch is nearer than its box.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from contact.faces.patches import closest, normals, shape
+from contact.faces.patches import closest, frames, normals, shape
 
 OVER = 1e-9  # of the size of a patch: a point that lies no farther beyond an edge lies over it
 AT = 1e-7  # of the size of a patch: nearer to an edge or a corner than this, its own direction is rounding
@@ -60,13 +61,16 @@ def _closest(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Pairs of a point and a patch, and how far the point is from the box of the patch, (c,) each."""
     corners = positions[quads]
-    middles, low, high = corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1)
+    middles, axes = corners.mean(axis=1), frames(corners)
+    own = np.einsum("qlc,qci->qli", corners - middles[:, None], axes)
+    low, high = own.min(axis=1), own.max(axis=1)
     radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2))
     to_corner = np.asarray(cKDTree(positions[np.unique(quads)]).query(x)[0])
     found = cKDTree(middles).query_ball_point(x, (to_corner + radius) * (1 + OVER))
     point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
     quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
-    box = np.linalg.norm(np.maximum(np.maximum(low[quad] - x[point], x[point] - high[quad]), 0.0), axis=1)
+    at = np.einsum("pc,pci->pi", x[point] - middles[quad], axes[quad])
+    box = np.linalg.norm(np.maximum(np.maximum(low[quad] - at, at - high[quad]), 0.0), axis=1)
     kept = box <= to_corner[point] * (1 + OVER)
     return point[kept], quad[kept], box[kept]
 

@@ -10,12 +10,16 @@ import numpy as np
 from scipy import sparse
 
 from contact.newton.exchange import Exchange
-from contact.newton.held import Held, Pivots, holding
+from contact.newton.held import Pivots, holding
+from contact.newton.saddle import bound
 from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit
 from contact.solvers.sparse import SingularMatrixError, factor_flops, negative_pivots
+
+
+SETUP = 200.0  # operations that an entry of the matrix takes as long as, before it is factorised
 
 
 class LinearStep(Protocol):
@@ -66,7 +70,7 @@ class Condensed(Exchange):
         """Factorise on the set ``base`` (m,); raises SingularMatrixError, ValueError."""
         self.base, self._linear = base.copy(), linear
         with run.tally.timed("contact_s"):
-            held = Held.on(run.problem, linear.u, np.flatnonzero(base), linear.tangent, run.epsilon)
+            held = bound(run.problem, linear.u, np.flatnonzero(base), linear.tangent, run.epsilon)
         inside = sparse.csr_matrix(sparse.eye_array(len(base), format="csr")[np.flatnonzero(base)])
         ways = linear.rows, linear.acting, linear.gap, ~base, inside, sparse.csr_matrix(inside.T)
         super().__init__(run, held, *ways, linear.compliance, linear.residual)
@@ -74,9 +78,11 @@ class Condensed(Exchange):
     def near(self, active: np.ndarray) -> Condensed:
         """The same linearisation, factorised on the set (m,) where that costs less than to solve for it here."""
         nodes = np.flatnonzero(active)
-        holding(self._acting[nodes], nodes)
+        if np.any(active & ~self.base):  # what is left of a set that can be held can be held
+            holding(self._acting[nodes], nodes)
         changed = np.flatnonzero(active ^ self.base)
-        if not len(changed) or dense_solution(len(changed)) + self.cost(changed) <= (self._flops or np.inf):
+        again = self._flops + SETUP * self._matrix.nnz if self._flops else np.inf
+        if not len(changed) or dense_solution(len(changed)) + self.cost(changed) <= again:
             return self
         return Condensed(self._run, self._linear, active)
 
@@ -101,7 +107,9 @@ class Condensed(Exchange):
 
     def negative_pivots(self) -> int:
         """Negative eigenvalues of a symmetric tangent on the motions that obey the base set."""
-        return negative_pivots(self._matrix, self._factor, multipliers=self._run.problem.multipliers)
+        forces = self._held.multipliers
+        multipliers = self._run.problem.multipliers + forces
+        return negative_pivots(self._matrix, self._factor, ordered=forces > 0, multipliers=multipliers)
 
     def _exchanged(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Candidates (c,) whose state is not that of the base set, and the z (m,) that makes their w zero."""

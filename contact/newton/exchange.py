@@ -19,6 +19,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.newton.held import Held
+from contact.newton.saddle import Saddle
 from contact.newton.solves import LinearSolves
 from contact.solvers.sparse import response, response_flops
 
@@ -37,7 +38,7 @@ class Exchange:
     def __init__(
         self,
         run: LinearSolves,
-        held: Held,
+        held: Held | Saddle,
         rows: sparse.csr_matrix,
         acting: sparse.csr_matrix,
         now: np.ndarray,
@@ -53,7 +54,7 @@ class Exchange:
         self._to_slack, self._multiplied = to_slack, multiplied
         with run.tally.timed("contact_s"):
             self._matrix = held.matrix
-        self._factor = run.factorise(self._matrix)
+        self._factor = run.factorise(self._matrix, of=held)
         self._known, self._columns = np.zeros(0, int), np.zeros((len(now), 0))
         self._load(now, left)
 
@@ -108,12 +109,7 @@ class Exchange:
 
     @cached_property
     def _all_sides(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
-        held, forced = self._held, sparse.diags_array(self._forced.astype(float))
-        reciprocal = held.grip.reciprocal
-        seen = sparse.csc_matrix(self._rows.T @ forced + held.across.T @ reciprocal @ self._multiplied.T)
-        done = sparse.csc_matrix(self._acting.T @ forced - held.columns @ reciprocal @ self._to_slack)
-        seen = sparse.csc_matrix(seen - held.following.T @ seen[held.pivot])
-        return seen, sparse.csc_matrix(done - held.balancing.T @ done[held.pivot])
+        return self._held.sides(self._rows, self._acting, self._forced, self._to_slack, self._multiplied)
 
     def _sides(self, places: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
         """What there is of y in w (n, d), and what inputs at these places put on the right-hand side of y (n, p)."""
@@ -122,10 +118,7 @@ class Exchange:
 
     def _found(self, places: np.ndarray) -> np.ndarray:
         """Columns of M (d, p): by way of y, and what holds where all else is at rest."""
-        held, forced = self._held, sparse.diags_array(self._forced.astype(float))
-        shared = forced @ held.shared(self._rows)  # a way that is free may push where another one is held
-        slack = self._to_slack[:, places]
-        direct = shared @ slack + self._multiplied @ (held.stiffness @ slack - shared.T[:, places])
-        columns = response(self._factor, *self._sides(places)) + direct.toarray()
+        direct = self._held.direct(self._rows, self._forced, self._to_slack, self._multiplied, places)
+        columns = response(self._factor, *self._sides(places)) + direct
         columns[places, np.arange(len(places))] += np.where(self._forced, self._compliance, 0.0)[places]
         return columns

@@ -11,9 +11,10 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+from scipy.sparse.linalg import SuperLU
 
 from contact.problem import ContactProblem
-from contact.solvers.sparse import added
+from contact.solvers.sparse import SingularMatrixError, added, superlu
 
 OWN = 0.1  # of the largest slope of a gap: an unknown of its own with less does not hold it
 FAINT = 1e-3  # of it: no pivot
@@ -85,12 +86,17 @@ class Pivots:
 class Grip:
     """The unknown k that holds each gap, pivot (a,), and the slope G_k (a,) of the gap in it.
 
-    inverse: B^-1 (a, a) of B, the gaps in the unknowns that hold all of them; None where B is diagonal.
+    block: factors of B (a, a), the gaps in the unknowns that hold all of them; None where B is diagonal.
     """
 
     pivot: np.ndarray
     slope: np.ndarray
-    inverse: sparse.csr_matrix | None = None
+    block: SuperLU | None = None
+
+    @cached_property
+    def inverse(self) -> sparse.csr_matrix | None:
+        """B^-1 (a, a), None where B is diagonal."""
+        return None if self.block is None else sparse.csr_matrix(self.block.solve(np.eye(len(self.pivot))))
 
     @property
     def reciprocal(self) -> sparse.csr_matrix | sparse.dia_array:
@@ -99,11 +105,11 @@ class Grip:
 
     def over(self, gaps: np.ndarray) -> np.ndarray:
         """B^-1 g (a,): changes of those unknowns."""
-        return np.asarray(gaps / self.slope if self.inverse is None else self.inverse @ gaps)
+        return np.asarray(gaps / self.slope if self.block is None else self.block.solve(gaps))
 
     def under(self, forces: np.ndarray) -> np.ndarray:
         """B^-T f (a,): forces along the gaps from those on the unknowns."""
-        return np.asarray(forces / self.slope if self.inverse is None else self.inverse.T @ forces)
+        return np.asarray(forces / self.slope if self.block is None else self.block.solve(forces, "T"))
 
 
 def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
@@ -143,13 +149,16 @@ def _matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
     columns, numbered = np.unique(firm.indices, return_inverse=True)
     costs = 1.0 + np.log(np.max(np.abs(firm.data))) - np.log(np.abs(firm.data))  # a zero would be no entry
     graph = sparse.csr_matrix((costs, numbered, firm.indptr), shape=(len(nodes), len(columns)))
+    dependent = ValueError(f"the gaps of {len(nodes)} contact candidates depend on one another")
     try:
         order, found = min_weight_full_bipartite_matching(graph)
+        if len(order) < len(nodes):
+            raise dependent
         pivot = columns[found[np.argsort(order)]]
-        inverse = np.linalg.inv(rows[:, pivot].toarray())
-    except (ValueError, np.linalg.LinAlgError):
-        raise ValueError(f"the gaps of {len(nodes)} contact candidates depend on one another") from None
-    return Grip(pivot, np.asarray(rows[np.arange(len(nodes)), pivot]).ravel(), sparse.csr_matrix(inverse))
+        block = superlu(sparse.csc_matrix(rows[:, pivot]))
+    except (ValueError, SingularMatrixError):
+        raise dependent from None
+    return Grip(pivot, np.asarray(rows[np.arange(len(nodes)), pivot]).ravel(), block)
 
 
 def largest(A: sparse.csc_matrix) -> np.ndarray:
@@ -183,12 +192,18 @@ class Held:
 
     @classmethod
     def on(
-        cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
+        cls,
+        problem: ContactProblem,
+        u: np.ndarray,
+        nodes: np.ndarray,
+        K: sparse.csc_matrix,
+        epsilon: float,
+        grip: Grip | None = None,
     ) -> Held:
-        """The set of these candidates; raises ValueError when :func:`holding` does."""
+        """The set of these candidates, of a known grip or not; raises ValueError when :func:`holding` does."""
         rows = problem.gap_jacobian(u)[nodes]
         acting = problem.push(u)[nodes] if problem.driven else rows
-        grip = holding(acting, nodes)
+        grip = grip or holding(acting, nodes)
         size = largest(sparse.csc_matrix(K[:, grip.pivot]))
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
         compliance = 1.0 / (epsilon * problem.weights[nodes])
@@ -265,9 +280,45 @@ class Held:
         scaled = inner.data / slope[inner.row] / slope[inner.col]
         return sparse.csc_matrix((scaled, (inner.row, inner.col)), shape=inner.shape)
 
-    def shared(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
-        """G P (b, a): gaps of other candidates under the slacks."""
-        return sparse.csr_matrix(rows[:, self.pivot] @ self.grip.reciprocal)
+    def sides(
+        self,
+        rows: sparse.csr_matrix,
+        acting: sparse.csr_matrix,
+        forced: np.ndarray,
+        to_slack: sparse.csr_matrix,
+        multiplied: sparse.csr_matrix,
+    ) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """What there is of y in outputs, and what inputs put on the right-hand side of y (n, d).
+
+        rows, acting, forced, to_slack, multiplied: see :class:`contact.newton.exchange.Exchange`.
+        """
+        free, reciprocal = sparse.diags_array(forced.astype(float)), self.grip.reciprocal
+        seen = sparse.csc_matrix(rows.T @ free + self.across.T @ reciprocal @ multiplied.T)
+        done = sparse.csc_matrix(acting.T @ free - self.columns @ reciprocal @ to_slack)
+        seen = sparse.csc_matrix(seen - self.following.T @ seen[self.pivot])
+        return seen, sparse.csc_matrix(done - self.balancing.T @ done[self.pivot])
+
+    def direct(
+        self,
+        rows: sparse.csr_matrix,
+        forced: np.ndarray,
+        to_slack: sparse.csr_matrix,
+        multiplied: sparse.csr_matrix,
+        places: np.ndarray,
+    ) -> np.ndarray:
+        """Outputs (d, p) of inputs at these places that do not go by way of y.
+
+        G P, gaps of other candidates under the slacks: a way that is free may push where another one is held.
+        """
+        shared = sparse.diags_array(forced.astype(float)) @ rows[:, self.pivot] @ self.grip.reciprocal
+        slack = to_slack[:, places]
+        found = shared @ slack + multiplied @ (self.stiffness @ slack - shared.T[:, places])
+        return np.asarray(found.toarray())
+
+    @property
+    def multipliers(self) -> int:
+        """No unknown is a force."""
+        return 0
 
 
 def holdable(problem: ContactProblem) -> bool:

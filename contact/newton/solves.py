@@ -16,6 +16,7 @@ from scipy.linalg import norm
 
 from contact.events import Event
 from contact.newton.held import Held, Pivots, holdable
+from contact.newton.saddle import Saddle, bound
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
 
@@ -77,12 +78,18 @@ class LinearSolves:
         with self.tally.timed("assembly_s"):
             return self.problem.linearise(u, memory)
 
-    def factorise(self, A: sparse.csc_matrix) -> Factor:
-        """Factorise, counted and timed; raises SingularMatrixError."""
+    def factorise(self, A: sparse.csc_matrix, of: Held | Saddle | Pivots | None = None) -> Factor:
+        """Factorise, counted and timed; ``of``: what the matrix is of.  Raises SingularMatrixError.
+
+        A saddle point has an order of its own, and as many patterns as sets: to analyse them for fronts takes longer
+        than SuperLU on all of it.
+        """
+        saddle = isinstance(of, Saddle)
         with self.tally.timed("factorisation_s"):
-            factor = factorise(A, self.solver, ordered=self.problem.ordered)
+            solver = "splu" if saddle and self.solver == AUTO else self.solver
+            factor = factorise(A, solver, ordered=self.problem.ordered or saddle)
         self.tally.counters["factorisations"] += 1
-        if instead(factor, self.solver, ordered=self.problem.ordered):
+        if not saddle and instead(factor, self.solver, ordered=self.problem.ordered):
             self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
         return factor
 
@@ -120,14 +127,14 @@ class Response:
         Raises SingularMatrixError, ValueError.
         """
         self._run, self.nodes = run, nodes
-        self._held: Held | Pivots
+        self._held: Held | Saddle | Pivots
         if holdable(run.problem):
-            self._held = Held.on(run.problem, u, nodes, K, run.epsilon)
+            self._held = bound(run.problem, u, nodes, K, run.epsilon)
             self._matrix = self._held.matrix
         else:
             self._held = Pivots.choose(run.problem, u, nodes, K, run.epsilon).opened(np.zeros(len(nodes)))
             self._matrix, _ = self._held.substitute(K, np.zeros(K.shape[0]))
-        self._factor = run.factorise(self._matrix)
+        self._factor = run.factorise(self._matrix, self._held)
 
     def compliance(self, nodes: np.ndarray) -> np.ndarray:
         """1/(epsilon w) (k,) [mm/N] of candidates."""
@@ -136,7 +143,7 @@ class Response:
     def __call__(self, force: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and dp (m,); raises SingularMatrixError."""
         problem, held, pressures = self._run.problem, self._held, np.zeros(len(self._run.problem.weights))
-        if isinstance(held, Held):
+        if not isinstance(held, Pivots):
             y = self._run.solution(self._factor, self._matrix, held.load(force, -gap))
             du = held.motion(y, -gap)
             pressures[self.nodes] = held.forces(y, du, -force) / problem.weights[self.nodes]

@@ -17,7 +17,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU, spilu, splu
 
 from contact.operations import FACTORISATIONS, SOLUTIONS, spend
 from contact.solvers.analysis import analysed
@@ -60,6 +60,19 @@ def superlu(A: sparse.csc_matrix, **options: Any) -> SuperLU:
         raise SingularMatrixError(str(error)) from error
     spend(FACTORISATIONS, factor_flops(factor))
     return factor
+
+
+def least_degrees(A: sparse.csc_matrix) -> np.ndarray:
+    """The unknowns (n,) of a symmetric pattern in SuperLU's order of minimum degree; values play no part.
+
+    Source: Liu, ACM Trans. Math. Softw. 11 (1985) 141-153.
+    """
+    n = A.shape[0]
+    like = sparse.csc_matrix((np.full(A.nnz, -1.0 / n), A.indices, A.indptr), shape=A.shape)
+    dominant = sparse.csc_matrix(like + sparse.diags_array(np.full(n, 2.0)))
+    # an incomplete factorisation that keeps nothing: the order costs a tenth of the factors
+    factor = spilu(dominant, drop_tol=1.0, fill_factor=1, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    return np.argsort(factor.perm_c)
 
 
 class _Pardiso:

@@ -106,7 +106,7 @@ def test_pieces_of_flat_faces_have_all_of_their_area_and_the_loads_of_both() -> 
 
 
 def test_what_lies_beyond_the_rim_of_the_master_is_no_part_of_an_area() -> None:
-    """A slave that overhangs by a tenth on all sides: its weights are what is before the master, its forces are, too."""
+    """A slave that overhangs by a tenth on all sides: its weights are what is before the master."""
     one = pair("mortar", bent=0.0, noise=0.0, side=0.9)
     np.testing.assert_allclose(one.sampling.average.sum(axis=1), 1.0, atol=ROUNDING)
     assert one.weights.sum() == pytest.approx(1.8**2, rel=ROUNDING)

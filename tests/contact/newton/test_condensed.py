@@ -111,6 +111,7 @@ def test_where_columns_or_their_system_cost_more_the_set_is_factorised_anew(
 ) -> None:
     data, u, _ = example("definite", True, 0)
     monkeypatch.setattr("contact.newton.exchange.response_flops", lambda factor, left, right: column * right.shape[1])
+    monkeypatch.setattr("contact.newton.condensed.SETUP", 0.0)
     enough = 2 * column + dense_solution(2)
     monkeypatch.setattr("contact.newton.condensed.factor_flops", lambda factor: enough)
     linear = linearised(data.problem(), u, np.zeros(6, bool), math.inf, AUTO)

@@ -1,0 +1,129 @@
+"""A contact set put into the tangent as a saddle point, in an order of elimination that meets no zero on its diagonal.
+
+Gaps that share the unknowns that hold them, as averaged ones do, have a condensed matrix that is dense all over the
+faces (:class:`contact.newton.held.Held`): with as many unknowns as forces more, ::
+
+    K du - G_A^T f = -r,      G_A du + E f = s - g,
+
+stays sparse. Each force is eliminated after all unknowns that its gap depends on, so that its pivot is the compliance
+-E - G K^-1 G^T of what has been eliminated: never zero where K has none. K may be singular without the forces of
+bodies that nothing else supports. The order is one of minimum degree of K with the products of the rows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from contact.newton.held import Held, holding
+from contact.problem import ContactProblem
+from contact.solvers.sparse import least_degrees
+
+
+@dataclass(frozen=True, eq=False)
+class Saddle:
+    """The step of :class:`contact.newton.held.Held` with y = (du, f/c) (n + a,) in the order of their elimination.
+
+    c [N/mm]: gives rows and columns of forces the size of those of K.
+    """
+
+    K: sparse.csc_matrix
+    rows: sparse.csr_matrix  # G_A (a, n)
+    acting: sparse.csr_matrix  # the same for forces
+    compliance: np.ndarray  # diagonal of E [mm/N]
+    size: float  # c
+
+    @classmethod
+    def on(
+        cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
+    ) -> Saddle:
+        """The set of these candidates."""
+        rows = sparse.csr_matrix(problem.gap_jacobian(u)[nodes])
+        acting = sparse.csr_matrix(problem.push(u)[nodes]) if problem.driven else rows
+        size = float(np.max(np.abs(K.data), initial=0.0) / np.max(np.abs(rows.data)))
+        return cls(K, rows, acting, 1.0 / (epsilon * problem.weights[nodes]), size or 1.0)
+
+    @property
+    def multipliers(self) -> int:
+        """How many unknowns are forces."""
+        return self.rows.shape[0]
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """The unknowns and the forces (n + a,), from n on, as they are eliminated."""
+        n = self.K.shape[0]
+        together = abs(self.rows) + abs(self.acting)
+        rank = np.empty(n)
+        rank[least_degrees(sparse.csc_matrix(abs(self.K) + together.T @ together))] = np.arange(n)
+        last = np.maximum.reduceat(rank[together.indices], together.indptr[:-1])
+        return np.argsort(np.append(rank, last + 0.5), kind="stable")
+
+    @cached_property
+    def matrix(self) -> sparse.csc_matrix:
+        """The matrix of y (n + a, n + a)."""
+        c = self.size
+        soft = sparse.diags_array(-(c**2) * self.compliance)
+        whole = sparse.block_array([[self.K, -c * self.acting.T], [-c * self.rows, soft]], format="csc")
+        return sparse.csc_matrix(whole[self.order][:, self.order])
+
+    def _ordered(self, unknowns: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        return np.concatenate([unknowns, forces])[self.order]
+
+    def _parts(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        whole = np.empty_like(y)
+        whole[self.order] = y
+        n = self.K.shape[0]
+        return whole[:n], whole[n:]
+
+    def load(self, force: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """The right-hand side (n + a,) of forces (n,) and slacks s - g (a,)."""
+        return self._ordered(force, -self.size * slack)
+
+    def motion(self, y: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """du (n,)."""
+        return self._parts(y)[0]
+
+    def forces(self, y: np.ndarray, du: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """f (a,) [N]."""
+        return self.size * self._parts(y)[1]
+
+    def sides(
+        self,
+        rows: sparse.csr_matrix,
+        acting: sparse.csr_matrix,
+        forced: np.ndarray,
+        to_slack: sparse.csr_matrix,
+        multiplied: sparse.csr_matrix,
+    ) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """As :meth:`contact.newton.held.Held.sides` says."""
+        free = sparse.diags_array(forced.astype(float))
+        seen = sparse.vstack([rows.T @ free, self.size * multiplied.T], format="csr")
+        done = sparse.vstack([acting.T @ free, -self.size * to_slack], format="csr")
+        return sparse.csc_matrix(seen[self.order]), sparse.csc_matrix(done[self.order])
+
+    def direct(
+        self,
+        rows: sparse.csr_matrix,
+        forced: np.ndarray,
+        to_slack: sparse.csr_matrix,
+        multiplied: sparse.csr_matrix,
+        places: np.ndarray,
+    ) -> np.ndarray:
+        """Nothing goes past y: zeros (d, p)."""
+        return np.zeros((rows.shape[0], len(places)))
+
+
+def bound(
+    problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
+) -> Held | Saddle:
+    """The set of these candidates: condensed where each gap has an unknown of its own, with forces where not.
+
+    Raises ValueError when :func:`contact.newton.held.holding` does.
+    """
+    grip = holding(problem.push(u)[nodes], nodes)
+    if grip.block is None:
+        return Held.on(problem, u, nodes, K, epsilon, grip)
+    return Saddle.on(problem, u, nodes, K, epsilon)
