@@ -3,9 +3,9 @@
 nodes: S = 1, C = 1: each node against the patch that it meets.
 mortar: g_i = sum_s w_s Phi_i(xi_s) gamma_s/W_i with the reference areas w_s of points in the patches of the slave, and
 W_i = int Phi_i dA over them. The points lie in the pieces into which the patches of the master cut those of the slave
-at rest, where the shape functions of both are smooth: between flat parallelograms that lie on each other as at rest every
-integral is exact. They stay where they are in the slave, so that gaps have exact derivatives; where the master slides,
-its edges pass between them. A patch that does not look at the master all over has points of its own, OWN^2 of Gauss.
+at rest, where the shape functions of both are smooth: between flat parallelograms that lie on each other as at rest
+every integral is exact. They stay where they are in the slave, so that gaps have exact derivatives; where the master
+slides, its edges pass between them. A patch that does not look at the master all over has OWN^2 points of Gauss.
 Phi are the shape functions of the slave, so that a uniform pressure is one of theirs, and forces are p_i W_i on both
 sides.
 Sources: Puso, Laursen, CMAME 193 (2004) 601-629; Farah, Popp, Wall, Comput. Mech. 55 (2015) 209-228.

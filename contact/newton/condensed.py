@@ -18,7 +18,6 @@ from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit
 from contact.solvers.sparse import SingularMatrixError, factor_flops, negative_pivots
 
-
 SETUP = 200.0  # operations that an entry of the matrix takes as long as, before it is factorised
 
 

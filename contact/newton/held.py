@@ -109,7 +109,9 @@ class Grip:
 
     def under(self, forces: np.ndarray) -> np.ndarray:
         """B^-T f (a,): forces along the gaps from those on the unknowns."""
-        return np.asarray(forces / self.slope if self.block is None else self.block.solve(forces, "T"))
+        if self.block is None:
+            return np.asarray(forces / self.slope)
+        return np.asarray(self.block.solve(forces, "T"))  # type: ignore[call-overload]  # its stubs know no vectors
 
 
 def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:

@@ -65,9 +65,11 @@ class Saddle:
     def matrix(self) -> sparse.csc_matrix:
         """The matrix of y (n + a, n + a)."""
         c = self.size
-        soft = sparse.diags_array(-(c**2) * self.compliance)
-        whole = sparse.block_array([[self.K, -c * self.acting.T], [-c * self.rows, soft]], format="csc")
-        return sparse.csc_matrix(whole[self.order][:, self.order])
+        soft = sparse.diags_array(-(c**2) * self.compliance, format="csc")
+        left = sparse.vstack([self.K, -c * self.rows], format="csc")
+        right = sparse.vstack([-c * self.acting.T, soft], format="csc")
+        whole = sparse.csc_matrix(sparse.hstack([left, right], format="csc"))
+        return sparse.csc_matrix(whole[:, self.order][self.order])
 
     def _ordered(self, unknowns: np.ndarray, forces: np.ndarray) -> np.ndarray:
         return np.concatenate([unknowns, forces])[self.order]
