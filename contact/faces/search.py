@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from contact.faces.patches import closest, frames, normals, shape
+from contact.faces.patches import ROUNDING, closest, frames, normals, shape
 
 OVER = 1e-9  # of the size of a patch: a point that lies no farther beyond an edge lies over it
 AT = 1e-7  # of the size of a patch: nearer to an edge or a corner than this, its own direction is rounding
@@ -70,7 +70,8 @@ def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.n
     point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
     quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
     at = np.einsum("pc,pci->pi", x[point] - middles[quad], axes[quad])
-    box = np.linalg.norm(np.maximum(np.maximum(low[quad] - at, at - high[quad]), 0.0), axis=1)
+    rounding = ROUNDING * max(np.max(np.abs(each), initial=0.0) for each in (x, positions))  # of coordinates, turned
+    box = np.linalg.norm(np.maximum(np.maximum(low[quad] - at, at - high[quad]) - rounding, 0.0), axis=1)
     kept = box <= to_corner[point] * (1 + OVER)
     return point[kept], quad[kept], box[kept]
 

@@ -76,6 +76,15 @@ def test_both_searches_find_the_same_distances() -> None:
     np.testing.assert_allclose(found.gap, anew, rtol=0, atol=10 * ROUNDING)
 
 
+def test_a_point_at_a_corner_of_patches_that_are_turned_is_found() -> None:
+    """No box is left out by the rounding of its turn."""
+    x, quads = sheet(6, 5, 1.0, 0.0, 0.3, up=True)
+    x += 100.0
+    found = nearest(x, x, quads)
+    np.testing.assert_allclose(found.gap, 0.0, atol=1e4 * ROUNDING)
+    assert np.all([corner in quads[quad] for corner, quad in enumerate(found.quad)])
+
+
 def test_a_search_that_is_wrong_is_seen_by_the_judge() -> None:
     """One that looks at half of the master leaves gaps open that are not."""
     one = pair("nodes", bent=0.0, noise=0.0)
