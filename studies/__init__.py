@@ -38,10 +38,12 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name in QUESTIONS:
-        from studies import questions as room
-    else:
-        from studies import notebook as room
-    return getattr(room, name)
+        from studies import questions
+
+        return getattr(questions, name)
+    from studies import notebook
+
+    return getattr(notebook, name)
 
 
 def __dir__() -> list[str]:

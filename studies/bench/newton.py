@@ -21,6 +21,8 @@ import pandas as pd
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
+from contact.newton.held import Held, Pivots
+from contact.newton.saddle import Saddle
 from contact.newton.solves import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
@@ -144,10 +146,10 @@ class _Kept(NewtonRun):
     factors: list[Factor] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)
 
-    def factorise(self, A: sparse.csc_matrix) -> Factor:
+    def factorise(self, A: sparse.csc_matrix, of: Held | Saddle | Pivots | None = None) -> Factor:
         """Factorise and keep."""
         self.matrices.append(A)
-        self.factors.append(super().factorise(A))
+        self.factors.append(super().factorise(A, of))
         return self.factors[-1]
 
     def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:

@@ -3,9 +3,9 @@
 Equal ones are mirror images, and each meets a rigid plane half-way, `against=plane`. The stiffer the other one, the
 more the first meets a rigid ball, `against=ball`. The walls by default are 0.18 and 0.15 of the radius, as in a
 benchmark of mortar methods (Puso, Laursen) whose radius, modulus and law are not known to us: its curves are none of
-ours. From a travel of about 1 mm on, the inner face has short waves at the pole that cost no energy, as the law of St.
-Venant and Kirchhoff has in compression, and the answer is unstable. A hole about the axis, HOLE from the pole to its
-rim, keeps elements from meeting in a point.
+ours. From a travel of about 1 mm on a mode of short waves of the inner face at the pole has a negative eigenvalue, and
+the answer is unstable, also on the rigid plane. A hole about the axis, HOLE from the pole to its rim, keeps elements
+from meeting in a point.
 """
 
 from __future__ import annotations

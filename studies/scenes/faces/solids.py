@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.faces.sampling import Mortar
+from contact.faces.sampling import areas
 from contact.problem import Linearised
 from formulations.solid.ties import TiedSolid
 from studies.ask.request import Request
@@ -93,7 +93,7 @@ class PlacedSolid:
     def areas(self, face: int) -> np.ndarray:
         """Shares (k,) [mm^2] of the points in the face."""
         x, patches = self.solid.solid.discretisation.mesh.x, self.solid.patches
-        return Mortar(x, patches, patches, self.corners).weights
+        return areas(x, patches)[self.corners]
 
     def points_of(self, face: int) -> np.ndarray:
         """Where the points of the face (k,) are among those of :meth:`layer`."""

@@ -15,7 +15,7 @@ from contact.continuation.load_stepping import PathPoint, follow
 from contact.events import EventKind, events
 from contact.faces.pair import Pair, between
 from contact.faces.passages import DEEP, Ways
-from contact.faces.sampling import Mortar, Nodes
+from contact.faces.sampling import areas, at_nodes, mortar
 from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 from contact.swept import crossings, crossings_along
 
@@ -120,10 +120,9 @@ def thrown(pairing: str) -> Callable[[float], ContactProblem]:
         own, other = ring(AROUND, -TRAVEL / 2 + t * TRAVEL), ring(AROUND - 3, 0.0)
         x = np.vstack([own[0], other[0]])
         nodes, master = np.arange(len(own[0])), other[1] + len(own[0])
-        mortar = Mortar(x, own[1], master, nodes)
         everything = sparse.csr_matrix(sparse.eye_array(x.size, format="csr"))
-        sampling = Nodes(nodes) if pairing == "nodes" else mortar
-        pair = Pair(x, everything, master, mortar.weights, sampling, own[1])
+        points = at_nodes(nodes, len(x), areas(x, own[1])[nodes])
+        pair = Pair(x, everything, master, points if pairing == "nodes" else mortar(x, own[1], master, nodes), own[1])
         return between(linear_mechanics(sparse.csc_matrix(everything), np.zeros(x.size), scale=1.0), pair)
 
     return problem_at

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +11,7 @@ from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.faces.pair import Pair, between
-from contact.faces.sampling import Mortar, Nodes, Sampling
+from contact.faces.sampling import areas, at_nodes, mortar
 from contact.faces.several import Several
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import minimise
@@ -35,19 +34,10 @@ def stack(pairing: str, noise: float = 0.0, apart: float = 0.05) -> Several:
     def pair(upper: int) -> Pair:
         nodes = np.arange(starts[upper], starts[upper + 1])
         slave, master = sheets[upper][1][:, ::-1] + starts[upper], sheets[upper - 1][1] + starts[upper - 1]
-        mortar = Mortar(x, slave, master, nodes)
-        return Pair(x, everything, master, mortar.weights, Nodes(nodes) if pairing == "nodes" else mortar, slave)
+        points = at_nodes(nodes, len(x), areas(x, slave)[nodes])
+        return Pair(x, everything, master, points if pairing == "nodes" else mortar(x, slave, master, nodes), slave)
 
     return Several((pair(1), pair(2)))
-
-
-def frozen(several: Several, u: np.ndarray) -> Several:
-    """With the points of the slaves that there are at u."""
-    return Several(tuple(replace(each, sampling=_always(each.sampling(each.positions(u)))) for each in several.pairs))
-
-
-def _always(there: Sampling) -> Callable[[np.ndarray], Sampling]:
-    return lambda x: there
 
 
 @pytest.mark.parametrize("pairing", ["nodes", pytest.param("mortar", marks=pytest.mark.slow)])
@@ -55,7 +45,7 @@ def test_rows_and_curvature_are_derivatives(pairing: str, rng: np.random.Generat
     whole = stack(pairing, 0.02, 0.2)
     n = whole.operator.shape[1]
     u = 0.005 * rng.normal(size=n)
-    problem = between(linear_mechanics(sparse.csc_matrix(sparse.eye_array(n)), np.zeros(n)), frozen(whole, u))
+    problem = between(linear_mechanics(sparse.csc_matrix(sparse.eye_array(n)), np.zeros(n)), whole)
     force = rng.uniform(0.5, 1.0, len(problem.weights))
     ways = rng.normal(size=(6, n))
     ends = [(u + STEP * way, u - STEP * way) for way in ways]
