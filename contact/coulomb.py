@@ -79,7 +79,10 @@ class Surface(Standing):
 
 
 class Sliding(Protocol):
-    """The slip on a rigid foundation since anchors (m, 3) on it; :class:`contact.slip.Slip`."""
+    """The slip since anchors (m, 3), which tell points of a foundation by their places, of a face by patch and xi.
+
+    :class:`contact.slip.Slip`, :class:`contact.faces.rubbing.Rubbing`.
+    """
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm]."""
@@ -89,13 +92,25 @@ class Sliding(Protocol):
 
     @property
     def anchors(self) -> np.ndarray:
-        """(m, 3) [mm]."""
+        """(m, 3)."""
 
     def since(self, anchors: np.ndarray) -> Self:
         """The slip from other anchors (m, 3)."""
 
     def places(self, u: np.ndarray) -> np.ndarray:
-        """Where the candidates (m, 3) are on the foundation [mm]."""
+        """Where the candidates (m, 3) are, as anchors tell it."""
+
+    def curvature(self, u: np.ndarray, friction: np.ndarray) -> sparse.csc_matrix | None:
+        """sum t . d2s/du2 (n, n) of t (m, 2); None where the slip is linear in u."""
+
+    def measured(self, u: np.ndarray) -> np.ndarray:
+        """s (m, 2) [mm] as the judge has it."""
+
+    def in_space(self, u: np.ndarray, friction: np.ndarray) -> np.ndarray:
+        """Friction (m, 3) [N] on the candidates of t (m, 2)."""
+
+    def forces(self, u: np.ndarray, friction: np.ndarray) -> np.ndarray:
+        """The same (k, 3) on all points whose ways the slip depends on."""
 
     def left(self, u: np.ndarray, stretched: np.ndarray) -> np.ndarray:
         """The anchors (m, 3) of the next step, where springs are ``stretched`` (m, 2) [mm]."""
@@ -107,7 +122,7 @@ class Coulomb:
 
     slip(u) -> (m, 2) [mm];  slip_jacobian(u) -> (2m, n) CSR, rows 2i and 2i + 1 of candidate i.
     slip_size: size [mm] of what a slip is a difference of; it has the rounding of it.
-    sliding: the slip as that on a rigid foundation, where anchors are kept from step to step; None where it is given.
+    sliding: the slip where anchors are kept from step to step; None where it is given.
     """
 
     mu: np.ndarray
@@ -124,8 +139,13 @@ class Coulomb:
         """mu f (m,) [N]: the radii of the discs."""
         return radii(self.mu, normal)
 
+    def on_tangent(self, K: sparse.csc_matrix, u: np.ndarray, friction: np.ndarray) -> sparse.csc_matrix:
+        """K (n, n) less sum t . d2s/du2 of friction (m, 2)."""
+        bent = None if self.sliding is None else self.sliding.curvature(u, friction)
+        return K if bent is None else sparse.csc_matrix(K - bent)
+
     def since(self, anchors: np.ndarray) -> Coulomb:
-        """The law with slips from other anchors (m, 3) on its foundation."""
+        """The law with slips from other anchors (m, 3)."""
         assert self.sliding is not None
         slip = self.sliding.since(anchors)
         return replace(self, slip=slip, slip_jacobian=slip.jacobian, sliding=slip)
@@ -145,8 +165,8 @@ class Friction:
     """Friction of an accepted state, and what its path remembers.
 
     force (m, 2) [N]: along the tangents at ``since``.  state (m,) of :class:`State`.
-    since, anchors (m, 3) [mm]: places on the foundation from which the slip of this step has been counted, and from
-    which that of the next one is; none where the law has no foundation.
+    since, anchors (m, 3): as :class:`Sliding` has them, from which the slip of this step has been counted, and from
+    which that of the next one is; none where slips are given.
     dissipation [N mm]: of the whole path up to here.
     """
 

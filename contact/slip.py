@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Coulomb, Motion
+from contact.coulomb import Coulomb, Motion, Sliding
 from contact.problem import ContactProblem, ContactSolution
 
 SPACE = 3
@@ -104,6 +104,21 @@ class Slip:
         """s (m, 2) [mm]."""
         return np.einsum("mki,mi->mk", self.directions, self.places(u) - self.anchors)
 
+    def measured(self, u: np.ndarray) -> np.ndarray:
+        """The same: a product."""
+        return self(u)
+
+    def curvature(self, u: np.ndarray, friction: np.ndarray) -> None:
+        """None: the slip is linear in u."""
+
+    def in_space(self, u: np.ndarray, friction: np.ndarray) -> np.ndarray:
+        """Friction (m, 3) [N] of the foundation on the candidates."""
+        return np.asarray(np.einsum("mk,mki->mi", friction, self.directions @ self.motion.rotation.T))
+
+    def forces(self, u: np.ndarray, friction: np.ndarray) -> np.ndarray:
+        """The same: of candidates alone."""
+        return self.in_space(u, friction)
+
     def jacobian(self, u: np.ndarray) -> sparse.csr_matrix:
         """ds/du (2m, n)."""
         m = len(self.anchors)
@@ -137,14 +152,14 @@ def with_friction(problem: ContactProblem, mu: float, motion: Motion) -> Contact
     return replace(problem, coulomb=law, only=None if only is None else chosen, travel=None)
 
 
-def sliding_of(problem: ContactProblem) -> Slip:
-    """The slip on the foundation of a problem; raises ValueError where it has no friction."""
-    if problem.coulomb is None or not isinstance(problem.coulomb.sliding, Slip):
+def sliding_of(problem: ContactProblem) -> Sliding:
+    """The slip of a problem; raises ValueError where it has no friction."""
+    if problem.coulomb is None or problem.coulomb.sliding is None:
         raise ValueError("the contact problem has no friction")
     return problem.coulomb.sliding
 
 
-def slip_of(problem: ContactProblem, anchors: np.ndarray) -> Slip:
+def slip_of(problem: ContactProblem, anchors: np.ndarray) -> Sliding:
     """The slip of the candidates since their anchors (m, 3); raises ValueError where the problem has no friction."""
     return sliding_of(problem).since(anchors)
 

@@ -17,7 +17,7 @@ from contact.balances import BALANCE, energy_balance, force_balance, last_digits
 from contact.problem import ContactProblem, Linearised
 from contact.scales import Stiffness, length
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
-from contact.verify_friction import LawResiduals, residuals_of_law, under
+from contact.verify_friction import LawResiduals, Rubbed, residuals_of_law, under
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
 EQUILIBRIUM = 1e-8
@@ -239,7 +239,10 @@ def _with_friction(
         raise ValueError(f"forces of shapes {shapes} for {m} contact candidates")
     w, normal = problem.weights, problem.nodal_forces(pressure)
     give = np.divide(1 / epsilon, w, out=np.zeros_like(w), where=w > 0)
-    sprung = replace(problem, gap=lambda u: problem.gap(u) + give * normal)
+    faces, sliding = problem.faces, law.sliding
+    if faces is not None and sliding is not None:
+        faces, law = Rubbed(faces, sliding, friction, give * normal), replace(law, slip=sliding.measured)
+    sprung = replace(problem, gap=lambda u: problem.gap(u) + give * normal, faces=faces)
     found = judge(under(sprung, law, friction), u, normal, since=since)
     found = replace(found, length=max(found.length, float(np.max(give * np.abs(normal), initial=0.0))))
     opened = (normal <= 0) | (sprung.gap(u) > found.gap_bound())

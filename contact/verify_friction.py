@@ -23,8 +23,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.coulomb import Coulomb
-from contact.problem import ContactProblem, Linearisation
+from contact.coulomb import Coulomb, Sliding
+from contact.problem import ContactProblem, Faces, Linearisation
 
 CONE = 1e-9  # of the largest force: friction beyond its bound, or short of it, that is none
 CHORD = 1e-6  # by which friction may miss the direction against the slip [-]
@@ -83,6 +83,33 @@ def residuals_of_law(
     return LawResiduals(found, length, force, shortest)
 
 
+@dataclass(frozen=True, eq=False)
+class Rubbed:
+    """Two faces under friction (m, 2) [N], between which springs have given way (m,) [mm]."""
+
+    faces: Faces
+    sliding: Sliding
+    friction: np.ndarray
+    given: np.ndarray
+
+    def positions(self, u: np.ndarray) -> np.ndarray:
+        """All points (k, 3) of both."""
+        return self.faces.positions(u)
+
+    def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+        """Forces (k, 3) on all of them with those of friction."""
+        return self.faces.forces(u, nodal) + self.sliding.forces(u, self.friction)
+
+    def measured(self, u: np.ndarray) -> np.ndarray:
+        """Gaps (m,) without what springs give way, from distances that are measured anew."""
+        return self.faces.measured(u) + self.given
+
+    @property
+    def parts(self) -> tuple[tuple[Faces, slice], ...]:
+        """The one pair that rubs."""
+        return ((self, slice(None)),)
+
+
 def under(contact: ContactProblem, law: Coulomb, friction: np.ndarray) -> ContactProblem:
     """The contact problem with ``friction`` (m, 2) [N] as a given load, its areas one: pressures are normal forces.
 
@@ -93,7 +120,7 @@ def under(contact: ContactProblem, law: Coulomb, friction: np.ndarray) -> Contac
     def linearise(u: np.ndarray, memory: object) -> Linearisation:
         lin, pulled = contact.linearise(u, memory), law.slip_jacobian(u).T @ t
         scale = max(lin.scale, float(np.linalg.norm(pulled)))
-        return Linearisation(lin.residual - pulled, lin.tangent, scale, lin.remember)
+        return Linearisation(lin.residual - pulled, law.on_tangent(lin.tangent, u, friction), scale, lin.remember)
 
     def residual(u: np.ndarray) -> np.ndarray:
         alone = contact.linearise(u, None).residual if contact.residual is None else contact.residual(u)

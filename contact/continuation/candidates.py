@@ -93,10 +93,10 @@ def solve_within_reach(
     depth = max(-float(np.min(gap, initial=0.0)), _slid(problem, start))
     reached = (gap <= REACH * depth) | start.active
     if nearer is not None:
-        start, problem = nearer.instead_of(_laid(problem, start), problem.weights), nearer.remembered(problem)
+        start, problem = nearer.instead_of(laid(problem, start), problem.weights), nearer.remembered(problem)
     if problem.only is None or depth <= 0:
         return answered(algorithm, problem, start)
-    start = _laid(problem, start)
+    start = laid(problem, start)
     chosen = reached | start.active
     before: ContactSolution | None = None
     while True:
@@ -116,8 +116,8 @@ def solve_within_reach(
         chosen |= missed
 
 
-def _laid(problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-    """The start with its places on the foundation, from which all slip is counted, whoever is taken in later.
+def laid(problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """The start with its places as anchors, from which all slip is counted, whoever is taken in later.
 
     Who is in contact and has never rubbed sticks.
     """
@@ -129,7 +129,7 @@ def _laid(problem: ContactProblem, start: ContactSolution) -> ContactSolution:
 
 def _slid(problem: ContactProblem, start: ContactSolution) -> float:
     """How far [mm] the foundation has slid under a body with friction that stays where it is."""
-    if problem.coulomb is None or problem.coulomb.sliding is None or start.friction is None:
+    if problem.only is None or problem.coulomb is None or problem.coulomb.sliding is None or start.friction is None:
         return 0.0
     way = problem.coulomb.sliding.places(start.u) - start.friction.anchors
     return float(np.max(np.linalg.norm(way, axis=1), initial=0.0))

@@ -1,4 +1,4 @@
-"""Distances to a face measured anew, for the judge: no search and no projection of those that pose the problem.
+"""Distances to a face and slips along it measured anew, for the judge: nothing of what poses the problem is used.
 
 A bilinear patch is a family of straight segments. The closest point of one is a quotient; over the family the distance
 is narrowed by golden sections, from the best of SAMPLES. The patches looked at are those whose boxes come as near as
@@ -74,3 +74,19 @@ def _normal(corners: np.ndarray) -> np.ndarray:
     """Unit normals (p, 3) of patches by their diagonals."""
     found = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+
+def slips(x: np.ndarray, positions: np.ndarray, quads: np.ndarray, anchors: np.ndarray) -> np.ndarray:
+    """Slips (m, 2) of points x (m, 3) from material points (patch, xi_1, xi_2) (m, 3) of a face, along a_1 and across.
+
+    Material points by interpolation along two edges and between them, unit tangents by an orthogonal triangularisation.
+    """
+    corners = positions[quads[anchors[:, 0].astype(np.intp)]]
+    first, second = (anchors[:, 1:] + 1).T[:, :, None] / 2
+    low, high, left, right = (
+        corners[:, i] + share * (corners[:, j] - corners[:, i])
+        for i, j, share in ((0, 1, first), (3, 2, first), (0, 3, second), (1, 2, second))
+    )
+    Q, R = np.linalg.qr(np.stack([right - left, high - low], axis=2))
+    off = x - low - second * (high - low)
+    return np.asarray(np.einsum("pca,pc,pa->pa", Q, off, np.sign(np.einsum("paa->pa", R))))

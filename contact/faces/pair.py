@@ -78,6 +78,11 @@ class Pair:
         return np.asarray(self.sampling.average @ distances(self.sampling.points @ x, x, self.master))
 
     @property
+    def nodes(self) -> np.ndarray:
+        """The points (m,) that are the candidates."""
+        return self.sampling.nodes
+
+    @property
     def parts(self) -> tuple[tuple[Pair, slice], ...]:
         """The pair and its candidates, which are all."""
         return ((self, slice(None)),)

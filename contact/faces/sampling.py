@@ -42,18 +42,19 @@ INSIDE, INSIDE_WEIGHTS = np.stack(np.meshgrid(_X, _X), axis=-1).reshape(-1, 2), 
 class Sampling:
     """points S (p, k): those of the slave from the points of the faces.  average C (m, p): gaps from theirs.
 
-    weights W (m,) [mm^2]: reference areas of the candidates.
+    weights W (m,) [mm^2]: reference areas of the candidates.  nodes (m,): which of the points of the faces they are.
     """
 
     points: sparse.csr_matrix
     average: sparse.csr_matrix
     weights: np.ndarray
+    nodes: np.ndarray
 
 
 def at_nodes(nodes: np.ndarray, k: int, weights: np.ndarray) -> Sampling:
     """The points ``nodes`` (m,) of k, with areas (m,)."""
     m = len(nodes)
-    return Sampling(_chosen(nodes, k), _chosen(np.arange(m), m), weights)
+    return Sampling(_chosen(nodes, k), _chosen(np.arange(m), m), weights, nodes)
 
 
 def mortar(x: np.ndarray, slave: np.ndarray, master: np.ndarray, nodes: np.ndarray) -> Sampling:
@@ -75,7 +76,7 @@ def mortar(x: np.ndarray, slave: np.ndarray, master: np.ndarray, nodes: np.ndarr
     weights[alone] = whole[alone]
     average = [sparse.diags_array(1 / weights) @ of_node, _chosen(alone, len(nodes)).T]
     points = sparse.vstack([points, _chosen(nodes[alone], len(x))], format="csr")
-    return Sampling(sparse.csr_matrix(points), sparse.csr_matrix(sparse.hstack(average, format="csr")), weights)
+    return Sampling(sparse.csr_matrix(points), sparse.csr_matrix(sparse.hstack(average, format="csr")), weights, nodes)
 
 
 def _points(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -47,7 +47,10 @@ def nearest(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> Nearest:
     xi[first], distance[first] = _closest(x, positions[quads[quad[first]]])
     others = np.flatnonzero(~first & (box <= distance[first][point] * (1 + OVER)))
     xi[others], distance[others] = _closest(x[point[others]], positions[quads[quad[others]]])
-    order = np.lexsort((quad, distance, point))
+    least = np.full(len(x), np.inf)
+    np.minimum.at(least, point, distance)
+    farther = distance > least[point] + ROUNDING * np.max(np.ptp(positions[quads], axis=1))
+    order = np.lexsort((quad, farther, point))  # on an edge rounding must not say which of its patches it is
     best = order[np.diff(point[order], prepend=-1) > 0]
     return _measured(x, positions, quads, quad[best], xi[best])
 

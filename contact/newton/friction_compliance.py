@@ -124,7 +124,7 @@ class _Body:
     def __init__(self, run: FrictionalRun, at: Point, near: np.ndarray) -> None:
         """Raises StepError where springs on the candidates ``near``, or on all, do not hold it either."""
         contact, u = run.newton.problem, at.newton.u
-        K = contact.stiffness(at.lin, u, at.newton.pressure)
+        K = run.law.on_tangent(contact.stiffness(at.lin, u, at.newton.pressure), u, at.friction)
         J = Directions.of(contact.gap_jacobian(u), run.law.slip_jacobian(u))
         self._run, self._residual, self._J, m = run, at.lin.residual, J.rows, len(near)
         self.now, self.own = np.column_stack([contact.gap(u), run.law.slip(u)]).ravel(), J.own

@@ -194,7 +194,7 @@ class FrictionalRun:
     def linear(self, at: Point, laws: Laws) -> LinearStep:
         """The linearised problem, factorised under the laws; raises SingularMatrixError, NotHeldError."""
         u, contact, law = at.newton.u, self.newton.problem, self.law
-        K = contact.stiffness(at.lin, u, at.newton.pressure)
+        K = law.on_tangent(contact.stiffness(at.lin, u, at.newton.pressure), u, at.friction)
         ways = Directions.of(contact.gap_jacobian(u), law.slip_jacobian(u))
         now = np.column_stack([contact.gap(u), law.slip(u)]).ravel()
         linear = Linear(K, at.lin.residual, ways, now, law.mu)

@@ -20,7 +20,7 @@ the diagonal; it is symmetric unless a candidate slips.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +28,7 @@ from scipy import sparse
 from scipy.linalg import qr
 
 from contact.coulomb import State, radii
-from contact.newton.held import Grip, Held, largest
+from contact.newton.held import Grip, Held, largest, matched
 
 STIFFEST = 1e6  # kappa over c
 
@@ -158,7 +158,6 @@ def _unit(v: np.ndarray) -> np.ndarray:
     return np.divide(v, size, out=np.zeros_like(v), where=size > 0)
 
 
-SHARED = "two contact candidates share an unknown: friction needs node-to-obstacle contact"
 Block = tuple[np.ndarray, np.ndarray]  # rows (r, k), and the columns (k,) that they are on
 DEPENDENT = 1e-9  # of the largest pivot: below, a direction of a candidate is none of its own
 
@@ -204,24 +203,44 @@ def held_states(
 
     The rows of unit slope that hold, and those that push; to_slack (a, 3m): values of the held rows of unit v;
     multiplied (3m, a): forces F of unit multipliers; friction that follows a normal force is not among them.
+    Candidates between two faces share unknowns: each is held by those that are its own, or all of them by all.
     K (n, n) has the springs across slips already. Raises NotHeldError.
     """
-    m, n = len(mu), K.shape[0]
-    holds, pushes, slacks, forces = (list[Block]() for _ in range(4))
+    touching = np.flatnonzero(laws.closed).tolist()
+    blocks = {i: ways.block(i) for i in touching}
+    used = np.bincount(np.concatenate([np.zeros(0, int), *(unknowns for unknowns, _ in blocks.values())]))
+    try:
+        rows, acting, pivot, slack, force = _singly(ways, laws, mu, blocks, used > 1)
+    except NotHeldError:
+        if np.max(used, initial=0) <= 1:
+            raise
+        rows, acting, pivot, slack, force = _jointly(ways, laws, mu, touching)
+    size = largest(sparse.csc_matrix(K[:, pivot]))
+    size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
+    ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
+    held = Held(K, rows, acting, Grip(pivot, ones), zeros, zeros, size)
+    return held, slack, force
+
+
+HeldRows = tuple[sparse.csr_matrix, sparse.csr_matrix, np.ndarray, sparse.csr_matrix, sparse.csr_matrix]
+
+
+def _singly(ways: Directions, laws: Laws, mu: np.ndarray, blocks: Mapping[int, Block], shared: np.ndarray) -> HeldRows:
+    """Rows that hold and push, their unknowns, to_slack and multiplied, each candidate by unknowns of its own."""
+    (d, n), own = ways.rows.shape, ways.own
+    holds, pushes, slacks, forces = (list[tuple[np.ndarray, np.ndarray]]() for _ in range(4))
     pivots = [np.zeros(0, int)]
-    own = ways.own
-    for i in np.flatnonzero(laws.closed).tolist():
-        unknowns, J = ways.block(i)
-        three = np.arange(3 * i, 3 * i + 3)
+    for i, (unknowns, J) in blocks.items():
+        three, alone = np.arange(3 * i, 3 * i + 3), np.flatnonzero(~shared[unknowns])
         if laws.state[i] == State.STICK:
             chosen = np.flatnonzero(own[i])
-            place = _independent(J[chosen], i)
+            place = alone[_independent(J[np.ix_(chosen, alone)], i)]
             inverse = np.linalg.inv(J[np.ix_(chosen, place)])
             rows = acting = inverse @ J[chosen]
             back, force = inverse, inverse.T
         else:
             chosen, pushed = np.zeros(1, int), J[0] - mu[i] * (laws.direction[i] @ J[1:])
-            place = np.array([np.argmax(J[0] * pushed)]) if own[i, 0] else np.zeros(0, int)
+            place = alone[[np.argmax((J[0] * pushed)[alone])]] if own[i, 0] and len(alone) else np.zeros(0, int)
             if not len(place) or J[0, place[0]] == 0:
                 raise NotHeldError(f"contact candidate {i} has no unknown: its supports hold it")
             k = place[0]
@@ -232,15 +251,34 @@ def held_states(
         slacks.append((back, three[chosen]))
         forces.append((force.T, three[chosen]))
         pivots.append(unknowns[place])
-    pivot = np.concatenate(pivots).astype(np.intp)
-    rows, acting = _stacked(holds, n), _stacked(pushes, n)
-    if len(pivot) and np.max(np.bincount(np.concatenate([unknowns for _, unknowns in holds]))) > 1:
-        raise NotHeldError(SHARED)
-    size = largest(sparse.csc_matrix(K[:, pivot]))
-    size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
-    ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
-    held = Held(K, rows, acting, Grip(pivot, ones), zeros, zeros, size)
-    return held, _stacked(slacks, 3 * m), sparse.csr_matrix(_stacked(forces, 3 * m).T)
+    multiplied = sparse.csr_matrix(_stacked(forces, d).T)
+    return (
+        _stacked(holds, n),
+        _stacked(pushes, n),
+        np.concatenate(pivots).astype(np.intp),
+        _stacked(slacks, d),
+        multiplied,
+    )
+
+
+def _jointly(ways: Directions, laws: Laws, mu: np.ndarray, touching: list[int]) -> HeldRows:
+    """The same by unknowns that several may share, and the inverse of all that they hold."""
+    J, own = ways.rows, ways.own
+    chosen = [3 * i + np.flatnonzero(own[i] if laws.state[i] == State.STICK else [True]) for i in touching]
+    held = np.concatenate(chosen)
+    follow = -np.where(laws.state == State.SLIP, mu, 0.0)[:, None] * laws.direction
+    m, every = len(mu), np.arange(len(mu))
+    columns = np.concatenate([3 * every + 1, 3 * every + 2])
+    friction = sparse.csr_matrix((follow.T.ravel(), (np.tile(3 * every, 2), columns)), shape=(3 * m, 3 * m))
+    rows, acting = J[held], sparse.csr_matrix((J + friction @ J)[held])
+    try:
+        pivot = matched(rows, held // 3).pivot
+        back, force = (sparse.csr_matrix(np.linalg.inv(each[:, pivot].toarray())) for each in (rows, acting))
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise NotHeldError(f"contact candidates cannot be held together: {error}") from None
+    place = sparse.csr_matrix((np.ones(len(held)), held, np.arange(len(held) + 1)), shape=(len(held), 3 * m))
+    unit = sparse.csr_matrix(back @ rows), sparse.csr_matrix(force @ acting)
+    return *unit, pivot, sparse.csr_matrix(back @ place), sparse.csr_matrix(place.T @ force.T)
 
 
 def _stacked(blocks: Sequence[Block], n: int) -> sparse.csr_matrix:

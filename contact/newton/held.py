@@ -128,7 +128,7 @@ def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
     own = rows.copy()
     own.data = np.where(used[rows.indices] == 1, rows.data, 0.0)
     size, most = (largest(sparse.csc_matrix(each.T)) for each in (own, rows))
-    return _by_largest(own, nodes) if np.all((size >= OWN * most) & (most > 0)) else _matched(rows, nodes)
+    return _by_largest(own, nodes) if np.all((size >= OWN * most) & (most > 0)) else matched(rows, nodes)
 
 
 def _by_largest(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
@@ -143,7 +143,8 @@ def _by_largest(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
     return Grip(pivot, slope)
 
 
-def _matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
+def matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
+    """The grip on gaps that share unknowns, of the candidates ``nodes`` (a,); raises ValueError where some depend."""
     most = np.abs(_by_largest(rows, nodes).slope)
     firm = rows.copy()
     firm.data[np.abs(firm.data) < FAINT * np.repeat(most, np.diff(rows.indptr))] = 0.0

@@ -19,7 +19,7 @@ import numpy as np
 
 from contact.problem import ContactProblem, ContactSolution
 from contact.rounding import rounding_floor
-from contact.slip import sliding_of
+from contact.slip import Slip, sliding_of
 from contact.solvers.sparse import symmetric
 from studies.ask.settings import configured, rubbing, settings_of
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, attempt, quiet
@@ -181,7 +181,9 @@ def _never_drives(result: Result) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Slipped:
-    """Candidates between two accepted states: slip and friction (m, 3) in the frame of the foundation, normal forces.
+    """Candidates between two accepted states: slip and friction in the frame of the foundation, normal forces.
+
+    slip, friction (m, 3), or (m, 2) between faces.
 
     bound (m,) [N]: mu f.  length [mm]: a large slip.
     """
@@ -198,16 +200,21 @@ class Slipped:
     ) -> Slipped:
         """Each candidate from where it was on the foundation to where it is, in the tangent plane there."""
         (old, start), (problem, state) = before, after
-        assert problem.surface is not None
         assert problem.coulomb is not None
-        surface, sliding = problem.surface, sliding_of(problem)
-        motion = sliding.motion if old.coulomb is None else sliding_of(old).motion
+        sliding, f = sliding_of(problem), problem.nodal_forces(state.pressure)
+        if not isinstance(sliding, Slip):  # between faces, by both ways along the patches
+            slip = sliding.since(sliding_of(old).places(start.u)).measured(state.u)
+            length = max(problem.gap_size, float(np.max(np.abs(slip), initial=0.0)))
+            return cls(slip, state.rubbed.force, f, problem.coulomb.bound(f), length)
+        assert problem.surface is not None
+        earlier, surface = sliding if old.coulomb is None else sliding_of(old), problem.surface
+        assert isinstance(earlier, Slip)
+        motion = earlier.motion
         first = motion.into((old.surface or surface).positions(start.u))
         way = sliding.places(state.u) - first
         normals = surface.gradient(first)
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         slip = way - np.sum(way * normals, axis=1)[:, None] * normals
-        f = problem.nodal_forces(state.pressure)
         bound = problem.coulomb.bound(f)
         length = max(surface.size, float(np.max(np.abs(way), initial=0.0)))
         return cls(slip, in_space(problem, state) @ sliding.motion.rotation, f, bound, length)

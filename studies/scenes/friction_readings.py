@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contact.coulomb import State
+from contact.faces.rubbing import Rubbing
 from contact.problem import ContactProblem, ContactSolution
 from contact.slip import slip_of
 from studies.ask.scene import Units
@@ -28,15 +29,15 @@ def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dic
     """Resultants over the part that is solved, in the order of :data:`FORCES`.
 
     friction_N: length of the resultant.  bound_N: sum of mu f.  moment_N_mm: of friction about the normal through the
-    origin of the surface, where the foundation is turned; moment_bound_N_mm: its value if all slip around there, the
-    sum of mu f r.  sticking, slipping: candidates.  dissipation_N_mm: of the path so far.  units: of the problem.
+    origin of the surface, where the foundation is turned, or of space between two faces; moment_bound_N_mm: its value
+    if all slip around there, the sum of mu f r.  sticking, slipping: candidates.  dissipation_N_mm: of the path so far.
+    units: of the problem.
     """
-    assert problem.surface is not None
     assert problem.coulomb is not None
     assert state.friction is not None
-    y, pull = problem.surface.positions(state.u), in_space(problem, state)
+    (y, normals), pull = _candidates(problem, state), in_space(problem, state)
     f = problem.nodal_forces(state.pressure)
-    normal = np.sum(f[:, None] * problem.surface.gradient(y), axis=0)
+    normal = np.sum(f[:, None] * normals, axis=0)
     axis = normal / (float(np.linalg.norm(normal)) or 1.0)
     arm = y - np.outer(y @ axis, axis)
     bound = problem.coulomb.bound(f)
@@ -53,19 +54,27 @@ def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dic
     return dict(zip(FORCES, map(float, values), strict=True))
 
 
+def _candidates(problem: ContactProblem, state: ContactSolution) -> tuple[np.ndarray, np.ndarray]:
+    """Where the candidates are, and the normals of what they touch there, (m, 3) each."""
+    sliding = slip_of(problem, state.rubbed.since)
+    if isinstance(sliding, Rubbing):
+        return sliding.on_faces(state.u)
+    assert problem.surface is not None
+    y = problem.surface.positions(state.u)
+    return y, problem.surface.gradient(y)
+
+
 def in_space(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
     """Friction (m, 3) [N] of the foundation on each candidate."""
-    slip = slip_of(problem, state.rubbed.since)
-    return np.asarray(np.einsum("mk,mki->mi", state.rubbed.force, slip.directions @ slip.motion.rotation.T))
+    return slip_of(problem, state.rubbed.since).in_space(state.u, state.rubbed.force)
 
 
 def nodal(problem: ContactProblem, state: ContactSolution, units: Units) -> Table:
     """The candidates that touch: place, normal force, friction, slip of the last step, area, and whether they stick."""
-    assert problem.surface is not None
     assert state.friction is not None
     touch = np.flatnonzero(state.friction.state != State.OPEN)
     slip = slip_of(problem, state.friction.since)
-    y, way = (each[touch] / units.length for each in (problem.surface.positions(state.u), slip(state.u)))
+    y, way = (each[touch] / units.length for each in (_candidates(problem, state)[0], slip(state.u)))
     normal, pull = problem.nodal_forces(state.pressure)[touch], in_space(problem, state)[touch] / units.force
     columns: dict[str, Any] = {"candidate": touch, "normal_N": normal / units.force}
     columns |= {f"{axis}_mm": y[:, i] for i, axis in enumerate("xyz")}

@@ -12,7 +12,9 @@ from functools import partial
 
 import numpy as np
 
+from contact.continuation.candidates import laid
 from contact.coulomb import Motion, Surface
+from contact.faces.rubbing import rubbed as between_faces
 from contact.problem import ContactProblem, ContactSolution
 from contact.slip import with_friction
 from studies.ask.request import Settings, UsageError
@@ -92,7 +94,9 @@ class Stages:
                 raise UsageError("friction needs steps of the travel: arc length has no path with it")
             yield replace(stage, begin=partial(self._begin, stage, pressed.append), observe=partial(_observe, stage))
         if not pressed:
-            raise UsageError("the scene has no rigid surface that friction could act on")
+            raise UsageError("the scene has nothing that friction could act on")
+        if pressed[-1].problem.surface is None:  # faces have stages of their own in which one slides along the other
+            return
         drags = self._stops(DRAG)
         yield from self._slid(pressed[-1], DRAG, drags, lambda t: (t, 0.0))
         far = drags[-1] if drags else 0.0
@@ -103,15 +107,17 @@ class Stages:
 
     def _begin(self, stage: Stage, note: Callable[[Pressed], None], previous: ContactSolution | None) -> Begun:
         problem_at, start = stage.begin(previous)
-        if problem_at(stage.targets[0]).surface is None:
+        last = problem_at(stage.targets[-1])
+        if last.surface is None and last.faces is None:
             return problem_at, start
 
         def rubbed(t: float) -> ContactProblem:
-            share = stage.rubs(t)
-            return with_friction(problem_at(t), share * self._mu if share else 0.0, Motion.none())
+            share, problem = stage.rubs(t), problem_at(t)
+            mu = share * self._mu if share else 0.0
+            return with_friction(problem, mu, Motion.none()) if problem.faces is None else between_faces(problem, mu)
 
-        note(Pressed(stage, problem_at(stage.targets[-1]), start.u))
-        return rubbed, start
+        note(Pressed(stage, last, start.u))
+        return rubbed, start if last.faces is None else laid(rubbed(0.0), start)
 
     def _slid(
         self, pressed: Pressed, setting: Setting, stops: Sequence[float], way: Callable[[float], tuple[float, float]]

@@ -5,6 +5,8 @@ stress is in the space of both, and the pressure between them is that on top; ga
 meshes cut pass it to the last digit, nodes against patches do not.
 Curved: a tube in another one, an eighth of it less than a turn, pressed outwards from inside. The exact pressure
 between them is uniform; chords of two polygons are not at a uniform distance, by the square of the size of elements.
+With friction the upper plate is dragged along the lower one, which is longer then: it pulls by mu times its weight once
+all of it slips.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -21,10 +24,11 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CONTACT, Ladder, Sheet
-from studies.ask.request import Request
+from studies.ask.request import Request, UsageError
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.faces.model import (
+    DRAG,
     OTHER,
     PAIRING,
     SLAVE,
@@ -61,7 +65,7 @@ class FacePatch:
     name: str = "face-patch"
     title: str = "Uniform pressure through two faces whose meshes do not match"
     default_mesh: tuple[int, int] = (8, 8)
-    settings: tuple[Setting, ...] = (PRESSURE, SHAPE, OTHER, PAIRING, SLAVE, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (PRESSURE, SHAPE, DRAG, OTHER, PAIRING, SLAVE, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = (
         Reference("pressure_ratio", 1.0, {"shape": "flat", "pairing": "mortar"}, "exact", "equilibrium", 1e-12),
         Reference(
@@ -93,15 +97,22 @@ class FacePatch:
         """The first body carries the pressure."""
         request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
         flat = request.choice("shape") == "flat"
+        drags = request.numbers(DRAG.key) if DRAG.key in request.settings else ()
+        if drags and not flat:
+            raise UsageError("drag_mm needs shape=flat: tubes in each other are dragged nowhere")
+        if drags and request.choice("slave") != SLAVES[0]:
+            raise UsageError("drag_mm needs slave=first: nodes of the longer plate would pass the rim of the other")
+        far = max(map(abs, drags), default=0.0)
         meshes = request.mesh, tuple(of_second(n, request) for n in request.mesh)
-        first, second = (_body(request, (n1, n2), k, flat=flat) for k, (n1, n2) in enumerate(meshes))
+        first, second = (_body(request, (n1, n2), k, far * k, flat=flat) for k, (n1, n2) in enumerate(meshes))
         own = SLAVES.index(request.choice("slave"))
         faces = (1, 1 if flat else 0)
         lifted = Placed(first, LIFTED, np.array([0.0, SIDE, 1.5 * H])) if flat else Placed(first)
         area = (first, second)[own].discretisation.nodal_areas(("inner", "outer")[faces[own]]).sum()
 
-        def bodies(pressure: float) -> Bodies:
-            on_top = replace(lifted, shell=first.scaled(pressure))
+        def bodies(pressure: float, drag: float = 0.0) -> Bodies:
+            shift = lifted.shift + np.array([drag, 0.0, 0.0])
+            on_top = replace(lifted, shell=first.scaled(pressure), shift=shift)
             return Bodies((on_top, Placed(second, shift=np.array([0.0, 0.0, 0.5 * H * flat]))))
 
         def measured(pressure: float, meeting: Meeting) -> dict[str, float]:
@@ -112,15 +123,21 @@ class FacePatch:
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
         pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
         pair = Facing(Side(own, faces[own]), Side(1 - own, faces[1 - own]), nodes)
-        return FacesModel(bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True)
+        model = FacesModel(bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True)
+        return replace(model, dragged_at=partial(bodies, pressures[-1]), drags=drags)
 
 
-def _body(request: Request, mesh: tuple[int, int], number: int, *, flat: bool) -> ShellModel:
+def _body(request: Request, mesh: tuple[int, int], number: int, beyond: float, *, flat: bool) -> ShellModel:
+    """A body; beyond [mm]: what it is longer by along a1 at either end, at least, in elements of the same length."""
     laminate = Laminate.single(Ply.isotropic(E, NU, H))
     surface = Plate() if flat else cylinder(RADIUS + (number - 0.5) * H)
-    ends = (0.0, SIDE), (0.0, SIDE if flat else TURN)
-    grid = grid_over(request, *(spaced_lines(*span, n) for span, n in zip(ends, mesh, strict=True)))
-    supports = Supports.of_edges(grid, *("symmetric",) * 4)
+    more = math.ceil(beyond * mesh[0] / SIDE)
+    along = np.arange(-more, mesh[0] + more + 1) * (SIDE / mesh[0]) if more else spaced_lines(0.0, SIDE, mesh[0])
+    grid = grid_over(request, along, spaced_lines(0.0, SIDE if flat else TURN, mesh[1]))
+    gripped = DRAG.key in request.settings and not number
+    supports = Supports.of_edges(grid, *("free" if gripped else "symmetric",) * 2, *("symmetric",) * 2)
+    if gripped:
+        supports = supports.hold(np.arange(grid.n_nodes), [0], ["inner"])
     if flat and number:
         supports = supports.hold(np.arange(grid.n_nodes), [2], ["inner"])
     body = discretise(request, surface, grid, laminate, *supports.masks)

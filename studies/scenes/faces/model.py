@@ -29,6 +29,7 @@ from studies.scenes.faces.bodies import Body
 PAIRING = Setting.one_of(
     "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
 )
+TOUCHING = 1e-9  # of the size of faces: a gap at rest that is none
 SLAVES = ("first", "second")
 SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "body whose face has the candidates; the other's is the master")
 OTHER = Setting(
@@ -39,6 +40,9 @@ OTHER = Setting(
     low=10,
     high=1000,
     unit="%",
+)
+DRAG = Setting(
+    "drag_mm", None, "stops of the first body on its way along the second, in turn", "path", otherwise="none"
 )
 
 
@@ -222,7 +226,9 @@ class FacesModel:
 
     bodies_at(t): all bodies where they are.  pairs: what may touch.  measure_at(t, meeting): what is read, {name_unit:
     value}.
-    lying: everything touches without pressure at rest.  shown: where its fields are, at the last target unless given.
+    dragged_at(d): all bodies after the path, one of them dragged along the other by d, with stops at ``drags`` [mm].
+    lying: what is before the other face touches it without pressure at rest.  shown: where its fields are, at the last
+    target unless given.
     """
 
     bodies_at: Callable[[float], Bodies]
@@ -233,6 +239,8 @@ class FacesModel:
     key: str
     lying: bool = False
     shown: float | None = None
+    dragged_at: Callable[[float], Bodies] | None = None
+    drags: Sequence[float] = ()
 
     @cached_property
     def shell(self) -> ShellModel:
@@ -260,11 +268,35 @@ class FacesModel:
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
         yield Stage("load", self._begin, tuple(self.targets), self._observe)
+        if self.drags:
+            yield Stage("drag", self._slid._begin, tuple(self.drags), self._slid._slides)
+
+    @cached_property
+    def _slid(self) -> Self:
+        """The model of its drag."""
+        assert self.dragged_at is not None
+        end = self.targets[-1]
+        return replace(
+            self,
+            bodies_at=self.dragged_at,
+            targets=self.drags,
+            key=DRAG.key,
+            measure_at=lambda d, meeting: self.measure_at(end, meeting),
+            drags=(),
+        )
+
+    def _slides(self, problem: ContactProblem, state: ContactSolution, d: float) -> Observation:
+        """The headline is that of the end of the press."""
+        return replace(self._observe(problem, state, d), quantities={})
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
-        m = len(self.pair_of_candidate)
-        rest = ContactSolution.at_rest(self.n_unknowns, m)
-        return self.problem_at, previous or replace(rest, active=np.full(m, self.lying))
+        if previous is not None:
+            return self.problem_at, previous
+        rest = ContactSolution.at_rest(self.n_unknowns, len(self.pair_of_candidate))
+        if not self.lying:
+            return self.problem_at, rest
+        touching = [pair.at(rest.u).gap <= TOUCHING * pair.size for pair in self.pairs_at(0.0)]
+        return self.problem_at, replace(rest, active=np.concatenate(touching))
 
     @cached_property
     def _samplings(self) -> tuple[Sampling, ...]:
@@ -292,7 +324,7 @@ class FacesModel:
 
     def moved(self, t: float) -> Self:
         """With its bodies where they are at t."""
-        return replace(self, shown=t)
+        return replace(self._slid if self.drags else self, shown=t)
 
     @property
     def candidate_of_point(self) -> tuple[np.ndarray, np.ndarray]:

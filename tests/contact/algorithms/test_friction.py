@@ -34,7 +34,7 @@ EXACT: dict[str, ContactAlgorithm] = {
     "qp on discs": Qp(backend="clarabel"),
     "lcp": Lcp(),
 }
-HELD = ("trial-and-error", "semismooth", "qp", "lcp")  # need unknowns of a candidate's own
+HELD = ("trial-and-error", "semismooth", "qp", "lcp")  # by unknowns, not by springs
 SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20))]
 
 
@@ -115,20 +115,25 @@ def test_it_gives_programmes_no_bound() -> None:
         assert "infinite coefficient" in (ALGORITHMS[name]().supports(tied(3)) or "")
 
 
-def test_candidates_that_share_unknowns_need_springs() -> None:
-    """Every gap and slip depends on all unknowns: held by none of their own, but by springs."""
+def test_candidates_that_share_unknowns_are_held_together() -> None:
+    """Every gap and slip depends on all unknowns. States that are swapped may go round in a circle."""
+    ended = set[Outcome]()
     for seed in range(3):
         step, wanted = manufactured(np.random.default_rng(seed), 4, np.array([0, 1, 2, 2]))
         problem = step.problem()
         for name in HELD:
             found = by_the_exact_law()[name].solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
-            assert found.outcome is Outcome.REFUSED, name
-            assert "share an unknown" in str(events(found.history, EventKind.FAILED)[-1])
+            if name == "trial-and-error" and not found.outcome.converged:
+                ended.add(found.outcome)
+                continue
+            assert found.outcome is Outcome.CONVERGED, name
+            assert np.max(np.abs(found.u - wanted.u)) < 1e-8
+            assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-8
         found = AugmentedLagrangian().solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
         assert found.outcome is Outcome.CONVERGED
         assert np.max(np.abs(found.u - wanted.u)) < 1e-8
         assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-8
-        assert np.array_equal(found.rubbed.state, wanted.state)
+    assert ended <= {Outcome.CYCLING}
 
 
 def two_ways() -> ContactProblem:

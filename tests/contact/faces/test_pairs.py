@@ -7,36 +7,24 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.faces.measured import distances
-from contact.faces.pair import Pair, between
-from contact.faces.sampling import OWN, PAIRINGS, areas, at_nodes, clipped, mortar
+from contact.faces.pair import between
+from contact.faces.sampling import OWN, PAIRINGS, clipped, mortar
 from contact.faces.search import nearest
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import minimise
 from contact.problem import ContactSolution
 from contact.verify import PAIR, judge
 from support.problems.contact_problems import linear_mechanics
+from support.problems.nets import pair
 from support.problems.sheets import sheet
 
 ROUNDING = 1e-13
 STEP = 1e-5
 BY_DIFFERENCES = 2e-8  # of the size: central ones with that step
 each_pairing = pytest.mark.parametrize("pairing", PAIRINGS)
-
-
-def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.1, side: float = 1.2) -> Pair:
-    """A sheet of 3 x 4 above one of 5 x 3 with another side; every coordinate is an unknown."""
-    above, below = sheet(3, 4, 1.0, apart, bent, up=False), sheet(5, 3, side, 0.0, -bent, up=True)
-    reference = np.vstack([above[0], below[0]])
-    reference += noise * np.random.default_rng(1).normal(size=reference.shape)
-    nodes, master = np.arange(len(above[0])), below[1] + len(above[0])
-    everything = sparse.csr_matrix(sparse.eye_array(reference.size, format="csr"))
-    if pairing == "nodes":
-        return Pair(reference, everything, master, at_nodes(nodes, len(reference), areas(reference, above[1])[nodes]))
-    return Pair(reference, everything, master, mortar(reference, above[1], master, nodes))
 
 
 @each_pairing

@@ -11,9 +11,10 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from contact.verify import PAIR
+from studies.ask.request import UsageError
 from studies.output.vtu import read_vtu
 from studies.scenes.complete import complete
-from studies.scenes.faces.face_patch import RADIUS, H, lame_between
+from studies.scenes.faces.face_patch import RADIUS, SIDE, H, lame_between
 from studies.scenes.faces.model import FacesModel
 from studies.solving.result import Result
 from studies.solving.solve import solve
@@ -202,3 +203,70 @@ def test_fields_have_both_bodies_where_they_are(tmp_path) -> None:
     assert np.ptp(first[:, 2]) == pytest.approx(np.ptp(second[:, 2]))
     assert np.max(fields.data["pressure"]) == pytest.approx(np.max(result.last.pressure))
     assert math.isclose(np.min(first[:, 0]), 0.0, abs_tol=1e-9)
+
+
+PULLED = {"mu": 0.3, "drag_mm": (0.01, 1.0, 12.0, 8.0)}
+
+
+@pytest.mark.parametrize("other", [75, 100])
+def test_a_plate_that_is_dragged_sticks_and_then_pulls_by_mu_times_its_weight(other: int) -> None:
+    """Across patches of a longer plate and back; nodes against patches chatter where these fold along the drag."""
+    result = solved("face-patch", "4x4", other_elements=other, **PULLED)
+    assert result.verdict == "converged"
+    pressed, sticks, slides, far, back = result.steps
+    weight = 0.3 * SIDE**2 * 1.0
+    assert all(not step["failures"] for step in result.steps)
+    assert all(step["bound_N"] == pytest.approx(weight, rel=1e-4) for step in result.steps)  # of the area as it is
+    assert pressed["friction_N"] < 1e-4 * weight
+    assert sticks["slipping"] == 0
+    assert 0.1 * weight < sticks["friction_N"] < 0.5 * weight
+    for step in (slides, far, back):
+        assert step["sticking"] == 0
+        assert step["friction_N"] == pytest.approx(step["bound_N"], rel=1e-5)
+        assert step["newton_iterations"] <= 8
+    lost = [step["dissipation_N_mm"] for step in result.steps]
+    assert abs(lost[1]) <= 1e-9
+    assert lost[3] - lost[2] == pytest.approx(weight * 11.0, rel=1e-3)
+    assert weight * 3.5 < lost[4] - lost[3] < weight * 4.0  # what the plates first spring back by is no slip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["lcp", "augmented-lagrangian"])  # qp and trial-and-error give up at the first slip
+def test_algorithms_agree_on_a_plate_that_is_dragged(name: str) -> None:
+    ours, theirs = (solved("face-patch", "4x4", contact=which, **PULLED) for which in (name, "semismooth"))
+    for mine, other in zip(ours.steps, theirs.steps, strict=True):
+        for key in ("friction_N", "bound_N", "dissipation_N_mm"):
+            assert mine[key] == pytest.approx(other[key], rel=1e-6, abs=1e-6)
+
+
+def test_a_coefficient_of_zero_is_no_friction_to_the_last_digit() -> None:
+    plain, zero = (solved("face-patch", "4x4", **settings).last for settings in ({}, {"mu": 0}))
+    assert plain is not None
+    assert zero is not None
+    assert np.array_equal(plain.u, zero.u)
+
+
+@pytest.mark.parametrize(
+    ("settings", "why"),
+    [
+        ({"shape": "curved"}, "drag_mm needs shape=flat"),
+        ({"slave": "second"}, "drag_mm needs slave=first"),
+        ({"mu": 0}, "drag_mm needs a coefficient of friction"),
+    ],
+)
+def test_a_drag_that_cannot_be_says_why(settings: dict[str, Any], why: str) -> None:
+    with pytest.raises(UsageError, match=why):
+        solve(*complete("face-patch", {**PULLED, **settings}, "4x4"))
+
+
+@pytest.mark.slow
+def test_rings_of_two_walls_that_rub_do_so_whoever_is_the_master() -> None:
+    """Walls that are not alike slip on each other as they flatten; the bound is mu times the force."""
+    asked = {"mu": 0.2, "other_h_mm": 1.2, "h_mm": 1.0, "delta_mm": tuple(np.linspace(4.0, 40.0, 10).tolist())}
+    plain = solved("two-rings", "1x40", **{**asked, "mu": 0}).quantities["P_H2_over_EI"]
+    found = [solved("two-rings", "1x40", slave=slave, **asked) for slave in ("first", "second")]
+    first, second = (each.quantities["P_H2_over_EI"] for each in found)
+    assert first == pytest.approx(second, rel=2e-3)
+    assert min(first, second) > plain * 1.0005
+    assert all(not step["failures"] for each in found for step in each.steps)
+    assert all(each.steps[-1]["dissipation_N_mm"] > 0.1 for each in found)

@@ -98,7 +98,7 @@ def test_walks_of_the_same_stages_know_nothing_of_each_other() -> None:
     next(other)
     *_, last = walk(stages, configured(request.contact, request.settings))
     assert last.stage.name == "drag"
-    with pytest.raises(UsageError, match="no rigid surface"):  # its own press has not begun
+    with pytest.raises(UsageError, match="nothing that friction could act on"):  # its own press has not begun
         list(other)
 
 

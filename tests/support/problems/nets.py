@@ -1,0 +1,22 @@
+"""Two sheets of points one above the other as a pair of faces; every coordinate is an unknown."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from contact.faces.pair import Pair
+from contact.faces.sampling import areas, at_nodes, mortar
+from support.problems.sheets import sheet
+
+
+def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.1, side: float = 1.2) -> Pair:
+    """A sheet of 3 x 4 above one of 5 x 3 with another side; every coordinate is an unknown."""
+    above, below = sheet(3, 4, 1.0, apart, bent, up=False), sheet(5, 3, side, 0.0, -bent, up=True)
+    reference = np.vstack([above[0], below[0]])
+    reference += noise * np.random.default_rng(1).normal(size=reference.shape)
+    nodes, master = np.arange(len(above[0])), below[1] + len(above[0])
+    everything = sparse.csr_matrix(sparse.eye_array(reference.size, format="csr"))
+    if pairing == "nodes":
+        return Pair(reference, everything, master, at_nodes(nodes, len(reference), areas(reference, above[1])[nodes]))
+    return Pair(reference, everything, master, mortar(reference, above[1], master, nodes))
