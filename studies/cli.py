@@ -31,6 +31,7 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "resolve": ("problems", "solve one frozen contact problem again, alone, and judge it"),
     "export": ("exchange", "a scene as a deck, a mesh or a neutral sheet for another program"),
     "problems": ("problems", "frozen contact problems for other programs, and what their answers are worth"),
+    "leaderboard": ("leaderboard", "results of solvers on frozen contact problems as a page, the ranking first"),
     "judge-field": ("exchange", "hold what another program has found for a scene against it"),
     "run": ("campaigns", "solve the missing cells of a campaign"),
     "merge": ("campaigns", "take the cells of another store, recomputed before they are believed"),
@@ -47,7 +48,7 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "bench": ("bench", "what all that a solve does costs, its growth, the harness, peers, and solvers"),
 }
 ENOUGH = 141  # as the shell has it of a process that a closed pipe ends
-WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
+WITHOUT_PARTS = {"report", "compare", "leaderboard"}  # they read tables alone
 
 
 class _Help(argparse.HelpFormatter):

@@ -36,6 +36,7 @@ EXAMPLES = {
         "ring --integration reduced --stiffness 1e4 --format inp --out ring.inp",
         "mine --format vtu --use my_scene.py --out mine.vtu",
     ),
+    "leaderboard": ("results --out board",),
     "problems": ("list", "--use my_scene.py make --out problems"),
     "problems list": ("--family tyre",),
     "problems make": ("--out problems --family ring", "--choose"),
@@ -90,6 +91,7 @@ EXAMPLES = {
     "bench solvers": (
         "--problems problems --out store --rounds 3 --limit 20 --tolerance 1e-6,1e-8 --only osqp",
         "--problems problems --out store --ablation",
+        "--problems problems --held-out secret.txt --out store --results results",
         "--out store --against another",
     ),
 }

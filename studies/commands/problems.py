@@ -18,7 +18,7 @@ from studies.output.terminal import columns
 
 PROBLEMS = Path(".footprint/problems")
 RUBBED = ("name", "unknowns", "candidates", "open", "sticking", "slipping", "mu", "kind", "friction")
-SHOWN = ("name", "unknowns", "candidates", "pressed", "touching", "kind", "coupling", "adds")
+SHOWN = ("name", "unknowns", "candidates", "pressed", "touching", "kind", "coupling", "split", "adds")
 
 
 def add_problems(parser: argparse.ArgumentParser) -> None:
@@ -98,6 +98,7 @@ def _kept(family: str | None) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def _make(options: argparse.Namespace) -> int:
+    from studies.arena.collected.dataset import write_card
     from studies.arena.collected.frictional import FAMILIES, FRICTIONAL, choose_frictional
     from studies.arena.collected.rule import STEPS, choose
 
@@ -121,10 +122,14 @@ def _make(options: argparse.Namespace) -> int:
         smooth, rubbed = _kept(options.family)
         STEPS.make(options.out, smooth, tell)
         FRICTIONAL.make(options.out, rubbed, tell)
-    return _say(_unlike(options.out, smooth, rubbed), len(smooth) + len(rubbed), options.out)
+    wrong = _unlike(options.out, smooth, rubbed)
+    if options.family is None and not wrong:
+        write_card(options.out)
+    return _say(wrong, len(smooth) + len(rubbed), options.out)
 
 
 def _check(options: argparse.Namespace) -> int:
+    from studies.arena.collected.dataset import altered
     from studies.arena.collected.rule import keep_agreeing
 
     if not options.directory.is_dir():
@@ -132,7 +137,8 @@ def _check(options: argparse.Namespace) -> int:
     smooth, rubbed = _kept(None)
     if options.keep is not None:
         keep_agreeing(options.directory, smooth, options.keep)
-    return _say(_unlike(options.directory, smooth, rubbed), len(smooth) + len(rubbed), options.directory)
+    wrong = [*dict.fromkeys([*_unlike(options.directory, smooth, rubbed), *altered(options.directory)])]
+    return _say(wrong, len(smooth) + len(rubbed), options.directory)
 
 
 def _unlike(directory: Path, smooth: pd.DataFrame, rubbed: pd.DataFrame) -> list[str]:

@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
+from studies.arena.collected.splits import split_of
 from studies.output.atomic import write_by, write_table, write_text
 
 HERE = files("studies.arena.collected")
@@ -147,7 +148,8 @@ def _copy_kept(name: str, path: Path) -> None:
 
 def _kept(name: str) -> pd.DataFrame:
     with HERE.joinpath(name).open(encoding="utf-8") as file:
-        return pd.read_csv(file, keep_default_na=False)
+        found = pd.read_csv(file, keep_default_na=False)
+    return found.assign(split=found["name"].map(split_of))
 
 
 def _differing(row: Mapping[Hashable, Any], step: FrozenStep, sizes: Mapping[str, float]) -> list[str]:

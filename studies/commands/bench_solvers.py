@@ -1,0 +1,158 @@
+"""``footprint bench solvers``: who solves frozen contact problems, and how well; results for the leaderboard.
+
+How an answer is asked for, timed and judged is in :mod:`studies.arena`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from studies.ask.request import UsageError
+from studies.commands import FAILED, OK
+from studies.commands.options import STORE, check_directory, count, positive, progress_bar
+from studies.output.terminal import columns
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from studies.arena.solver_run import Field
+    from studies.arena.solver_table import Tell
+
+COUNTS = ("solver", "problems", "solved", "false", "refused", "timed_out")
+SOLVER_ROUNDS, LIMIT_S, TOLERANCES = 3, 20.0, "1e-4,1e-6,1e-8"
+
+
+def add_solvers(parser: argparse.ArgumentParser) -> None:
+    """A run, a comparison of two, or both."""
+    parser.add_argument("--problems", type=Path, metavar="DIR", help="frozen steps (*.npz); without it nothing is run")
+    parser.add_argument("--out", type=Path, default=STORE, metavar="STORE", help="where results and tables go")
+    parser.add_argument("--rounds", type=int, default=SOLVER_ROUNDS, help="solves of each problem")
+    limit = f"processor time of a solve, default {LIMIT_S:g}"
+    parser.add_argument("--limit", type=float, default=LIMIT_S, metavar="SECONDS", help=limit)
+    parser.add_argument("--tolerance", default=TOLERANCES, metavar="T,...", help="that solvers are asked for")
+    parser.add_argument("--only", action="append", default=[], metavar="SOLVER", help="one solver; as often as wanted")
+    parser.add_argument("--ablation", action="store_true", help="the settings of OSQP, one at a time, instead")
+    drawn = "problems drawn from the secret in a file, or in FOOTPRINT_ARENA_SECRET, in memory alone"
+    parser.add_argument("--held-out", type=Path, nargs="?", const=Path(), metavar="FILE", help=drawn)
+    handed = "write what each solver has done on the collection, a JSON each, for footprint leaderboard"
+    parser.add_argument("--results", type=Path, metavar="DIR", help=handed)
+    parser.add_argument("--against", type=Path, metavar="STORE", help="another run: do solvers rank alike?")
+    parser.set_defaults(bench=_solvers)
+
+
+def _solvers(options: argparse.Namespace) -> int:
+    """Run what is missing, print the summary; compare."""
+    from studies.arena.solver_run import FIELDS, against, told
+
+    field = FIELDS["osqp" if options.ablation else "solver"]
+    asks = options.problems is not None or options.held_out is not None
+    if options.ablation and (options.results is not None or options.held_out is not None):
+        raise UsageError("--results and --held-out are of solvers, not of --ablation")
+    if options.results is not None and not asks:
+        raise UsageError("--results needs --problems DIR, --held-out, or both")
+    if asks:
+        with progress_bar("solvers") as advance:
+            field = _run(field, options, advance)
+    elif options.against is None:
+        raise UsageError("bench solvers needs --problems DIR, --held-out, --against STORE, or several")
+    print("\n".join(_solver_summary(field, options.out, told(field, options.out)["limit_s"])))
+    if options.against is None:
+        return OK
+    return _ranks_compared(against(field, options.out, options.against))
+
+
+def _run(field: Field, options: argparse.Namespace, tell: Tell) -> Field:
+    """All that is asked for, and the results; returns the field whose summary is shown."""
+    from studies.arena import held_out
+    from studies.arena.solver_run import problems_in, run
+
+    limit_s, tolerances = positive("limit", options.limit), _tolerances(options.tolerance)
+    asked = {"only": options.only, "tolerances": tolerances, "rounds": count("rounds", options.rounds)}
+    asked |= {"limit_s": limit_s, "tell": tell}
+    key = None
+    if options.held_out is not None:
+        key = held_out.secret(None if options.held_out == Path() else options.held_out)
+    problems = None if options.problems is None else problems_in(options.problems)
+    if options.results is not None:
+        check_directory(options.results)
+        wanted = _of_collection(options.problems, problems or {})
+    tables, shown = {}, field
+    if problems is not None:
+        tables["public"] = run(field, problems, options.out, **asked)
+    if key is not None:
+        drawn = replace(field, name="held_out", further=lambda table, summed: {})
+        tables["held_out"] = run(drawn, held_out.problems(key), options.out, **asked)
+        shown = field if problems is not None else drawn
+    if options.results is not None:
+        _hand_in(options.results, tables, limit_s, wanted, "" if key is None else held_out.digest(key))
+    return shown
+
+
+def _of_collection(folder: Path | None, problems: Mapping[str, Any]) -> list[str]:
+    """Names of the collection without friction; raises UsageError where a file of the folder is another problem."""
+    from studies.arena.collected.rule import STEPS
+
+    kept = STEPS.manifest()
+    if folder is not None:
+        wrong = STEPS.unlike(folder, kept[kept["name"].isin(problems)])
+        if wrong:
+            raise UsageError(f"--results is of the collection: {wrong[0]}")
+    return list(kept["name"])
+
+
+def _hand_in(
+    folder: Path, tables: Mapping[str, pd.DataFrame], limit_s: float, wanted: Sequence[str], secret: str
+) -> None:
+    from studies.arena.results import results_of
+
+    written = [result.write(folder) for result in results_of(tables, limit_s, wanted, secret)]
+    print(f"{len(written)} results: {folder}")
+
+
+def _tolerances(text: str) -> tuple[float, ...]:
+    try:
+        found = tuple(float(word) for word in text.split(","))
+    except ValueError:
+        found = ()
+    if not found or not all(0 < each < 1 for each in found) or len(set(found)) < len(found):
+        raise UsageError(f"--tolerance {text!r} must be different numbers in (0, 1), separated by commas")
+    return found
+
+
+def _solver_summary(field: Field, store: Path, limit_s: str) -> Iterator[str]:
+    """A block a tolerance and kind of problem, all sizes together, best first."""
+    import pandas as pd
+
+    found = pd.read_csv(field.path(store, "summary"))
+    yield f"failures at the limit of {float(limit_s):g} s; means of processor time, shifted by 0.01 s"
+    heads = ("solver", "problems", "solved", "false", "refused", "timed out", "mean s", "MB")
+    for (tolerance, kind), own in found[found["size"] == "all"].groupby(["tolerance", "kind"], sort=False):
+        none = own["refused"] == own["problems"]
+        best_first = own[~none].sort_values("mean_s", kind="stable").to_dict("records")
+        counts = [[str(row[key]) for key in COUNTS] for row in best_first]
+        means = [(f"{row['mean_s']:.4f}", f"{row['memory_MB']:.1f}") for row in best_first]
+        rows = [(*own_counts, *own_means) for own_counts, own_means in zip(counts, means, strict=True)]
+        yield from ("", f"{kind}, to {tolerance:g}", *columns([heads, *rows], right=range(1, 8)))
+        if none.any():
+            yield f"all {own['problems'].max()} refused by {'; '.join(own.loc[none, 'solver'])}"
+
+
+def _ranks_compared(found: pd.DataFrame) -> int:
+    """Print the correlations of ranks; FAILED where one is below the bar."""
+    from studies.arena.solver_run import REPEATED
+
+    heads = ("tolerance", "kind", "problems", "solvers", "Spearman", "Kendall", "")
+    rows = []
+    for row in found.to_dict("records"):
+        none = math.isnan(row["spearman"])
+        bar = "no ranks" if none else "repeats" if row["spearman"] >= REPEATED else "BROKEN"
+        alike = (f"{row['spearman']:.3f}", f"{row['kendall']:.3f}", bar)
+        rows.append((f"{row['tolerance']:g}", str(row["kind"]), str(row["problems"]), str(row["solvers"]), *alike))
+    print(f"\nranks of two runs, Spearman's at least {REPEATED:g}")
+    print("\n".join(columns([heads, *rows], right=range(2, 6))))
+    return FAILED if any(row[-1] == "BROKEN" for row in rows) else OK
