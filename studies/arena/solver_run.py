@@ -1,7 +1,7 @@
 """A run of the solver table into a store: the problems of a folder, samples that it goes on with, the tables of pages.
 
 Two fields are run, each with tables of its own name: all solvers, and the settings of OSQP. A run goes on only with
-the same files, limit, versions and machine. Nothing is timed, judged or summed up here.
+the same files, limit, judge, versions and machine. Nothing is timed, judged or summed up here.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
+from studies.arena.results import harness
 from studies.arena.solver_summaries import data_profiles, effects, performance_profiles, rank_correlation, summary
 from studies.arena.solver_table import LIMIT_S, ROUNDS, TOLERANCES, Tell, kind, read, recorded, solver_table
 from studies.arena.solvers.base import Solver
@@ -25,7 +26,14 @@ from studies.output.atomic import write_table
 from studies.output.provenance import provenance
 
 REPEATED = 0.95  # the correlation of ranks from which two runs say the same
-STEADY = ("limit_s", "cpu", "cores", "numpy", "scipy")  # what may not change within a run, with the solvers' versions
+STEADY = (
+    "limit_s",
+    "harness",
+    "cpu",
+    "cores",
+    "numpy",
+    "scipy",
+)  # what may not change within a run, with the solvers' versions
 PACKAGES = (
     *("osqp", "clarabel", "proxsuite", "piqp", "daqp", "highspy", "scs", "qpalm", "cvxopt", "quadprog", "cvxpy"),
     "qpsolvers",
@@ -105,11 +113,11 @@ def run(
 
 
 def conditions(limit_s: float) -> dict[str, str]:
-    """The limit of a solve, the machine, and the versions of what solves."""
+    """The limit of a solve, the checksum of what judges, the machine, and the versions of what solves."""
     told = provenance()
     machine = {key: str(told["machine"][key]) for key in ("cpu", "cores", "memory_GiB", "system", "python")}
     versions = {name: _version(name) for name in ("numpy", "scipy", *PACKAGES)}
-    return {"limit_s": repr(float(limit_s)), "commit": str(told["commit"]), **machine, **versions}
+    return {"limit_s": repr(float(limit_s)), "harness": harness(), "commit": str(told["commit"]), **machine, **versions}
 
 
 def _version(name: str) -> str:

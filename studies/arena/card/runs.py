@@ -58,9 +58,7 @@ from studies.scenes.plugins import load_file
 TEMPLATE = files("studies.arena").joinpath("template")
 LAYOUT = {  # its files and their folders in a repository
     "README.md": "",
-    "requirements.txt": "",
     "my_algorithm.py": "",
-    "test_card.py": "tests",
     "card.yml": ".github/workflows",
 }
 ALGORITHM, MEASURE, SOLVER, ELEMENT = "contact algorithm", "strain measure", "QP solver", "element option"

@@ -331,8 +331,7 @@ def test_the_layout_of_a_submission_has_an_algorithm_that_passes(few: None, tmp_
     assert main(["card", "--template", str(place)]) == 0
     names = {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
     assert names == {
-        *("README.md", "my_algorithm.py", "requirements.txt"),
-        *("tests/test_card.py", ".github/workflows/card.yml"),
+        *("README.md", "my_algorithm.py", ".github/workflows/card.yml"),
     }
     assert "footprint card my_algorithm.py --check" in (place / ".github/workflows/card.yml").read_text("utf-8")
     (subject,) = subjects(str(place / "my_algorithm.py"))
