@@ -26,14 +26,7 @@ from studies.output.atomic import write_table
 from studies.output.provenance import provenance
 
 REPEATED = 0.95  # the correlation of ranks from which two runs say the same
-STEADY = (
-    "limit_s",
-    "harness",
-    "cpu",
-    "cores",
-    "numpy",
-    "scipy",
-)  # what may not change within a run, with the solvers' versions
+STEADY = ("limit_s", "harness", "cpu", "cores", "numpy", "scipy")  # what may not change within a run, nor PACKAGES
 PACKAGES = (
     *("osqp", "clarabel", "proxsuite", "piqp", "daqp", "highspy", "scs", "qpalm", "cvxopt", "quadprog", "cvxpy"),
     "qpsolvers",

@@ -12,9 +12,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from contact.interchange.linearised_step import FrozenStep
 from studies.arena import held_out, results
 from studies.arena.collected import dataset
 from studies.arena.collected.certified import confirm, find
+from studies.arena.collected.collection import KEPT, kept_names
 from studies.arena.collected.rule import STEPS
 from studies.arena.collected.splits import TEST, TUNE, split_of
 from studies.arena.ranking import board
@@ -236,9 +238,15 @@ def test_six_entries_on_two_machines_make_a_page_and_names_stay_text(tmp_path: P
 # --- what nobody sees -------------------------------------------------------------------------------------------------
 
 
-def test_a_secret_draws_its_problems_again_and_another_one_others() -> None:
+@pytest.mark.parametrize(
+    "families", [("relief",), pytest.param(tuple(held_out.FAMILIES), marks=pytest.mark.slow)], ids=len
+)
+def test_a_secret_draws_its_problems_again_and_another_one_others(
+    families: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(held_out, "FAMILIES", {name: held_out.FAMILIES[name] for name in families})
     one, again, other = (held_out.problems(key, each=1) for key in (KEY, KEY, KEY + b"!"))
-    assert set(one) == {"relief-1", "panel-1", "ring-1"}
+    assert set(one) == {f"{name}-1" for name in families}
     for name, step in one.items():
         assert np.array_equal(step.r, again[name].r)
         assert not np.array_equal(step.r, other[name].r)
@@ -258,3 +266,34 @@ def test_a_secret_is_asked_for_and_is_long(tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "long").write_bytes(bytes(5000))
     with pytest.raises(UsageError, match="is no secret"):
         held_out.secret(tmp_path / "long")
+
+
+@pytest.mark.slow
+def test_a_run_hands_in_both_tiers_and_writes_no_problem_that_is_held_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(held_out.SECRET, KEY.decode())
+    monkeypatch.setattr(held_out, "FAMILIES", {"relief": held_out.FAMILIES["relief"]})
+    name = min(kept_names(), key=len)
+    problems = tmp_path / "problems"
+    problems.mkdir()
+    (problems / f"{name}.npz").write_bytes(KEPT.joinpath(f"{name}.npz").read_bytes())
+    folders = ["--out", str(tmp_path / "run"), "--results", str(tmp_path / "results"), "--problems", str(problems)]
+    words = ["bench", "solvers", "--rounds", "1", "--only", "semismooth", *folders]
+    assert main([*words, "--held-out"]) == 0
+    (found,) = read_all(tmp_path / "results")
+    at = found.tolerances[-1]
+    assert [each.problem for each in at.public if each.status == "ok"] == [name]
+    assert at.held_out is not None
+    assert (at.held_out.statuses["ok"], at.held_out.secret) == (held_out.EACH, held_out.digest(KEY))
+    assert [path.name for path in tmp_path.rglob("*.npz")] == [f"{name}.npz"]
+    text = "".join(path.read_text(encoding="utf-8") for path in (tmp_path / "results").iterdir())
+    assert "relief" not in text
+    assert KEY.decode() not in text
+    step = FrozenStep.read(problems / f"{name}.npz")
+    replace(step, r=2 * step.r).write(problems / f"{name}.npz")
+    capsys.readouterr()
+    assert main(words) == 2
+    assert f"--results is of the collection: {name}: sum_r is" in capsys.readouterr().err
+    assert main(["bench", "solvers", "--results", str(tmp_path)]) == 2
+    assert "--results needs --problems DIR, --held-out, or both" in capsys.readouterr().err
