@@ -36,7 +36,7 @@ EXAMPLES = {
         "ring --integration reduced --stiffness 1e4 --format inp --out ring.inp",
         "mine --format vtu --use my_scene.py --out mine.vtu",
     ),
-    "leaderboard": ("results --out board",),
+    "leaderboard": ("results --out board", "results --out board --use my_solver.py"),
     "problems": ("list", "--use my_scene.py make --out problems"),
     "problems list": ("--family tyre",),
     "problems make": ("--out problems --family ring", "--choose"),

@@ -101,7 +101,7 @@ def test_wrong_use_is_one_line_and_writes_nothing(
     (damaged / "c.npz").write_bytes(b"no zip")
     given = ("--problems", problems)
     for words, says in (
-        ((), "bench solvers needs --problems DIR, --against STORE, or both"),
+        ((), "bench solvers needs --problems DIR, --held-out, --against STORE, or several"),
         (("--problems", empty), "no frozen steps (*.npz) in it"),
         (("--problems", damaged), "c.npz is no frozen contact step"),
         ((*given, "--only", "nobody"), "--only 'nobody' must be one of right; slow; liar; absent"),
