@@ -17,6 +17,7 @@ from studies.arena import held_out, results
 from studies.arena.collected import dataset
 from studies.arena.collected.certified import confirm, find
 from studies.arena.collected.collection import KEPT, kept_names
+from studies.arena.collected.frictional import FRICTIONAL
 from studies.arena.collected.rule import STEPS
 from studies.arena.collected.splits import TEST, TUNE, split_of
 from studies.arena.ranking import board
@@ -60,7 +61,7 @@ def test_the_card_counts_what_the_manifests_have() -> None:
     assert f"{len(kept)} problems without friction" in card
     assert dataset.identity() in card
     assert "$" not in card
-    tuned = int((kept["split"] == TUNE).sum() + (dataset.FRICTIONAL.manifest()["split"] == TUNE).sum())
+    tuned = int((kept["split"] == TUNE).sum() + (FRICTIONAL.manifest()["split"] == TUNE).sum())
     assert f"`tune` ({tuned} problems)" in card
 
 
