@@ -73,7 +73,7 @@ EXAMPLES = {
         "--update --owner 'A. Name' --reason 'new element' --date 2026-01-31",
         "--time before after",
     ),
-    "compare": ("before after --campaign quick", "before after --out change.html"),
+    "compare": ("before after --campaign quick --out change.html", "before after --use my_measure.py"),
     "card": (
         "my_algorithm.py --check --out card.md",
         "--of semismooth",

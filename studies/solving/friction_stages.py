@@ -110,6 +110,8 @@ class Stages:
         last = problem_at(stage.targets[-1])
         if last.surface is None and last.faces is None:
             return problem_at, start
+        if last.faces is not None and len(last.faces.parts) > 1:
+            raise UsageError(f"mu = {self._mu:g} must be 0 between {len(last.faces.parts)} pairs of faces: one may rub")
 
         def rubbed(t: float) -> ContactProblem:
             share, problem = stage.rubs(t), problem_at(t)

@@ -18,7 +18,7 @@ from studies.run.plan import planned
 from studies.run.scene_cells import LADDERS, ladder_cells
 from studies.run.source_hash import data_of, hashed
 from studies.scenes import SCENES
-from support.kinds import MANY_SURFACES, ON_QUADS
+from support.kinds import MANY_SURFACES, OF_SOLIDS, ON_QUADS
 
 
 def test_a_table_with_its_identity_is_not_made_again(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
     of_the_solid = {cell.scene for cell in LISTS["solid"].cells()}
     # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes; the
     # errors of manufactured scenes are known, their orders a table of their own
-    others = {"panel", "manufactured", "manufactured-contact"}
+    others = {"panel", "manufactured", "manufactured-contact", *OF_SOLIDS}
     of_the_experiment = {"crushed-ring", "crushed-ring-solid"}  # on four meshes of its own
     campaigns = {ladder.scene for ladder in LADDERS} | of_the_solid | of_the_experiment | others
     assert campaigns == set(SCENES) - ON_QUADS - MANY_SURFACES  # in no campaign

@@ -66,7 +66,7 @@ def test_a_drawn_value_is_one_that_its_setting_takes(seed: int, scene: str) -> N
 def test_every_kind_is_drawn_slender_grids_too_and_most_settings_are_changed_somewhere() -> None:
     """The values of a case do not depend on one another: what is drawn once stays as it is."""
     assert {kind_of(seed) for seed in range(60)} == set(KINDS)
-    asked = [asked_of(seed) for seed in range(500) if kind_of(seed) == "scene"]
+    asked = [asked_of(seed) for seed in range(12 * len(SCENES)) if kind_of(seed) == "scene"]
     keys = {key for each in asked if each.scene == "panel" for key in each.settings}
     assert len(keys) > 0.5 * len(SCENES["panel"].settings)
     grids = [[int(n) for n in each.options["mesh"].split("x")] for each in asked]
@@ -160,7 +160,7 @@ def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.Captu
 
 def test_friction_is_drawn_with_ways_that_turn_back() -> None:
     """By all algorithms, on all scenes with contact that are drawn, from next to none to infinite."""
-    asked = [first_asked(seed, FRICTION)[0] for seed in range(250)]
+    asked = [first_asked(seed, FRICTION)[0] for seed in range(10 * len(SCENES))]
     assert all("mu" in asked_of(seed, FRICTION).settings for seed in range(10))  # it is kept where a request is refused
     touching = {name for name, scene in SCENES.items() if has_contact(scene) and not isinstance(scene, OnQuads)}
     assert {each.scene for each in asked} == touching

@@ -41,7 +41,7 @@ set = { delta_mm = "0.5" }
 ONE = '[[cross]]\nname = "t"\n[cross.scenes.panel]\nmeshes = ["2x2"]\n'
 ANSWER = {"du": [0.1, 0.2], "pressure": [3.0], "claims": {"accuracy": 1e-9, "force": 1.5, "pressed": [0]}}
 DRAWS = range(40)
-LIVE = {"script", "img", "a", "svg", "iframe", "object", "embed", "form", "style", "link", "meta", "base"}
+LIVE = {"script", "img", "figure", "a", "svg", "iframe", "object", "embed", "form", "style", "link", "meta", "base"}
 Say = Callable[[], str]
 
 

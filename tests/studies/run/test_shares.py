@@ -9,9 +9,12 @@ from studies.ask.declarations import Ladder
 from studies.run.scene_cells import COMPARED, meshes_of, read_at, share_cells
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell, complete
-from support.kinds import MANY_SURFACES, ON_QUADS
+from support.kinds import MANY_SURFACES, OF_SOLIDS, ON_QUADS
 
-NO_REFERENCE, NO_SHELL = {"panel", "manufactured", "manufactured-contact"}, {"tyre-solid", "crushed-ring-solid"}
+NO_REFERENCE, NO_SHELL = (
+    {"panel", "manufactured", "manufactured-contact"},
+    {"tyre-solid", "crushed-ring-solid", *OF_SOLIDS},
+)
 OWN_MESHES = "crushed-ring"  # of its error budget
 
 

@@ -239,6 +239,11 @@ def test_algorithms_agree_on_a_plate_that_is_dragged(name: str) -> None:
             assert mine[key] == pytest.approx(other[key], rel=1e-6, abs=1e-6)
 
 
+def test_friction_of_several_pairs_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"mu = 0\\.2 must be 0 between 2 pairs of faces"):
+        solve(*complete("stack", {"mu": 0.2}, "1x8"))
+
+
 def test_a_coefficient_of_zero_is_no_friction_to_the_last_digit() -> None:
     plain, zero = (solved("face-patch", "4x4", **settings).last for settings in ({}, {"mu": 0}))
     assert plain is not None
