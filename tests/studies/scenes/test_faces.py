@@ -240,7 +240,7 @@ def test_algorithms_agree_on_a_plate_that_is_dragged(name: str) -> None:
 
 
 def test_friction_of_several_pairs_is_refused() -> None:
-    with pytest.raises(UsageError, match=r"mu = 0\\.2 must be 0 between 2 pairs of faces"):
+    with pytest.raises(UsageError, match=r"mu = 0\.2 must be 0 between 2 pairs of faces"):
         solve(*complete("stack", {"mu": 0.2}, "1x8"))
 
 
