@@ -27,20 +27,8 @@ from studies.ask.declarations import CONTACT, Ladder, Sheet
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
-from studies.scenes.faces.model import (
-    DRAG,
-    OTHER,
-    PAIRING,
-    SLAVE,
-    SLAVES,
-    Bodies,
-    FacesModel,
-    Facing,
-    Meeting,
-    Placed,
-    Side,
-    of_second,
-)
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import DRAG, OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
 from studies.scenes.statics import loaded_shell
 
 E, NU, H, SIDE = 1000.0, 0.3, 2.0, 40.0  # MPa, -, mm, mm

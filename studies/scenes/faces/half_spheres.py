@@ -26,18 +26,8 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SLAVE,
-    SLAVES,
-    Bodies,
-    FacesModel,
-    Facing,
-    Placed,
-    Side,
-    of_second,
-)
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, of_second
 from studies.scenes.statics import loaded_shell
 
 E, NU, RADIUS = 1.0, 0.3, 10.0  # MPa, -, mm of the middle surface

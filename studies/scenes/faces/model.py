@@ -1,30 +1,28 @@
-"""Bodies whose faces meet: all of them as one system, block by block, and the pair that two of their faces make.
+"""The path of a scene whose faces meet, the settings that such scenes share, and what is read off their states.
 
-A body has a frame of its own, which is turned and shifted in space: one that is carried towards another one is the same
-body with another shift. What a gap is does not enter here, see :mod:`contact.faces.pair`.
+Bodies are in :mod:`studies.scenes.faces.bodies`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Self
 
 import numpy as np
-from scipy import sparse
 
-from contact.faces.pair import Pair, between
-from contact.faces.sampling import PAIRINGS, Sampling, at_nodes, mortar
+from contact.faces.pair import Pair
+from contact.faces.sampling import PAIRINGS, Sampling
 from contact.faces.several import Several
-from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised
+from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, Stage
-from studies.output.vtu import Layer, shell_layer, write_layers
-from studies.scenes.faces.bodies import Body
+from studies.output.vtu import write_layers
+from studies.scenes.faces.bodies import Bodies, Body, Placed, Side
 
 PAIRING = Setting.one_of(
     "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
@@ -49,141 +47,6 @@ DRAG = Setting(
 def of_second(count: int, request: Request) -> int:
     """Elements along a line of the second body, where the first has ``count``."""
     return max(1, round(count * request.number("other_elements") / 100))
-
-
-@dataclass(frozen=True, eq=False)
-class Placed:
-    """A shell in space: x = turn X + shift with its own coordinates X; turn (3, 3), shift (3,) [mm]."""
-
-    shell: ShellModel
-    turn: np.ndarray = field(default_factory=lambda: np.eye(3))
-    shift: np.ndarray = field(default_factory=lambda: np.zeros(3))
-
-    @property
-    def n_free(self) -> int:
-        """Number of unknowns."""
-        return self.shell.discretisation.n_free
-
-    @property
-    def conservative(self) -> bool:
-        """Whether :meth:`energy` is the potential of the residual."""
-        return self.shell.conservative
-
-    def linearise(self, u: np.ndarray, memory: object = None) -> Linearised:
-        """Residual and tangent at u (n,)."""
-        return self.shell.linearise(u, memory)
-
-    def residual(self, u: np.ndarray) -> np.ndarray:
-        """That of :meth:`linearise` alone."""
-        return self.shell.residual(u)
-
-    def energy(self, u: np.ndarray) -> float:
-        """Potential [N mm]."""
-        return self.shell.energy(u)
-
-    def face(self, face: int) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
-        """Positions (N, 3) at rest, displacements (3N, n), and patches (E, 4) turned outwards: 0 inner, 1 outer."""
-        body = self.shell.discretisation
-        every, quads = np.arange(body.grid.n_nodes), body.grid.elements
-        whole = sparse.kron(sparse.eye_array(len(every)), self.turn, format="csr")
-        inwards = body.left_handed() != (face == 0)
-        place = body.positions()[face] @ self.turn.T + self.shift
-        operator = sparse.csr_matrix(whole @ body.displacement_operator(every, face))
-        return place, operator, np.where(inwards[:, None], quads[:, ::-1], quads)
-
-    def areas(self, face: int) -> np.ndarray:
-        """Shares (N,) [mm^2] of the points in the area of a face."""
-        return self.shell.discretisation.nodal_areas(FACES[face])
-
-    def points_of(self, face: int) -> np.ndarray:
-        """Where the points of a face (N,) are among those of :meth:`layer`."""
-        n = self.shell.discretisation.grid.n_nodes
-        return np.arange(n) + face * n
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Which node of the grid each point of :meth:`layer` is."""
-        return np.tile(np.arange(self.shell.discretisation.grid.n_nodes), 2)
-
-    def layer(self, u: np.ndarray, pressure: np.ndarray) -> Layer:
-        """What a file has of it, with the pressure (2N,) [MPa] on both faces."""
-        return shell_layer(self.shell, u, pressure).placed(self.turn, self.shift)
-
-
-@dataclass(frozen=True, eq=False)
-class Side:
-    """A body by its number, its face, 0 inner or 1 outer, and its elements (k,) that may meet, all unless given."""
-
-    body: int
-    face: int
-    patches: slice | np.ndarray = field(default_factory=lambda: slice(None))
-
-
-@dataclass(frozen=True, eq=False)
-class Bodies:
-    """All bodies as one system: the unknowns one body after the other."""
-
-    parts: tuple[Body, ...]
-
-    @cached_property
-    def starts(self) -> np.ndarray:
-        """Where the unknowns of each begin, and the number of all (bodies + 1,)."""
-        return np.append(0, np.cumsum([each.n_free for each in self.parts]))
-
-    def split(self, u: np.ndarray) -> list[np.ndarray]:
-        """The unknowns of each."""
-        return np.split(u, self.starts[1:-1])
-
-    def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
-        """Residual, tangent and scale of all; the memory is a list of theirs."""
-        memories = memory if isinstance(memory, list) else [None] * len(self.parts)
-        each = zip(self.parts, self.split(u), memories, strict=True)
-        lins = [one.linearise(own, known) for one, own, known in each]
-        return Linearisation(
-            np.concatenate([lin.residual for lin in lins]),
-            sparse.csc_matrix(sparse.block_diag([lin.tangent for lin in lins], format="csc")),
-            max(lin.scale for lin in lins),
-            lambda du: [lin.remember(own) for lin, own in zip(lins, self.split(du), strict=True)],
-        )
-
-    def residual(self, u: np.ndarray) -> np.ndarray:
-        """That of :meth:`linearise` alone."""
-        return np.concatenate([one.residual(own) for one, own in zip(self.parts, self.split(u), strict=True)])
-
-    def energy(self, u: np.ndarray) -> float:
-        """The sum of all [N mm]."""
-        return sum(one.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
-
-    def pair(
-        self, slave: Side, master: Side, nodes: np.ndarray, pairing: str, sampling: Sampling | None = None
-    ) -> Pair:
-        """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch.
-
-        sampling: where the slave is looked at, by default as for bodies that are at rest where these are.
-        """
-        found = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
-        (x, moves, quads), _ = found[0]
-        (x_other, others, its), _ = found[1]
-        reference, n = np.vstack([x, x_other]), int(self.starts[-1])
-        columns = [sparse.csr_matrix((each.shape[0], n)) for each in (moves, others)]
-        placed = [
-            sparse.hstack([columns[k][:, : self.starts[body]], each, columns[k][:, self.starts[body + 1] :]])
-            for k, (each, body) in enumerate(((moves, slave.body), (others, master.body)))
-        ]
-        operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
-        if sampling is None and pairing == "nodes":
-            sampling = at_nodes(nodes, len(reference), self.parts[slave.body].areas(slave.face)[nodes])
-        elif sampling is None:
-            sampling = mortar(reference, quads[slave.patches], its, nodes)
-        return Pair(reference, operator, its, sampling, quads[slave.patches])
-
-    def against(self, pair: Pair | Several) -> ContactProblem:
-        """The contact problem of the pairs, with all that the judge may see.
-
-        The orders of elimination of the bodies are none of a pair, whose faces couple what each has last or first.
-        """
-        problem = replace(between(self.linearise, pair), residual=self.residual)
-        return replace(problem, energy=self.energy) if all(each.conservative for each in self.parts) else problem
 
 
 @dataclass(frozen=True, eq=False)

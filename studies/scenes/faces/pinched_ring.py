@@ -23,7 +23,8 @@ from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Set
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.ring import RADIUS, WIDTH, E
 from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
-from studies.scenes.faces.model import OTHER, PAIRING, Bodies, FacesModel, Facing, Placed, Side, of_second
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import OTHER, PAIRING, FacesModel, Facing, of_second
 from studies.scenes.statics import edge_forces, loaded_shell
 
 SIDE = np.pi / 2

@@ -31,19 +31,8 @@ from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SLAVE,
-    SLAVES,
-    Bodies,
-    FacesModel,
-    Facing,
-    Meeting,
-    Placed,
-    Side,
-    of_second,
-)
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
 from studies.scenes.faces.solids import PlacedSolid, towards_start
 from studies.scenes.statics import loaded_shell
 

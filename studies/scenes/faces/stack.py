@@ -25,17 +25,8 @@ from studies.scenes.contact.base import ON_RIM, RIM_LINES, contact_lines
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    Bodies,
-    FacesModel,
-    Facing,
-    Meeting,
-    Placed,
-    Side,
-    of_second,
-)
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import OTHER, PAIRING, FacesModel, Facing, Meeting, of_second
 from studies.scenes.faces.two_rings import FACING
 from studies.scenes.statics import loaded_shell
 

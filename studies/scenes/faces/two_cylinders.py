@@ -25,18 +25,8 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
 from studies.scenes.data import Row, references
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SLAVE,
-    SLAVES,
-    Bodies,
-    FacesModel,
-    Facing,
-    Meeting,
-    Side,
-    of_second,
-)
+from studies.scenes.faces.bodies import Bodies, Side
+from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
 from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
 
 RADIUS, WIDTH, E, NU = 100.0, 1.0, 1000.0, 0.3  # mm, mm, MPa

@@ -23,19 +23,8 @@ from studies.scenes.contact.base import ON_RIM, RIM_LINES, contact_lines
 from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS, WIDTH, E
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SLAVE,
-    SLAVES,
-    Bodies,
-    FacesModel,
-    Facing,
-    Meeting,
-    Placed,
-    Side,
-    of_second,
-)
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
 from studies.scenes.statics import loaded_shell
 
 FACING = np.diag([-1.0, 1.0, -1.0])  # half a turn about the second axis
