@@ -57,6 +57,7 @@ class TiedSolid:
     """
 
     solid: SolidModel
+    laminate: Laminate
     face: np.ndarray
     operator: sparse.csr_matrix
 
@@ -86,7 +87,7 @@ class TiedSolid:
         leading[np.unique(T.indices)] = True
         chosen = np.flatnonzero((~fixed & leading[:, None]).ravel())
         whole = sparse.csr_matrix(sparse.kron(T, sparse.eye_array(3), format="csr"))
-        return cls(SolidModel(body), face, sparse.csr_matrix(whole[body.free][:, chosen]))
+        return cls(SolidModel(body), laminate, face, sparse.csr_matrix(whole[body.free][:, chosen]))
 
     @property
     def n_free(self) -> int:

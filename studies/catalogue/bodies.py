@@ -17,6 +17,7 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
+from formulations.solid.ties import TiedSolid
 from studies.ask.request import Request
 from studies.ask.scene import Scene, SceneModel
 from studies.catalogue.words import arrows, middle_of
@@ -28,6 +29,8 @@ from studies.scenes.complete import Cell
 from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
+from studies.scenes.faces.model import FacesModel
+from studies.scenes.faces.solids import PlacedSolid
 from studies.scenes.manufactured.scene import ManufacturedModel, carrying
 from studies.scenes.tyre.model import checked_wall
 from studies.scenes.tyre.press import PressedTyre
@@ -66,6 +69,8 @@ class Built:
             return self.body.discretisation.laminate
         if isinstance(self.model, SolidRingModel):
             return crushed_ring.ring(self.request)[1]
+        if (solid := _first_solid(self.model)) is not None:
+            return solid.laminate
         return checked_wall(self.request.settings)[0] if isinstance(self.model, PressedTyre) else None
 
 
@@ -87,11 +92,21 @@ def _body(model: SceneModel) -> ShellModel | SolidDiscretisation | None:
         return (model.body_at or model.shell.scaled)(1.0 if model.key == "load_fraction" else model.targets[-1])
     if isinstance(model, ManufacturedModel):
         return carrying(model.shell, model.exact_at(1.0), model.loaded)
+    if (first := _first_solid(model)) is not None:
+        return first.solid.discretisation
     body = getattr(model, "shell", None) or getattr(model, "body", None)
     if isinstance(body, ShellModel):
         return body
     solid = getattr(body, "discretisation", None)
     return solid if isinstance(solid, SolidDiscretisation) else None
+
+
+def _first_solid(model: SceneModel) -> TiedSolid | None:
+    """Of bodies whose faces meet, where none is a shell."""
+    if not isinstance(model, FacesModel) or hasattr(model, "shell"):
+        return None
+    first = model.bodies_at(model.targets[-1]).parts[0]
+    return first.solid if isinstance(first, PlacedSolid) else None
 
 
 def _foundation(model: SceneModel, request: Request) -> object | None:

@@ -175,7 +175,7 @@ def _facts(built: Built) -> Iterator[tuple[str, str, str]]:
     if built.foundation is not None:
         yield "Contact", "foundation", obstacle(built.foundation)
     if isinstance(built.model, FacesModel):
-        yield "Contact", "faces", f"{built.model.said}; both deform, without friction"
+        yield "Contact", "faces", f"{built.model.said}; both deform"
 
 
 def _shell_facts(shell: ShellModel, *, by_share: bool) -> Iterator[tuple[str, str, str]]:
