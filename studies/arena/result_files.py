@@ -23,7 +23,7 @@ Told = Mapping[str, Any]
 
 
 def read_all(folder: Path) -> list[Result]:
-    """All results of a folder, by the name of their file; raises UsageError naming the file that is none."""
+    """All results of a folder, by the name of their file; raises UsageError naming the invalid file."""
     if not folder.is_dir():
         raise UsageError(f"{folder} is no folder of results")
     found = [read_result(path) for path in sorted(folder.glob("*.json"))]
