@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,18 +25,15 @@ from studies.commands.options import (
     pairs,
     progress_line,
 )
-from studies.output.atomic import Table, write_by
-from studies.output.terminal import columns
+from studies.commands.terminal import print_rounds, print_table, references
+from studies.output.atomic import write_by
 from studies.scenes.complete import complete
-from studies.scenes.references import STEP_KEYS, closest
 from studies.solving.refinement import mesh_error
-from studies.solving.result import UNSTABLE, WRONG, Result, Step
+from studies.solving.result import WRONG, Result
 from studies.solving.solve import Interrupted, word
 
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 GRADIENT_HELP = "derivatives of a quantity, as force_N or force_N:p0_MPa,gamma_deg; by default with all settings"
-MANY = 10**6
-COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
 def add_solve(parser: argparse.ArgumentParser) -> None:
@@ -76,6 +73,7 @@ def run_solve(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     scene, request, wanted = _asked(options)
     _check_places(options, scene)
+    derived = _derived(options, scene, request)
     look_ahead(options, scene, request)
     stop: BaseException | None = None
     with progress_line(bound_of(options)) as tell, limited(options):
@@ -87,7 +85,7 @@ def _run(options: argparse.Namespace) -> int:
             print(f"footprint: {word(stopped)} before the grid that is asked for; nothing is written", file=sys.stderr)
             return code_of(stopped)
         try:
-            step_lines = _beside(options, scene, result, tell) if stop is None else []
+            step_lines = _beside(options, scene, result, derived, tell) if stop is None else []
         except KeyboardInterrupt as stopped:
             step_lines, stop = [f"{word(stopped)}: no error of load steps, no derivatives"], stopped
     if result.unsupported:
@@ -101,8 +99,8 @@ def _run(options: argparse.Namespace) -> int:
         if result.frozen is None:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
-    _print_table(result)
-    for line in (*mesh_error.lines(result), *_references(result), *step_lines):
+    print_table(result)
+    for line in (*mesh_error.lines(result), *references(result), *step_lines):
         print(line)
     for line in branched:
         print(line)
@@ -111,7 +109,7 @@ def _run(options: argparse.Namespace) -> int:
     if not result.outcome.converged:
         return _say_why(result, stop)
     if wanted is not None and "refinement" in result.tables:
-        _print_rounds(result)
+        print_rounds(result)
     if stop is not None:
         return code_of(stop)
     return OK if enough else NOT_CONVERGED
@@ -189,10 +187,29 @@ def _solved(
     return mesh_error.solve_with_error(scene, request, tell, start=options.start, error=asked_for), True
 
 
-def _beside(options: argparse.Namespace, scene: Scene, result: Result, tell: Callable[[str], None]) -> list[str]:
+def _derived(options: argparse.Namespace, scene: Scene, request: Request) -> list[tuple[str, tuple[str, ...]]]:
+    """Quantities and settings of --gradient; raises UsageError for a setting without derivative, before any solve."""
+    if not options.gradient:
+        if options.check_gradient:
+            raise UsageError("--check-gradient judges --gradient: give both")
+        return []
+    from studies.solving.derivatives import gradient  # loaded with derivatives alone
+
+    return [gradient.parse_gradient(text, scene, request) for text in options.gradient]
+
+
+def _beside(
+    options: argparse.Namespace,
+    scene: Scene,
+    result: Result,
+    derived: Sequence[tuple[str, tuple[str, ...]]],
+    tell: Callable[[str], None],
+) -> list[str]:
     """The error of load steps and derivatives, as far as they are asked for; what there is to print of them."""
     said = [] if options.no_step_error else _step_error(result, tell)
-    return said + _gradients(options, scene, result, tell)
+    if derived and result.outcome.converged:
+        said += _gradients(options, scene, result, derived, tell)
+    return said
 
 
 def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
@@ -205,20 +222,19 @@ def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
     return load_steps.lines(result)
 
 
-def _gradients(options: argparse.Namespace, scene: Scene, result: Result, tell: Callable[[str], None]) -> list[str]:
+def _gradients(
+    options: argparse.Namespace,
+    scene: Scene,
+    result: Result,
+    derived: Sequence[tuple[str, tuple[str, ...]]],
+    tell: Callable[[str], None],
+) -> list[str]:
     """Derivatives into the result, judged where that is asked for; what there is to print of them."""
-    if not options.gradient:
-        if options.check_gradient:
-            raise UsageError("--check-gradient judges --gradient: give both")
-        return []
     from studies.solving.derivatives import gradient  # loaded with derivatives alone
 
-    if not result.outcome.converged:
-        return []
-    asked = [gradient.parse_gradient(text, scene, result.request) for text in options.gradient]
-    found = gradient.of_quantities(scene, result, asked, tell)
+    found = gradient.of_quantities(scene, result, derived, tell)
     gradient.record(result, found)
-    said = [line for quantity, _ in asked for line in gradient.lines(found, quantity)]
+    said = [line for quantity, _ in derived for line in gradient.lines(found, quantity)]
     if options.check_gradient:
         from studies.solving.derivatives import taylor
 
@@ -226,76 +242,3 @@ def _gradients(options: argparse.Namespace, scene: Scene, result: Result, tell: 
         taylor.record(result, checked)
         said += taylor.lines(checked)
     return said
-
-
-def _print_table(result: Result) -> None:
-    """The loads that were reached, one line each, what fits a terminal."""
-    if result.loads:
-        rows = [_row(step) for step in result.loads]
-        if result.verdict == WRONG:  # the last load, at which the path ends
-            rows = [row | {"judge": ""} for row in rows[:-1]] + [rows[-1] | {"judge": WRONG}]
-        _print_columns(Table.of_rows(rows))
-    if result.request.model_reason:
-        print(f"model {result.request.model}: {result.request.model_reason}")
-    spent = [f"{_count(value)} {name.replace('_', ' ')}" for name, value in result.counters.items()]
-    coarser = result.timing.get(mesh_error.COARSER)
-    more = "" if coarser is None else f" and {coarser:.2g} s on coarser grids"
-    counters = ", ".join([*spent, f"{result.timing['total']:.3g} s{more}"])
-    unstable = ", unstable" if result.verdict == UNSTABLE else ""
-    print(f"{result.as_json()['outcome']}{unstable}: {counters}")
-    for sentence in (*result.unstable, *result.notes):
-        print(sentence)
-
-
-def _count(value: float) -> str:
-    """Whole, or to three digits where nobody reads the others."""
-    return f"{value:.3g}" if value >= MANY else str(value)
-
-
-def _references(result: Result) -> Iterator[str]:
-    """What is known of the quantities of the last load from elsewhere, and by how much they differ."""
-    if not result.loads:
-        return
-    request, seen = result.request, result.loads[-1].seen
-    there = {**request.settings, "measure": request.measure, **{key: seen[key] for key in STEP_KEYS if key in seen}}
-    for quantity, known in closest(request.scene, there, seen).items():
-        off = 100 * (seen[quantity] / known.value - 1)
-        where = f"{quantity} {known.value:.6g} +- {100 * known.uncertainty:.2g} % ({known.kind}: {known.source})"
-        yield f"reference {where}; this value differs by {off:+.2g} %"
-
-
-def _row(step: Step) -> dict[str, object]:
-    """What is seen at a load, what it took, and how many eigenvalues are negative, - where they are not counted."""
-    row = step.seen | {key: step.counters[key] for key in COUNTED if key in step.counters}
-    if "stability" in step.certificate:
-        negative = step.certificate["stability"]["negative"]
-        row["negative"] = "-" if negative is None else negative
-    return row
-
-
-def _print_rounds(result: Result) -> None:
-    """The rounds of refinement, the limit, and what the value on the last grid is off."""
-    seen, rounds = result.quantities, result.table("refinement")
-    _print_columns(rounds)
-    if "uncertainty" not in seen:
-        print(result.reason)
-        return
-    if "loads" in result.tables:
-        _print_columns(result.table("loads"))
-    name = str(rounds.columns["quantity"][0])
-    print(f"{name} = {seen[f'extrapolated_{name}']:.6g} +- {100 * seen['uncertainty']:.2g} %")
-    low, high = (100 * seen[key] for key in ("error_low", "error_high"))
-    print(f"on the last grid {seen[name]:.6g}, off by {low:.2g} to {high:.2g} %")
-    if result.reason:
-        print(result.reason)
-
-
-def _print_columns(table: Table) -> None:
-    """Numbers to six digits, flush right."""
-    names = list(table.columns)
-    shown = (map(_shown, row.values()) for row in table.rows())
-    print("\n".join(columns([names, *map(list, shown)], right=range(len(names)))))
-
-
-def _shown(value: object) -> str:
-    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -18,6 +18,7 @@ from studies.scenes.complete import complete
 from studies.solving.derivatives import beside, gradient, sides, taylor
 from studies.solving.derivatives.gradient import Derivative
 from studies.solving.derivatives.sides import Passed, Side
+from studies.solving.refinement import mesh_error
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -93,20 +94,27 @@ def test_the_judge_confirms_what_is_right() -> None:
     assert len(taylor.lines(checked)) == 1
 
 
-def test_what_has_no_derivative_is_refused(tmp_path, capsys) -> None:
-    command = ["solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error", "--out", str(tmp_path / "o")]
+COARSE = ("solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error")
+
+
+def test_what_has_no_derivative_is_refused_before_anything_is_solved(tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(mesh_error, "solve_with_error", lambda *given, **options: pytest.fail("solved"))
     for asked, said in (
-        ("force_N:plies", "plies is not continuous"),
-        ("force_N:E_MPa", "E_MPa has no value here"),
-        ("force_N:colour", "colour is no setting of tyre"),
-        ("weight:p0_MPa", "there is no such quantity"),
-        (":p0_MPa", "must be QUANTITY"),
+        (("--gradient", "force_N:plies"), "plies is not continuous"),
+        (("--gradient", "force_N:E_MPa"), "E_MPa has no value here"),
+        (("--gradient", "force_N:colour"), "colour is no setting of tyre"),
+        (("--gradient", ":p0_MPa"), "must be QUANTITY"),
+        (("--check-gradient",), "give both"),
     ):
-        assert main([*command, "--gradient", asked]) == 2
+        assert main([*COARSE, *asked, "--out", str(tmp_path / "o")]) == 2
         assert said in capsys.readouterr().err
         assert not (tmp_path / "o").exists()
-    assert main([*command, "--check-gradient"]) == 2
-    assert "give both" in capsys.readouterr().err
+
+
+def test_a_quantity_that_is_not_read_has_no_derivative(tmp_path, capsys) -> None:
+    assert main([*COARSE, "--gradient", "weight:p0_MPa", "--out", str(tmp_path / "o")]) == 2
+    assert "there is no such quantity" in capsys.readouterr().err
+    assert not (tmp_path / "o").exists()
 
 
 def test_the_command_writes_what_the_notebook_says(tmp_path, capsys) -> None:
