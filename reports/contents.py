@@ -16,6 +16,7 @@ from reports.chapters import (
     cost,
     data,
     extremes,
+    faces,
     friction,
     gallery,
     invariance,
@@ -29,7 +30,7 @@ from reports.chapters import (
 GROUPS = {
     "Answers": (measures, shell_limits, what_if, claims),
     "Verification": (tyre, convergence, invariance),
-    "Contact": (algorithms, friction, extremes),
+    "Contact": (algorithms, friction, faces, extremes),
     "Cost": (cost, programs),
     "Catalogue": (gallery, data),
 }

@@ -65,7 +65,7 @@ def problem_of(
         return _tyre(scene, request, model, through)
     if isinstance(model, SolidRingModel):
         return _ring(scene, request, model)
-    raise UsageError(f"scene {name!r} cannot be exported: its loads or its model are none that a deck has")
+    raise UsageError(f"scene {name!r} cannot be exported: a deck has one body, under loads or on a plane")
 
 
 def _of_shell(scene: Scene, request: Request, shell: ShellModel, through: int) -> tuple[Body[ShellModel], SceneModel]:

@@ -231,6 +231,10 @@ LISTS: dict[str, CellList] = {
     ),
     "faults": CellList("After how many random cases planted faults are found (a table)", tables=("fuzz_faults",)),
     "arena": CellList("The collection of frozen contact problems (tables)", tables=("problems", "problems_left_out")),
+    "faces": CellList(
+        "Two faces that meet: pairings, slaves, algorithms, cost (tables)",
+        tables=("faces", "faces_algorithms", "faces_cost"),
+    ),
     "friction": CellList(
         "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
         tables=(

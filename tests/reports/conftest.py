@@ -39,6 +39,7 @@ from studies.scenes.complete import complete as resolve
 from studies.scenes.data import DATA
 from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
+from support.stores.faces import made_up_faces
 from support.stores.friction import made_up_friction
 from support.stores.made_up import linked, said_again
 from support.stores.manufactured import (
@@ -361,6 +362,7 @@ def write_tables(directory: Path) -> None:
         "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
         **made_up_arena(),
         **made_up_what_if(),
+        **made_up_faces(),
         **made_up_friction(),
         "symmetry": symmetry_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

@@ -1,0 +1,103 @@
+"""The page of two deformable faces: pairings and slaves beside known values, algorithms, what an iteration costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from reports.chapter import chapter
+from reports.figures.drawing import canvas, legend_above, look, svg, ticks
+from reports.formats import NOTHING, code, quantity, scientific, share
+from reports.markdown import Part, Template, by_name, commands, table
+from reports.store import Store
+
+TEXT = Template("faces")
+TABLES = ("faces", "faces_algorithms", "faces_cost")
+KINDS = (("mortar", "first"), ("mortar", "second"), ("nodes", "first"), ("nodes", "second"))
+SOLVED = ("converged", "unstable")
+COLUMNS = 4
+
+
+def faces_page(store: Store) -> Part:
+    """The whole page."""
+    found, run, cost = map(store.table, TABLES)
+    found = found.assign(solved=found["outcome"].isin(SOLVED))
+    requests = found.drop_duplicates("command")
+    told: dict[str, Any] = {
+        "meshes": int(found.groupby("problem")["mesh"].nunique().max()),
+        "errors": list(_errors(found)),
+        "asked": int((requests["pairing"] == "mortar").sum()),
+        "odd": requests[~requests["solved"]],
+        "commands": commands(requests["command"]),
+        **{each: int(requests.loc[requests["pairing"] == each, "solved"].sum()) for each in ("mortar", "nodes")},
+    }
+    names = list(dict.fromkeys(run["algorithm"]))
+    rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
+    told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
+    told["failed"] = run[~run["outcome"].isin(SOLVED)]
+    return TEXT("page", {"faces.svg": errors(found)}, **told, costs=list(_costs(cost)))
+
+
+def _errors(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """A row a problem and quantity: the error on the finest mesh and its order, by pairing and slave."""
+    for (problem, name), own in found.groupby(["problem", "quantity"], sort=False):
+        row = {"problem": problem, "quantity": name, "mesh": own["mesh"].iloc[-1]}
+        row["known"] = share(own["known"].iloc[0]) if own["known"].iloc[0] else NOTHING
+        for pairing, slave in KINDS:
+            mine = own[(own["pairing"] == pairing) & (own["slave"] == slave)]
+            row[f"{pairing}_{slave}"] = _error(mine) if len(mine) else NOTHING
+        yield row
+
+
+def _error(mine: pd.DataFrame) -> str:
+    """Of the last mesh, with the order since the first; what rounding leaves has no order."""
+    first, last = mine["error"].abs().iloc[0], mine["error"].iloc[-1]
+    if not mine["solved"].iloc[-1]:
+        return str(mine["outcome"].iloc[-1])
+    if abs(last) < 1e-9:
+        return scientific(last)
+    halvings = len(mine) - 1
+    order = f" ({math.log2(first / abs(last)) / halvings:.1f})" if mine["solved"].iloc[0] else ""
+    return share(last) + order
+
+
+def _cell(row: dict[str, Any]) -> str:
+    if row["outcome"] not in SOLVED:
+        return str(row["outcome"])
+    return f"{scientific(row['force_error'])} ({row['iterations']:.0f})"
+
+
+def _costs(cost: pd.DataFrame) -> Iterator[dict[str, float]]:
+    """A row a size: that of the ring on a plane comes first."""
+    plane, *others = (own for _, own in cost.groupby("pairing", sort=False))
+    for row in plane.to_dict("records"):
+        ratios = {own["pairing"].iloc[0]: own.loc[own["size"] == row["size"], "ratio"].iloc[0] for own in others}
+        yield {"unknowns": row["unknowns"], "plane": 1e3 * row["cpu_s"], **ratios}
+
+
+@svg
+def errors(found: pd.DataFrame) -> Figure:
+    """A panel a problem and quantity, errors over elements along a face; none of requests without an answer."""
+    solved = found[found["outcome"].isin(SOLVED)]
+    groups = list(solved.groupby(["problem", "quantity"], sort=False))
+    figure, panels = canvas(len(groups), COLUMNS, width=11.0, height=2.3, head=0.4)
+    for axes, ((problem, name), own) in zip(panels, groups, strict=True):
+        for number, (pairing, slave) in enumerate(KINDS):
+            mine = own[(own["pairing"] == pairing) & (own["slave"] == slave)]
+            elements = mine["mesh"].str.split("x").str[-1].astype(int)
+            axes.loglog(elements, mine["error"].abs(), label=f"{pairing}, {slave} is the slave", **look(number).whole)
+        ticks(axes, sorted(own["mesh"].str.split("x").str[-1].astype(int).unique()))
+        axes.set(title=f"{problem}\n{quantity(str(name))}", xlabel="elements")
+    legend_above(figure, panels[0])
+    return figure
+
+
+CHAPTER = chapter(
+    TEXT,
+    faces_page,
+    needs=TABLES,
+)

@@ -1,0 +1,186 @@
+"""Two faces that meet: pairings and masters beside known values, the six algorithms, and what an iteration costs.
+
+Every problem is solved by both pairings with either body as slave, on meshes that do not match; what the answers differ
+by is the bias of the pairing. References are closed forms, or the same body on a rigid plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+import pandas as pd
+
+from contact.catalogue import ALGORITHMS, is_exact
+from contact.faces.sampling import PAIRINGS
+from studies.experiments import Row, tabulated
+from studies.scenes.closed_forms.contact import flattened_ring, pressed_cylinders
+from studies.scenes.complete import Cell
+from studies.scenes.contact.ring import RADIUS
+from studies.scenes.faces import two_cylinders
+from studies.scenes.faces.model import SLAVES
+from studies.solving.result import Result
+from studies.solving.solve import solve
+
+DELTA = 50.0  # mm, of rings
+TRAVEL = 0.025  # mm, of solid cylinders: the contact is 0.0095 of the radius wide
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A scene of two faces with what is read of it.
+
+    meshes: coarse to fine.  exact: value by quantity; None where it is the same body on a plane, by ``beside`` on the
+    last of the meshes doubled.  known: relative, to which the model of the reference is that of the scene.
+    slaves: of one with itself there is no other.
+    """
+
+    scene: str
+    settings: Mapping[str, str]
+    meshes: tuple[str, ...]
+    exact: Mapping[str, float]
+    known: float
+    slaves: tuple[str, ...] = SLAVES
+    beside: Mapping[str, str] = field(default_factory=dict)
+
+
+def _rings() -> dict[str, float]:
+    return {"P_R2_over_EI": flattened_ring(1 - DELTA / RADIUS)[0]}
+
+
+def _cylinders(ratio: float) -> dict[str, float]:
+    moduli = tuple(each * two_cylinders.E / (1 - two_cylinders.NU**2) for each in (1.0, ratio))
+    force = pressed_cylinders(2 * TRAVEL, two_cylinders.RADIUS, (moduli[0], moduli[1]))[0]
+    over = force / two_cylinders.E / two_cylinders.RADIUS
+    return {"P_over_ER": over, "peak_over_hertz": 1.0, "half_width_over_hertz": 1.0}
+
+
+RING_MESHES, SOLID_MESHES, PATCH_MESHES = ("1x20", "1x40", "1x80"), ("1x8", "1x16", "1x32"), ("2x2", "4x4", "8x8")
+PROBLEMS: dict[str, Problem] = {
+    "two rings": Problem("two-rings", {"delta_mm": "50"}, RING_MESHES, _rings(), 3e-4),
+    "three rings": Problem("stack", {"delta_mm": "50"}, ("1x10", "1x20", "1x40"), _rings(), 3e-4, SLAVES[:1]),
+    "ring on itself": Problem(
+        "pinched-ring",
+        {"F_R2_over_EI": "8"},
+        ("1x24", "1x48", "1x96"),
+        {"contact_R2_over_EI": np.nan},
+        0.0,
+        SLAVES[:1],
+        {"against": "plane"},
+    ),
+    "solid cylinders, E alike": Problem("two-cylinders", {"delta_mm": f"{TRAVEL}"}, SOLID_MESHES, _cylinders(1), 1e-2),
+    "solid cylinders, the second 10 times stiffer": Problem(
+        "two-cylinders", {"delta_mm": f"{TRAVEL}", "E_ratio": "10"}, SOLID_MESHES, _cylinders(10), 1e-2
+    ),
+    "patch test, flat": Problem("face-patch", {}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
+    "patch test, curved": Problem("face-patch", {"shape": "curved"}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
+}
+
+
+def faces_table() -> pd.DataFrame:
+    """A row a problem, mesh, pairing, slave and quantity: its value and its error, relative unless the reference is 0.
+
+    finest: whether no mesh of the problem is finer.  bias: by how much the errors of both slaves differ.
+    """
+    table = pd.DataFrame(list(_read()))
+    errors = table.groupby(["problem", "mesh", "pairing", "quantity"], sort=False)["error"]
+    return table.assign(bias=(errors.transform("max") - errors.transform("min")).where(errors.transform("count") > 1))
+
+
+def _read() -> Iterator[Row]:
+    for name, problem in PROBLEMS.items():
+        exact = _beside(problem) if problem.beside else problem.exact
+        for mesh, pairing, slave in product(problem.meshes, PAIRINGS, problem.slaves):
+            chosen = {"pairing": pairing} | ({"slave": slave} if len(problem.slaves) > 1 else {})
+            command, result = _solved(Cell("", problem.scene, {"mesh": mesh}, {**problem.settings, **chosen}))
+            shared = {"problem": name, "scene": problem.scene, "mesh": mesh, "pairing": pairing, "slave": slave}
+            ended = {"outcome": result.verdict, "reason": result.reason, "command": command}
+            spent = {"iterations": result.counters.get("newton_iterations", 0), "unknowns": result.counters["dofs"]}
+            for quantity, reference in exact.items():
+                value = result.quantities.get(quantity, np.nan)
+                found = {"quantity": quantity, "value": value, "reference": reference}
+                found["error"] = value / reference - 1 if reference else value
+                known = {"known": problem.known, "finest": mesh == problem.meshes[-1]}
+                yield {**shared, **found, **known, **spent, "cpu_s": result.timing["cpu"], **ended}
+
+
+def _beside(problem: Problem) -> dict[str, float]:
+    """What the same body on a plane has, on a mesh twice as fine as the finest."""
+    finest = "x".join(str(2 * int(n)) if int(n) > 1 else n for n in problem.meshes[-1].split("x"))
+    _, plain = _solved(Cell("", problem.scene, {"mesh": finest}, {**problem.settings, **problem.beside}))
+    return {key: plain.quantities[key] for key in problem.exact}
+
+
+def _solved(cell: Cell) -> tuple[str, Result]:
+    return cell.command, solve(*cell.resolved())
+
+
+TOLERANCE, AGREED = "1e-11", 1e-8  # of the residual; of the largest force
+CASES: dict[str, tuple[str, str, Mapping[str, str]]] = {
+    "two rings": ("two-rings", "1x16", {"delta_mm": "10,50"}),
+    "ring on itself": ("pinched-ring", "1x24", {"F_R2_over_EI": "6,8"}),
+    "three rings": ("stack", "1x16", {"delta_mm": "10,50"}),
+    "half-spheres": ("half-spheres", "20x1", {}),
+    "patch test, curved": ("face-patch", "4x4", {"shape": "curved"}),
+    "solid cylinders": ("two-cylinders", "1x8", {"delta_mm": "0.01,0.025"}),
+    "solid ring on a layer": ("ring-on-layer", "1x12", {}),
+    "plate dragged, mu = 0.3": ("face-patch", "4x4", {"drag_mm": "0.05,1,-1", "mu": "0.3"}),
+    "two rings, mu = 0.3": ("two-rings", "1x16", {"delta_mm": "10,50", "mu": "0.3"}),
+}
+
+
+@tabulated
+def algorithms_table() -> Iterator[Row]:
+    """A row a case and algorithm, beside semismooth's: largest difference of a candidate's force over the largest."""
+    for case, (scene, mesh, settings) in CASES.items():
+        first: Result | None = None
+        for name in sorted(ALGORITHMS, key=lambda each: each != "semismooth"):
+            given = {**settings, "tolerance": TOLERANCE} | ({"epsilon": "inf"} if is_exact(name) else {})
+            command, found = _solved(Cell("", scene, {"mesh": mesh, "contact": name}, given))
+            first = first or found
+            yield {
+                "case": case,
+                "algorithm": name,
+                "outcome": found.verdict,
+                "reason": found.reason or found.unsupported,
+                "loads": len(found.steps),
+                "judged": sum(not step["failures"] for step in found.steps),
+                "force_error": _apart(found, first),
+                "iterations": found.counters.get("newton_iterations", 0),
+                "command": command,
+            }
+
+
+def _apart(one: Result, other: Result) -> float:
+    """Largest difference of a pressure at the end over the largest there; NaN where one has no end."""
+    if one.last is None or other.last is None or one.verdict != other.verdict:
+        return np.nan
+    return float(np.max(np.abs(one.last.pressure - other.last.pressure)) / np.max(other.last.pressure))
+
+
+REPEATS = 3
+COSTED: dict[str, tuple[str, ...]] = {"ring": ("1x80", "1x160"), "two-rings": ("1x40", "1x80")}  # of as many unknowns
+KINDS: tuple[tuple[str, dict[str, str]], ...] = (("ring", {}), *(("two-rings", {"pairing": each}) for each in PAIRINGS))
+
+
+@tabulated
+def cost_table() -> Iterator[Row]:
+    """CPU seconds an iteration of two rings, by pairing, over those of one ring of as many unknowns on a plane.
+
+    The least of REPEATS, in turn, so that a machine that slows down slows all.  size: a row of each kind has the same.
+    """
+    for size in range(len(COSTED["ring"])):
+        cells = [Cell("", scene, {"mesh": COSTED[scene][size]}, {"delta_mm": "50", **own}) for scene, own in KINDS]
+        runs = [[_an_iteration(cell) for cell in cells] for _ in range(REPEATS)]
+        least = np.min([[cpu for cpu, _ in run] for run in runs], axis=0)
+        for (scene, own), (_, unknowns), cpu in zip(KINDS, runs[0], least, strict=True):
+            pairing = own.get("pairing", "rigid plane")
+            found = {"size": size, "unknowns": unknowns, "cpu_s": cpu, "ratio": cpu / least[0]}
+            yield {"scene": scene, "pairing": pairing, **found}
+
+
+def _an_iteration(cell: Cell) -> tuple[float, float]:
+    _, result = _solved(cell)
+    return result.timing["cpu"] / result.counters["newton_iterations"], result.counters["dofs"]

@@ -1,0 +1,40 @@
+"""The page of two faces: errors with their orders, requests without an answer, algorithms and costs."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+from reports.chapters.faces import errors, faces_page
+from support.stores.faces import LOST, MESHES, made_up_faces, pairings
+
+
+def page() -> str:
+    made = made_up_faces()
+    return str(faces_page(SimpleNamespace(table=made.__getitem__)))
+
+
+def test_an_error_stands_with_its_order_and_a_dash_where_there_is_one_slave_only() -> None:
+    said = page()
+    finest = f"1x{MESHES[-1]}"
+    assert f"| two rings | `P_over_ER` | {finest} | 0.03 % | 0.10 % (2.0) | -0.10 % (2.0) | cap-hit | cap-hit |" in said
+    assert f"| ring on itself | `P_over_ER` | {finest} | 0.03 % | 0.10 % (2.0) | – | 3.12 % (1.0) | – |" in said
+
+
+def test_requests_without_an_answer_are_counted_and_listed() -> None:
+    said = page()
+    assert "Of 9 requests a pairing, 9 converged with `mortar` and 7 with `nodes`" in said
+    assert said.count("| cap-hit | it is made up |") == 2
+    assert "| two rings | `qp` | 2 | unsupported | made up |" in said
+
+
+def test_algorithms_and_costs_are_beside_what_they_are_compared_with() -> None:
+    said = page()
+    assert "| ring on itself | 0 (10) | 1.0e-12 (10) | 1.0e-03 (10) |" in said
+    assert "| 1280 | 40 | 1.00 | 1.50 |" in said
+
+
+def test_a_panel_is_drawn_for_each_quantity_and_no_point_of_what_failed() -> None:
+    drawn = errors(pairings())()
+    assert drawn.count("axes_2") == 1
+    assert "axes_3" not in drawn
+    assert LOST in pairings()["problem"].to_list()
