@@ -108,8 +108,9 @@ class Paired:
 
     @property
     def gap(self) -> np.ndarray:
-        """g (m,)."""
-        return np.asarray(self.pair.sampling.average @ self.near.gap)
+        """g (m,), zero where it is rounding of coordinates: that must not say who touches at rest."""
+        found = np.asarray(self.pair.sampling.average @ self.near.gap)
+        return np.where(np.abs(found) <= np.finfo(float).eps * self.pair.size, 0.0, found)
 
     @property
     def rows(self) -> sparse.csr_matrix:
@@ -130,38 +131,69 @@ class Paired:
         )
 
     def curvature(self, force: np.ndarray) -> sparse.csr_matrix:
-        """sum_i f_i d2g_i (3k, 3k) by the positions, of candidates' forces (m,)."""
-        on_points = self.pair.sampling.average.T @ force
-        kept = np.flatnonzero(on_points)  # the others would only fill the matrix with zeros
-        apart, slope = self._apart[kept], shape(self.near.xi)[1]
-        a, n, free = self.near.a[kept], self.near.direction[kept], self.near.free[kept]
-        t = _across(a, n, free)
-        parts = [_along(apart, a[..., i]) for i in (0, 1)]
-        parts += [_along(self._on_master(slope[..., i])[kept], n) for i in (0, 1)]
-        parts += [_along(apart, t[..., i]) for i in (0, 1)]
-        middle = on_points[kept, None, None] * self._middle(kept)
-        blocks = [[sparse.diags_array(middle[:, i, j]) for j in range(6)] for i in range(6)]
-        stacked = sparse.csr_matrix(sparse.vstack(parts))
-        return sparse.csr_matrix(stacked.T @ sparse.csr_matrix(sparse.block_array(blocks)) @ stacked)
+        """sum_i f_i d2g_i (3k, 3k) by the positions, of candidates' forces (m,).
+
+        Points of one patch before the same other one have their corners in common, and are summed before the matrix is.
+        """
+        near, sampling = self.near, self.pair.sampling
+        on_points = sampling.average.T @ force
+        kept = np.flatnonzero(on_points)
+        if not len(kept):
+            return sparse.csr_matrix((self.x.size, self.x.size))
+        both = sampling.patches[kept] * len(self.pair.master) + near.quad[kept]
+        _, first, group = np.unique(both, return_index=True, return_inverse=True)
+        kept, first, group = kept[np.argsort(group, kind="stable")], kept[first], np.sort(group)
+        J = self._local(kept)
+        bent = (on_points[kept, None, None] * self._middle(kept)) @ J
+        J, bent = (_padded(each, group) for each in (J, bent))
+        corners = np.column_stack([sampling.corners[0][first], self.pair.master[near.quad[first]]])
+        unknowns = (3 * corners[:, :, None] + np.arange(3)).reshape(len(first), -1)
+        blocks, width = np.swapaxes(J, 1, 2) @ bent, unknowns.shape[1]
+        places = np.repeat(unknowns, width, axis=1).ravel(), np.tile(unknowns, width).ravel()
+        return sparse.coo_matrix((blocks.ravel(), places), shape=(self.x.size, self.x.size)).tocsr()
+
+    def _local(self, kept: np.ndarray) -> np.ndarray:
+        """p_1, p_2, q_1, q_2 and, where one is beyond an edge, t_1 . v, t_2 . v (kept, 4 or 6, 3c).
+
+        By the positions of the c corners of both patches.
+        """
+        near, own = self.near, self.pair.sampling.corners[1][kept]
+        N, slope = shape(near.xi[kept])
+        a, n, free = near.a[kept], near.direction[kept], near.free[kept]
+        apart = np.column_stack([own, -N])[:, None, :, None]
+        found = np.zeros((len(kept), 4 if free.all() else 6, apart.shape[2], 3))
+        found[:, :2] = apart * np.swapaxes(a, 1, 2)[:, :, None]
+        found[:, 2:4, own.shape[1] :] = np.swapaxes(slope, 1, 2)[..., None] * n[:, None, None]
+        if not free.all():
+            found[:, 4:] = apart * np.swapaxes(_across(a, n, free), 1, 2)[:, :, None]
+        return found.reshape(*found.shape[:2], -1)
 
     def _middle(self, kept: np.ndarray) -> np.ndarray:
-        """d2gamma in (p_1, p_2, q_1, q_2, t_1 . v, t_2 . v), (kept, 6, 6)."""
+        """d2gamma in what :meth:`_local` has (kept, 4 or 6, 4 or 6)."""
         near = self.near
         a, g, free = near.a[kept], near.gap[kept], near.free[kept]
         both, whole = free[:, :, None] & free[:, None, :], free.all(axis=1)
-        m = np.where(both, np.einsum("pca,pcb->pab", a, a), np.eye(2))
-        corners = self.x[self.pair.master[near.quad[kept]]]
+        m = np.where(both, np.swapaxes(a, 1, 2) @ a, np.eye(2))
         b = np.zeros_like(m)
-        b[:, 0, 1] = b[:, 1, 0] = whole * np.einsum("pc,l,plc->p", near.direction[kept], twist(), corners)
-        across = np.linalg.inv(m - g[:, None, None] * b)
-        found = np.zeros((len(kept), 6, 6))
-        found[:, :2, :2] = -np.linalg.inv(m) @ b @ across
+        twisted = np.tensordot(twist(), self.x[self.pair.master[near.quad[kept]]], (0, 1))
+        b[:, 0, 1] = b[:, 1, 0] = whole * np.einsum("pc,pc->p", near.direction[kept], twisted)
+        across = _inverse(m - g[:, None, None] * b)
+        found = np.zeros((len(kept), *(4 if free.all() else 6,) * 2))
+        found[:, :2, :2] = -_inverse(m) @ b @ across
         found[:, :2, 2:4] = found[:, 2:4, :2] = -across * both
         found[:, 2:4, 2:4] = -g[:, None, None] * across * both
-        sharp = np.abs(g) > KINK * near.size[kept]
-        bent = np.divide(1.0, g, out=np.zeros_like(g), where=sharp)
-        found[:, 4, 4], found[:, 5, 5] = bent * ~whole, bent * ~free.any(axis=1)
+        if not free.all():
+            sharp = np.abs(g) > KINK * near.size[kept]
+            bent = np.divide(1.0, g, out=np.zeros_like(g), where=sharp)
+            found[:, 4, 4], found[:, 5, 5] = bent * ~whole, bent * ~free.any(axis=1)
         return found
+
+
+def _inverse(m: np.ndarray) -> np.ndarray:
+    """Of symmetric matrices (p, 2, 2)."""
+    adjugate = np.array([[1.0, -1.0], [-1.0, 1.0]]) * m
+    adjugate[:, [0, 1], [0, 1]] = m[:, [1, 0], [1, 0]]
+    return np.asarray(adjugate / (m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2)[:, None, None])
 
 
 def _along(values: sparse.csr_matrix, directions: np.ndarray) -> sparse.csr_matrix:
@@ -171,6 +203,15 @@ def _along(values: sparse.csr_matrix, directions: np.ndarray) -> sparse.csr_matr
     columns = 3 * values.indices[:, None] + np.arange(3)
     shape_ = (values.shape[0], 3 * values.shape[1])
     return sparse.csr_matrix((data.ravel(), columns.ravel(), 3 * values.indptr), shape=shape_)
+
+
+def _padded(rows: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Rows (p, i, j) of points in the order of their groups (p,) as (groups, i times points of the largest, j)."""
+    start = np.flatnonzero(np.diff(group, prepend=-1))
+    place = np.arange(len(group)) - start[group]
+    found = np.zeros((len(start), place.max() + 1, *rows.shape[1:]))
+    found[group, place] = rows
+    return found.reshape(len(start), -1, rows.shape[2])
 
 
 def _across(a: np.ndarray, n: np.ndarray, free: np.ndarray) -> np.ndarray:

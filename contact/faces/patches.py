@@ -19,7 +19,7 @@ def shape(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """N (p, 4) and dN/dxi (p, 4, 2) at xi (p, 2)."""
     one = 1 + xi[:, None, :] * CORNERS
     slope = CORNERS * one[..., ::-1] / 4
-    return one.prod(axis=-1) / 4, slope
+    return one[..., 0] * one[..., 1] / 4, slope
 
 
 def twist() -> np.ndarray:
@@ -33,40 +33,47 @@ def closest(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
     Newton on the coordinates that no bound holds, Gauss-Newton where the Hessian is not definite, steps halved until
     the distance falls. A patch may be so twisted that it has more than one minimum: it is sought from the middle.
     """
-    xi, todo = np.zeros((len(x), 2)), np.arange(len(x))
+    xi, todo = np.zeros((2, len(x))), np.arange(len(x))
+    from_middle, sides = _polynomial(x, corners)
     for _ in range(STEPS):
-        if not len(todo):
-            break
-        here, at, patch = xi[todo], x[todo], corners[todo]
-        off, a = _offset(here, at, patch)
-        slope = -np.einsum("pc,pca->pa", off, a)
-        metric = np.einsum("pca,pcb->pab", a, a)
-        hessian = metric.copy()
-        hessian[:, [0, 1], [1, 0]] -= np.einsum("pc,pc->p", off, np.einsum("l,plc->pc", twist(), patch))[:, None]
-        bad = np.linalg.det(hessian) <= 0.1 * np.linalg.det(metric)
-        hessian[bad] = metric[bad]
+        here = xi[:, todo]
+        off, a = _offset(here, from_middle, sides)
+        slope = -np.einsum("cp,acp->ap", off, a)
+        m1, m2 = np.einsum("acp,acp->ap", a, a)
+        mixed = np.einsum("cp,cp->p", a[0], a[1])
+        b = mixed - np.einsum("cp,cp->p", off, sides[2])
+        b = np.where(m1 * m2 - b**2 <= 0.1 * (m1 * m2 - mixed**2), mixed, b)
         held = (np.abs(here) >= 1) & (slope * here < 0)
-        slope = np.where(held, 0.0, slope)
-        hessian = np.where(held[:, :, None] | held[:, None, :], np.eye(2) * metric, hessian)
-        step = -np.linalg.solve(hessian, slope[..., None])[..., 0]
+        slope, b = np.where(held, 0.0, slope), np.where(held.any(axis=0), 0.0, b)
+        step = np.stack([b * slope[1] - m2 * slope[0], b * slope[0] - m1 * slope[1]]) / (m1 * m2 - b**2)
         there = np.clip(here + step, -1, 1)
-        far, size = np.einsum("pc,pc->p", off, off), np.trace(metric, axis1=1, axis2=2)
+        far, size = np.einsum("cp,cp->p", off, off), m1 + m2
         before = far * (1 + CLOSE) + size * ROUNDING**2
         for _ in range(HALVINGS):
-            after = _offset(there, at, patch)[0]
-            longer = np.einsum("pc,pc->p", after, after) > before
+            after = _offset(there, from_middle, sides)[0]
+            longer = np.einsum("cp,cp->p", after, after) > before
             if not longer.any():
                 break
-            there[longer] = (there[longer] + here[longer]) / 2
-        xi[todo] = there
-        todo = todo[np.max(np.abs(there - here), axis=1) > CLOSE * (1 + np.sqrt(far / size))]
-    return xi
+            there[:, longer] = (there[:, longer] + here[:, longer]) / 2
+        xi[:, todo] = there
+        left = np.flatnonzero(np.max(np.abs(there - here), axis=0) > CLOSE * (1 + np.sqrt(far / size)))
+        if not len(left):
+            break
+        todo, from_middle, sides = todo[left], from_middle[:, left], sides[..., left]
+    return xi.T.copy()
 
 
-def _offset(xi: np.ndarray, x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """x - X (p, 3) and the tangents (p, 3, 2)."""
-    N, slope = shape(xi)
-    return x - np.einsum("pl,plc->pc", N, corners), np.einsum("pla,plc->pca", slope, corners)
+def _polynomial(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x - X(0) (3, p) and the c (3, 3, p) of X = X(0) + c_1 xi_1 + c_2 xi_2 + c_3 xi_1 xi_2."""
+    signs = np.column_stack([np.ones(4), CORNERS, CORNERS.prod(axis=1)]) / 4
+    found = np.einsum("lk,plc->kcp", signs, corners)
+    return x.T - found[0], found[1:]
+
+
+def _offset(xi: np.ndarray, from_middle: np.ndarray, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x - X (3, p) and the tangents (2, 3, p) at xi (2, p)."""
+    a = sides[:2] + sides[2] * xi[::-1, None]
+    return from_middle - sides[0] * xi[0] - a[1] * xi[1], a
 
 
 def frames(corners: np.ndarray) -> np.ndarray:
@@ -84,7 +91,7 @@ def normals(positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
     corners = positions[quads]
     _, slope = shape(CORNERS)
     a = np.einsum("mla,qlc->qmca", slope, corners)
-    found = np.zeros_like(positions)
-    np.add.at(found, quads, np.cross(a[..., 0], a[..., 1]))
+    own, nodes = np.cross(a[..., 0], a[..., 1]).reshape(-1, 3), quads.ravel()
+    found = np.stack([np.bincount(nodes, each, minlength=len(positions)) for each in own.T], axis=1)
     size = np.linalg.norm(found, axis=1, keepdims=True)
     return np.divide(found, size, out=found, where=size > 0)

@@ -14,6 +14,7 @@ Sources: Puso, Laursen, CMAME 193 (2004) 601-629; Farah, Popp, Wall, Comput. Mec
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -49,6 +50,21 @@ class Sampling:
     average: sparse.csr_matrix
     weights: np.ndarray
     nodes: np.ndarray
+
+    @cached_property
+    def corners(self) -> tuple[np.ndarray, np.ndarray]:
+        """The points of the faces (p, c) that each point lies between, and its shares of them (p, c)."""
+        number = np.diff(self.points.indptr)
+        row = np.repeat(np.arange(len(number)), number)
+        place = np.arange(len(row)) - self.points.indptr[row]
+        nodes, values = np.zeros((len(number), place.max() + 1), np.intp), np.zeros((len(number), place.max() + 1))
+        nodes[row, place], values[row, place] = self.points.indices, self.points.data
+        return nodes, values
+
+    @cached_property
+    def patches(self) -> np.ndarray:
+        """A number (p,) that points have in common that lie between the same."""
+        return np.unique(self.corners[0], axis=0, return_inverse=True)[1].ravel()
 
 
 def at_nodes(nodes: np.ndarray, k: int, weights: np.ndarray) -> Sampling:

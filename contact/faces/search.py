@@ -1,13 +1,13 @@
 """Which patch of a face is closest to a point, and where: found anew for every position of both.
 
-A tree of the middles of the patches finds those whose boxes come as near as the nearest corner. The closest point of
-the one whose box is nearest leaves few others. A box lies along its patch, and is as flat as that. Nothing is missed:
-no point of a patch is nearer than its box.
+The closest point of the patch with the nearest middle leaves few others: those whose boxes come as near as that. A box
+lies along its patch, and is as flat as that. Nothing is missed: no point of a patch is nearer than its box.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -39,15 +39,16 @@ class Nearest:
 
 def nearest(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> Nearest:
     """Of the face with these points (k, 3) and patches (q, 4) to the points x (p, 3)."""
-    point, quad, box = _near(x, positions, quads)
-    order = np.lexsort((quad, box, point))
-    point, quad, box = point[order], quad[order], box[order]
-    first = np.diff(point, prepend=-1) > 0
-    xi, distance = np.empty((len(point), 2)), np.full(len(point), np.inf)
-    xi[first], distance[first] = _closest(x, positions[quads[quad[first]]])
-    others = np.flatnonzero(~first & (box <= distance[first][point] * (1 + OVER)))
-    xi[others], distance[others] = _closest(x[point[others]], positions[quads[quad[others]]])
-    least = np.full(len(x), np.inf)
+    tree, every = cKDTree(positions[quads].mean(axis=1)), np.arange(len(x))
+    guess = np.asarray(tree.query(x)[1], np.intp)
+    first = _closest(x, positions[quads[guess]])
+    point, quad = _near(x, positions, quads, tree, first[1])
+    others = guess[point] != quad
+    point, quad = point[others], quad[others]
+    rest = _closest(x[point], positions[quads[quad]])
+    xi, distance = (np.concatenate(both) for both in zip(first, rest, strict=True))
+    point, quad = np.append(every, point), np.append(guess, quad)
+    least = first[1].copy()
     np.minimum.at(least, point, distance)
     farther = distance > least[point] + ROUNDING * np.max(np.ptp(positions[quads], axis=1))
     order = np.lexsort((quad, farther, point))  # on an edge rounding must not say which of its patches it is
@@ -61,22 +62,23 @@ def _closest(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return xi, np.linalg.norm(x - np.einsum("pl,plc->pc", shape(xi)[0], corners), axis=1)
 
 
-def _near(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Pairs of a point and a patch, and how far the point is from the box of the patch, (c,) each."""
+def _near(
+    x: np.ndarray, positions: np.ndarray, quads: np.ndarray, tree: cKDTree, most: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs (c,) of a point and a patch whose box is no farther from it than ``most`` (p,); tree: of their middles."""
     corners = positions[quads]
     middles, axes = corners.mean(axis=1), frames(corners)
     own = np.einsum("qlc,qci->qli", corners - middles[:, None], axes)
     low, high = own.min(axis=1), own.max(axis=1)
     radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2))
-    to_corner = np.asarray(cKDTree(positions[np.unique(quads)]).query(x)[0])
-    found = cKDTree(middles).query_ball_point(x, (to_corner + radius) * (1 + OVER))
-    point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
-    quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
-    at = np.einsum("pc,pci->pi", x[point] - middles[quad], axes[quad])
     rounding = ROUNDING * max(np.max(np.abs(each), initial=0.0) for each in (x, positions))  # of coordinates, turned
+    found = tree.query_ball_point(x, (most + radius) * (1 + OVER) + rounding)
+    point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
+    quad = np.fromiter(chain.from_iterable(found), np.intp, len(point))
+    at = np.einsum("pc,pci->pi", x[point] - middles[quad], axes[quad])
     box = np.linalg.norm(np.maximum(np.maximum(low[quad] - at, at - high[quad]) - rounding, 0.0), axis=1)
-    kept = box <= to_corner[point] * (1 + OVER)
-    return point[kept], quad[kept], box[kept]
+    kept = box <= most[point] * (1 + OVER)
+    return point[kept], quad[kept]
 
 
 def _measured(x: np.ndarray, positions: np.ndarray, quads: np.ndarray, quad: np.ndarray, xi: np.ndarray) -> Nearest:

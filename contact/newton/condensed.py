@@ -67,7 +67,7 @@ class Condensed(Exchange):
 
     def __init__(self, run: LinearSolves, linear: Linear, base: np.ndarray) -> None:
         """Factorise on the set ``base`` (m,); raises SingularMatrixError, ValueError."""
-        self.base, self._linear = base.copy(), linear
+        self.base, self._linear, self._holdable = base.copy(), linear, base
         with run.tally.timed("contact_s"):
             held = bound(run.problem, linear.u, np.flatnonzero(base), linear.tangent, run.epsilon)
         inside = sparse.csr_matrix(sparse.eye_array(len(base), format="csr")[np.flatnonzero(base)])
@@ -77,8 +77,9 @@ class Condensed(Exchange):
     def near(self, active: np.ndarray) -> Condensed:
         """The same linearisation, factorised on the set (m,) where that costs less than to solve for it here."""
         nodes = np.flatnonzero(active)
-        if np.any(active & ~self.base):  # what is left of a set that can be held can be held
+        if np.any(active & ~self._holdable):  # what is left of a set that can be held can be held
             holding(self._acting[nodes], nodes)
+            self._holdable = active.copy()
         changed = np.flatnonzero(active ^ self.base)
         again = self._flops + SETUP * self._matrix.nnz if self._flops else np.inf
         if not len(changed) or dense_solution(len(changed)) + self.cost(changed) <= again:

@@ -54,6 +54,16 @@ def test_a_pair_has_no_resultant_and_no_moment(pairing: str) -> None:
     np.testing.assert_allclose(np.cross(x, forces).sum(axis=0), 0, atol=ROUNDING)
 
 
+@each_pairing
+def test_faces_that_lie_on_each_other_have_no_gap(pairing: str) -> None:
+    """Far from the origin, where gaps of points are rounding: a set that begins closed is left closed."""
+    one = pair(pairing, bent=0.0, noise=0.0, apart=0.0)
+    one = replace(one, reference=one.reference + 1 / 3)
+    at = one.at(np.zeros(one.operator.shape[1]))
+    assert np.any(at.near.gap)
+    assert not np.any(at.gap)
+
+
 def test_both_searches_find_the_same_distances() -> None:
     """In front of a bent face, behind it, and beside its rim."""
     x, quads = sheet(6, 5, 1.0, 0.0, 0.3, up=True)
