@@ -39,8 +39,13 @@ class Field:
     """Who competes, and the tables that are made of a solver table beside its summary, by their names."""
 
     name: str
-    solvers: Sequence[Solver]
+    of: Callable[[], Sequence[Solver]]
     further: Callable[[pd.DataFrame, pd.DataFrame], Mapping[str, pd.DataFrame]]
+
+    @property
+    def solvers(self) -> Sequence[Solver]:
+        """Those that there are now: --use brings others."""
+        return self.of()
 
     def path(self, store: Path, table: str) -> Path:
         """Of a table in a store, e.g. solver_samples."""
@@ -52,8 +57,8 @@ def _profiles(table: pd.DataFrame, summed: pd.DataFrame) -> dict[str, pd.DataFra
 
 
 FIELDS = {
-    "solver": Field("solver", tuple(SOLVERS.values()), _profiles),
-    "osqp": Field("osqp", ABLATION, lambda table, summed: {"effects": effects(summed)}),
+    "solver": Field("solver", lambda: tuple(SOLVERS.values()), _profiles),
+    "osqp": Field("osqp", lambda: ABLATION, lambda table, summed: {"effects": effects(summed)}),
 }
 
 

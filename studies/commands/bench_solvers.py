@@ -42,6 +42,7 @@ def add_solvers(parser: argparse.ArgumentParser) -> None:
     handed = "write what each solver has done on the collection, a JSON each, for footprint leaderboard"
     parser.add_argument("--results", type=Path, metavar="DIR", help=handed)
     parser.add_argument("--against", type=Path, metavar="STORE", help="another run: do solvers rank alike?")
+    parser.add_argument("--use", action="append", metavar="FILE.py", help="solvers of your own, from a file")
     parser.set_defaults(bench=_solvers)
 
 
@@ -99,6 +100,8 @@ def _of_collection(folder: Path | None, problems: Mapping[str, Any]) -> list[str
 
     kept = STEPS.manifest()
     if folder is not None:
+        if not set(problems) & set(kept["name"]):
+            raise UsageError(f"--results is of the collection, of which --problems {folder} has no file")
         wrong = STEPS.unlike(folder, kept[kept["name"].isin(problems)])
         if wrong:
             raise UsageError(f"--results is of the collection: {wrong[0]}")

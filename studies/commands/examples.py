@@ -89,7 +89,7 @@ EXAMPLES = {
     "bench peers": ("--only hemisphere --rounds 5 --table peers.csv",),
     "bench programs": ("--only hemisphere --store store",),
     "bench solvers": (
-        "--problems problems --out store --rounds 3 --limit 20 --tolerance 1e-6,1e-8 --only osqp",
+        "--problems problems --out store --rounds 3 --limit 20 --tolerance 1e-6,1e-8 --only OSQP --use my_solver.py",
         "--problems problems --out store --ablation",
         "--problems problems --held-out secret.txt --out store --results results",
         "--out store --against another",

@@ -10,10 +10,12 @@ import pytest
 
 from studies.arena import solver_run
 from studies.arena.solver_run import FIELDS, Field, problems_in
-from studies.cli import main
+from studies.arena.solvers.catalogue import SOLVERS
+from studies.cli import _parser, main
 from studies.output.atomic import write_table
 from support.problems.arena_steps import STATES, Told, indefinite, known_step
 
+FIELD = FIELDS["solver"]
 TABLES = {"samples", "run", "problems", "table", "summary", "profiles"}
 
 
@@ -27,7 +29,7 @@ def field(monkeypatch: pytest.MonkeyPatch) -> Field:
         Told("liar", du=du, pressure=2 * pressure),
         Told("absent", "no_such_module"),
     ]
-    small = replace(FIELDS["solver"], solvers=told)
+    small = replace(FIELDS["solver"], of=lambda: told)
     monkeypatch.setitem(solver_run.FIELDS, "solver", small)
     return small
 
@@ -109,6 +111,7 @@ def test_wrong_use_is_one_line_and_writes_nothing(
         ((*given, "--tolerance", "1e-4,1e-4"), "must be different numbers in (0, 1)"),
         ((*given, "--limit", "0"), "limit = 0.0 must be a number in (0, inf)"),
         ((*given, "--rounds", "0"), "rounds = 0 must be a whole number in [1, 1000]"),
+        ((*given, "--results", out), f"the collection, of which --problems {problems} has no file"),
         (("--against", empty), "no run of bench solvers in it (no solver_run.csv)"),
     ):
         assert bench("--out", out, *words) == 2
@@ -122,3 +125,9 @@ def test_problems_come_smallest_first(problems: Path) -> None:
     step, *_ = known_step(3, states=STATES[:3])
     step.write(problems / "A.npz")
     assert list(problems_in(problems)) == ["A", "a", "b"]
+
+
+def test_parts_are_taken_after_the_subcommand_and_those_that_came_late_compete(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _parser(["bench"]).parse_args(["bench", "solvers", "--use", "mine.py"]).use == ["mine.py"]
+    monkeypatch.setitem(SOLVERS, "late", Told("late"))
+    assert "late" in [solver.name for solver in FIELD.solvers]
