@@ -22,6 +22,10 @@ def is_exact(name: str) -> bool:
     return not getattr(ALGORITHMS[name], "springs", False)
 
 
-def by_the_exact_law(springs: float = 1e4) -> dict[str, ContactAlgorithm]:
-    """All of the catalogue with an infinite epsilon, and those that have none, on ``springs`` [MPa/mm]."""
-    return {name: kind(epsilon=np.inf if is_exact(name) else springs) for name, kind in ALGORITHMS.items()}
+def by_the_exact_law(springs: float = 1e4, *, naive: bool = False) -> dict[str, ContactAlgorithm]:
+    """All of the catalogue with an infinite epsilon, and those that have none, on ``springs`` [MPa/mm].
+
+    naive: whether trial-and-error leaves cycles with friction unanswered.
+    """
+    found = {name: kind(epsilon=np.inf if is_exact(name) else springs) for name, kind in ALGORITHMS.items()}
+    return found | {TrialAndError.name: TrialAndError(epsilon=np.inf, naive=naive)}

@@ -1,10 +1,12 @@
 """Trial and error, the paper's method: Newton to convergence on a fixed set, then swap every violating node.
 
 With friction who is open, sticks and slips, and where to, is guessed; who slips does so in the direction of the last
-equilibrium, against its friction where it has stuck there; who comes back to the foundation sticks. Nothing answers a
-cycle there: it ends the solve, as CYCLING, and the history shows it. The GRECO plate with mu = 1 makes it cycle on
-every mesh (studies.experiments.friction); it is the rule for those who come back that does: where they stick or slip as
-Alart and Curnier's function says, the same sets end.
+equilibrium, against its friction where it has stuck there; who comes back to the foundation sticks. That cycles: the
+GRECO plate with mu = 1 on every mesh (studies.experiments.friction), a plate that is dragged once all of it slips,
+since one that sticks tilts until nodes are let go, which then come back. It is the rule for those who come back that
+does. At states seen before, the problem linearised at their equilibrium is settled, and from then on who comes back
+sticks or slips as Alart and Curnier's function says. A second cycle ends the solve, as CYCLING, and so does the first
+of the naive set, which is the one without that answer.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import numpy as np
 from contact.algorithms.base import NewtonAlgorithm
 from contact.coulomb import State
 from contact.events import Event, EventKind
+from contact.newton.friction_loop import settled
 from contact.newton.friction_run import FAILURES, FrictionalRun, Point
 from contact.newton.friction_states import Laws
 from contact.newton.loop import CYCLE, StepError, first_of, only_released, settle_exactly
@@ -40,11 +43,13 @@ class TrialAndError(NewtonAlgorithm):
     At the rim of a beam, plate or membrane one row of elements is let go at a time: the number of sets grows with the
     mesh (plate-contact: 209 iterations on 64 elements, 551 on 256); semismooth, lcp and qp do not have that.
     max_sets: those that only release nodes do not count; between two others there are no more of them than candidates.
+    naive: with friction, whether nothing answers a cycle.
     Sources: Grigolyuk et al. (2004), eqs 14-16; Murty, Linear Algebra Appl. 5 (1972) 65-108.
     """
 
     epsilon: float = 1e4
     max_sets: int = 200
+    naive: bool = False
     name: ClassVar[str] = "trial-and-error"
     friction: ClassVar[bool] = True
 
@@ -87,24 +92,28 @@ class TrialAndError(NewtonAlgorithm):
 
     def _with_friction(self, run: FrictionalRun) -> ContactSolution:
         at = run.start()
-        laws, tried = _next_states(run, at), list[bytes]()
-        while len(tried) < self.max_sets:
+        laws, tried, again = _next_states(run, at), list[bytes](), False
+        for _ in range(self.max_sets):
             tried.append(laws.key)
             try:
                 at, outcome = self._under(run, at, laws)
+                after = _next_states(run, at, by_function=again)
+                cycles = outcome.converged and not after.same(laws) and after.key in tried
+                if cycles:
+                    ago = len(tried) - tried.index(after.key)
+                    run.newton.tally.tell(Event(EventKind.CYCLE, STATES_CYCLE.format(ago)))
+                    if again or self.naive:
+                        return run.finish(at, Outcome.CYCLING)
+                    again, tried = True, []
+                    _, after, _ = settled(run, at, run.linear(at, after), after)
             except FAILURES as error:
                 return run.finish(at, run.failed(error))
             if not outcome.converged:
                 return run.finish(at, outcome)
-            after = _next_states(run, at)
             if after.same(laws):
                 lawful = run.by_law(at)
                 if run.newton.balanced(lawful.newton):
                     return run.finish(lawful, Outcome.CONVERGED)
-            elif after.key in tried:
-                ago = len(tried) - tried.index(after.key)
-                run.newton.tally.tell(Event(EventKind.CYCLE, STATES_CYCLE.format(ago)))
-                return run.finish(at, Outcome.CYCLING)
             laws = after
         return run.finish(at, Outcome.ITERATION_LIMIT)
 
@@ -149,12 +158,15 @@ def _settled(run: NewtonRun, at: Iterate) -> tuple[np.ndarray, Event]:
     return step.active, step.event or CYCLE
 
 
-def _next_states(run: FrictionalRun, at: Point) -> Laws:
-    """The laws expected at a point, with the direction of the slip itself where a candidate slips on."""
+def _next_states(run: FrictionalRun, at: Point, *, by_function: bool = False) -> Laws:
+    """The laws expected at a point, with the direction of the slip itself where a candidate slips on.
+
+    by_function: whether who comes back to the foundation may slip, as Alart and Curnier's function says.
+    """
     laws, slip, was = run.expected(at), at.local.slip, at.laws.state
     size = np.linalg.norm(slip, axis=1)
     on = (laws.state == State.SLIP) & (was == State.SLIP) & (size > 0)
     direction = np.divide(slip, size[:, None], out=laws.direction.copy(), where=on[:, None])
-    returns = (was == State.OPEN) & laws.closed & (run.law.mu > 0)
+    returns = (was == State.OPEN) & laws.closed & (run.law.mu > 0) & (not by_function)
     direction[returns] = 0.0
     return Laws(np.where(returns, State.STICK, laws.state).astype(np.int8), direction, np.zeros_like(laws.across))

@@ -2,9 +2,11 @@
 
 With K^-1 at hand, du = K^-1 (J^T F - r) and W = J K^-1 J^T [mm/N], three ways a candidate; a finite epsilon adds what
 its springs give way. A programme in F is asked for forces and states of those that are expected to touch, joined by
-those that its answer pushes in. A body that only the foundation holds has no W: springs hold those that are expected to
+those that its answer pushes in. A body that only the foundation holds has no W, and one that it keeps from falling over
+has one that is not definite, so that a programme ends far away or not at all: springs hold those that are expected to
 touch where they are, or all if there are none, then where the answer before left them, until states repeat.
-Source of such springs: Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898 (proximal points).
+Sources of such springs: Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898 (proximal points); without monotonicity:
+Pennanen, Math. Oper. Res. 27 (2002) 170-191.
 
 On a polygon it is a dense linear complementarity problem, for Lemke's pivots. Friction t = D b, b >= 0, is a sum along
 the corners D of a polygon in the disc; with l the size of the slip::
@@ -32,7 +34,7 @@ from contact.newton.friction_step import Stepped
 from contact.newton.loop import StepError
 from contact.problem import Outcome
 from contact.solvers.lcp_pivoting import lemke
-from contact.solvers.sparse import Factor, SingularMatrixError, added, response
+from contact.solvers.sparse import Factor, SingularMatrixError, added, negative_pivots, response, symmetric
 
 SOFTEST = 1e10  # how much more a way may give than its own unknown does where all else stands still
 SPRING = 1e-2  # of the stiffness of a candidate's own unknowns: springs where only the foundation holds
@@ -143,10 +145,18 @@ class _Body:
             except SingularMatrixError as error:
                 why = str(error)
                 continue
-            if spring.any() or float(np.max(np.abs(free), initial=0.0)) <= SOFTEST * size:
+            held_alone = float(np.max(np.abs(free), initial=0.0)) <= SOFTEST * size and not self._negative()
+            if spring.any() or held_alone:
                 return
-            why = "the stiffness is singular to working precision"
+            why = "the stiffness is singular to working precision, or not definite"
         raise StepError(Outcome.UNSOLVED, f"candidates have no compliance: {why}")
+
+    def _negative(self) -> int:
+        """Negative eigenvalues of the symmetric part of the matrix."""
+        A, problem = self._matrix, self._run.newton.problem
+        if symmetric(A):
+            return negative_pivots(A, self._factor, ordered=problem.ordered, multipliers=problem.multipliers)
+        return negative_pivots(sparse.csc_matrix((A + A.T) / 2), multipliers=problem.multipliers)
 
     def moved(self, F: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         """du (n,) under the forces F (3m,)."""

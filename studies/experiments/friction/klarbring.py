@@ -117,8 +117,8 @@ CASES: dict[str, Springs] = {  # K_tt, K_nt, K_nn, mu, F_t, F_n, s0
 
 
 def algorithms(stiffness: float) -> list[ContactAlgorithm]:
-    """All of the catalogue, on springs of this stiffness [MPa/mm] where there are any."""
-    return list(by_the_exact_law(stiffness).values())
+    """All of the catalogue, on springs of this stiffness [MPa/mm] where there are any, and the naive set."""
+    return list(by_the_exact_law(stiffness, naive=True).values())
 
 
 @tabulated

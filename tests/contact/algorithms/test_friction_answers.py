@@ -37,7 +37,7 @@ EXACT = 1e-12  # of the largest
 BY_TOLERANCE = {"regularised, stiff": 10 * RESIDUAL_TOLERANCE}  # rounding decides whether one more iteration is made
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
 WAYS: dict[str, tuple[str, dict[str, Any]]] = {
-    "trial-and-error": ("trial-and-error", {}),
+    "trial-and-error": ("trial-and-error", {"naive": True}),
     "semismooth": ("semismooth", {}),
     "semismooth, settled": ("semismooth", {"settle": 0.0}),
     "semismooth on springs": ("semismooth", {"epsilon": 30.0}),
