@@ -33,7 +33,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
-from contact.newton.held import Pivots
+from contact.newton.pivots import Pivots
 from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, solution, symmetric

@@ -10,7 +10,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.newton.exchange import Exchange
-from contact.newton.held import Pivots, holding
+from contact.newton.pivots import Pivots, holding
+from contact.newton.ports import Ports
 from contact.newton.saddle import bound
 from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
@@ -71,14 +72,14 @@ class Condensed(Exchange):
         with run.tally.timed("contact_s"):
             held = bound(run.problem, linear.u, np.flatnonzero(base), linear.tangent, run.epsilon)
         inside = sparse.csr_matrix(sparse.eye_array(len(base), format="csr")[np.flatnonzero(base)])
-        ways = linear.rows, linear.acting, linear.gap, ~base, inside, sparse.csr_matrix(inside.T)
-        super().__init__(run, held, *ways, linear.compliance, linear.residual)
+        ports = Ports(linear.rows, linear.acting, ~base, inside, sparse.csr_matrix(inside.T))
+        super().__init__(run, held, ports, linear.gap, linear.compliance, linear.residual)
 
     def near(self, active: np.ndarray) -> Condensed:
         """The same linearisation, factorised on the set (m,) where that costs less than to solve for it here."""
         nodes = np.flatnonzero(active)
         if np.any(active & ~self._holdable):  # what is left of a set that can be held can be held
-            holding(self._acting[nodes], nodes)
+            holding(self._ports.acting[nodes], nodes)
             self._holdable = active.copy()
         changed = np.flatnonzero(active ^ self.base)
         again = self._flops + SETUP * self._matrix.nnz if self._flops else np.inf
@@ -126,7 +127,7 @@ class Condensed(Exchange):
 
     def _closed(self, du: np.ndarray, forces: np.ndarray, active: np.ndarray) -> np.ndarray:
         """The du whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly."""
-        return closed(du, self._now, self._rows, self._acting, self._compliance * forces, active)
+        return closed(du, self._now, self._ports.rows, self._ports.acting, self._compliance * forces, active)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,8 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.newton.held import Held
-from contact.newton.saddle import Saddle
+from contact.newton.ports import Bound, Ports
 from contact.newton.solves import LinearSolves
 from contact.solvers.sparse import response, response_flops
 
@@ -28,30 +27,17 @@ REFINEMENTS = 3
 
 
 class Exchange:
-    """w = q + M z of d ways: inputs are forces where ``forced`` (d,) bool, ways where the candidate is held.
+    """w = q + M z of d ways, see :class:`contact.newton.ports.Ports`.
 
-    rows, acting: J (d, n), and the same by which forces act.  now (d,): the ways before the step.  compliance (d,): of
-    a way under its own force.  left (n,): the residual without forces of the foundation.
-    to_slack (a, d): slacks of the held rows of unit ways; multiplied (d, a): forces along the ways of unit multipliers.
+    now (d,): the ways before the step.  compliance (d,): of a way under its own force.  left (n,): the residual without
+    forces of the foundation.
     """
 
     def __init__(
-        self,
-        run: LinearSolves,
-        held: Held | Saddle,
-        rows: sparse.csr_matrix,
-        acting: sparse.csr_matrix,
-        now: np.ndarray,
-        forced: np.ndarray,
-        to_slack: sparse.csr_matrix,
-        multiplied: sparse.csr_matrix,
-        compliance: np.ndarray,
-        left: np.ndarray,
+        self, run: LinearSolves, held: Bound, ports: Ports, now: np.ndarray, compliance: np.ndarray, left: np.ndarray
     ) -> None:
         """Factorise; raises SingularMatrixError."""
-        self._run, self._held, self._rows, self._acting = run, held, rows, acting
-        self._forced, self._compliance = forced, compliance
-        self._to_slack, self._multiplied = to_slack, multiplied
+        self._run, self._held, self._ports, self._compliance = run, held, ports, compliance
         with run.tally.timed("contact_s"):
             self._matrix = held.matrix
         self._factor = run.factorise(self._matrix, of=held)
@@ -100,16 +86,16 @@ class Exchange:
 
     def _solution(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and w (d,) under the inputs z (d,)."""
-        held, pushed = self._held, self._acting.T @ np.where(self._forced, z, 0.0)
-        slack = self._to_slack @ (z - self._now)
+        held, ports = self._held, self._ports
+        pushed, slack = ports.acting.T @ np.where(ports.forced, z, 0.0), ports.to_slack @ (z - self._now)
         y = self._run.solution(self._factor, self._matrix, held.load(pushed - self._left, slack))
         du = held.motion(y, slack)
-        way = self._now + self._rows @ du + self._compliance * z
-        return du, np.where(self._forced, way, self._multiplied @ held.forces(y, du, self._left - pushed))
+        way = self._now + ports.rows @ du + self._compliance * z
+        return du, np.where(ports.forced, way, ports.multiplied @ held.forces(y, du, self._left - pushed))
 
     @cached_property
     def _all_sides(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
-        return self._held.sides(self._rows, self._acting, self._forced, self._to_slack, self._multiplied)
+        return self._held.sides(self._ports)
 
     def _sides(self, places: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
         """What there is of y in w (n, d), and what inputs at these places put on the right-hand side of y (n, p)."""
@@ -118,7 +104,6 @@ class Exchange:
 
     def _found(self, places: np.ndarray) -> np.ndarray:
         """Columns of M (d, p): by way of y, and what holds where all else is at rest."""
-        direct = self._held.direct(self._rows, self._forced, self._to_slack, self._multiplied, places)
-        columns = response(self._factor, *self._sides(places)) + direct
-        columns[places, np.arange(len(places))] += np.where(self._forced, self._compliance, 0.0)[places]
+        columns = response(self._factor, *self._sides(places)) + self._held.direct(self._ports, places)
+        columns[places, np.arange(len(places))] += np.where(self._ports.forced, self._compliance, 0.0)[places]
         return columns

@@ -28,8 +28,9 @@ import numpy as np
 from scipy import sparse
 
 from contact.coulomb import State
+from contact.newton.friction_held import Directions
 from contact.newton.friction_run import FrictionalRun, Point
-from contact.newton.friction_states import Directions, Laws, Local, directed
+from contact.newton.friction_states import Laws, Local, directed
 from contact.newton.friction_step import Stepped
 from contact.newton.loop import StepError
 from contact.problem import Outcome

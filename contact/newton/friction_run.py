@@ -13,7 +13,8 @@ from scipy.linalg import norm
 
 from contact.coulomb import Coulomb, Friction, State
 from contact.events import Event, EventKind
-from contact.newton.friction_states import Directions, Laws, Local, Margins, NotHeldError, expected, friction_of
+from contact.newton.friction_held import Directions, NotHeldError
+from contact.newton.friction_states import Laws, Local, Margins, expected, friction_of
 from contact.newton.friction_step import FrictionalStep, Linear, SprungStep, Stepped
 from contact.newton.loop import StepError
 from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, Iterate, NewtonRun

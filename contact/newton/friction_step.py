@@ -35,7 +35,9 @@ from scipy import sparse
 
 from contact.coulomb import State
 from contact.newton.exchange import Exchange
-from contact.newton.friction_states import DEPENDENT, Directions, Laws, held_states
+from contact.newton.friction_held import DEPENDENT, Directions, held_states
+from contact.newton.friction_states import Laws
+from contact.newton.ports import Ports
 from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.solvers.sparse import SingularMatrixError, added, factor_flops
@@ -78,8 +80,8 @@ class FrictionalStep(Exchange):
             held, to_slack, multiplied = held_states(linear.ways, base, linear.mu, K)
         self._inputs_are_forces = _inputs_are_forces(base)
         forced = self._inputs_are_forces.ravel()
-        ways = J, J, linear.now, forced, to_slack, multiplied, np.zeros(3 * m)
-        super().__init__(run, held, *ways, self._without_springs(linear))
+        ports = Ports(J, J, forced, to_slack, multiplied)
+        super().__init__(run, held, ports, linear.now, np.zeros(3 * m), self._without_springs(linear))
 
     def _without_springs(self, linear: Linear) -> np.ndarray:
         return np.asarray(linear.residual + linear.ways.rows.T @ (self._spring @ linear.now))

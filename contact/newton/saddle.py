@@ -18,14 +18,16 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.newton.held import Held, holding
+from contact.newton.held import Held
+from contact.newton.pivots import holding
+from contact.newton.ports import Bound, Ports
 from contact.problem import ContactProblem
 from contact.solvers.sparse import least_degrees
 
 
 @dataclass(frozen=True, eq=False)
 class Saddle:
-    """The step of :class:`contact.newton.held.Held` with y = (du, f/c) (n + a,) in the order of their elimination.
+    """The step of :class:`contact.newton.ports.Bound` with y = (du, f/c) (n + a,) in the order of their elimination.
 
     c [N/mm]: gives rows and columns of forces the size of those of K.
     """
@@ -37,14 +39,12 @@ class Saddle:
     size: float  # c
 
     @classmethod
-    def on(
-        cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
+    def of(
+        cls, K: sparse.csc_matrix, rows: sparse.csr_matrix, acting: sparse.csr_matrix, compliance: np.ndarray
     ) -> Saddle:
-        """The set of these candidates."""
-        rows = sparse.csr_matrix(problem.gap_jacobian(u)[nodes])
-        acting = sparse.csr_matrix(problem.push(u)[nodes]) if problem.driven else rows
+        """The set of these rows, none of them empty."""
         size = float(np.max(np.abs(K.data), initial=0.0) / np.max(np.abs(rows.data)))
-        return cls(K, rows, acting, 1.0 / (epsilon * problem.weights[nodes]), size or 1.0)
+        return cls(K, sparse.csr_matrix(rows), sparse.csr_matrix(acting), compliance, size or 1.0)
 
     @property
     def multipliers(self) -> int:
@@ -92,40 +92,25 @@ class Saddle:
         """f (a,) [N]."""
         return self.size * self._parts(y)[1]
 
-    def sides(
-        self,
-        rows: sparse.csr_matrix,
-        acting: sparse.csr_matrix,
-        forced: np.ndarray,
-        to_slack: sparse.csr_matrix,
-        multiplied: sparse.csr_matrix,
-    ) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
-        """As :meth:`contact.newton.held.Held.sides` says."""
-        free = sparse.diags_array(forced.astype(float))
-        seen = sparse.vstack([rows.T @ free, self.size * multiplied.T], format="csr")
-        done = sparse.vstack([acting.T @ free, -self.size * to_slack], format="csr")
+    def sides(self, ports: Ports) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """As :class:`contact.newton.ports.Bound` says, (n + a, d) each."""
+        seen = sparse.vstack([ports.rows.T @ ports.free, self.size * ports.multiplied.T], format="csr")
+        done = sparse.vstack([ports.acting.T @ ports.free, -self.size * ports.to_slack], format="csr")
         return sparse.csc_matrix(seen[self.order]), sparse.csc_matrix(done[self.order])
 
-    def direct(
-        self,
-        rows: sparse.csr_matrix,
-        forced: np.ndarray,
-        to_slack: sparse.csr_matrix,
-        multiplied: sparse.csr_matrix,
-        places: np.ndarray,
-    ) -> np.ndarray:
+    def direct(self, ports: Ports, places: np.ndarray) -> np.ndarray:
         """Nothing goes past y: zeros (d, p)."""
-        return np.zeros((rows.shape[0], len(places)))
+        return np.zeros((ports.rows.shape[0], len(places)))
 
 
-def bound(
-    problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
-) -> Held | Saddle:
+def bound(problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float) -> Bound:
     """The set of these candidates: condensed where each gap has an unknown of its own, with forces where not.
 
-    Raises ValueError when :func:`contact.newton.held.holding` does.
+    Raises ValueError when :func:`contact.newton.pivots.holding` does.
     """
-    grip = holding(problem.push(u)[nodes], nodes)
+    acting = problem.push(u)[nodes]
+    grip = holding(acting, nodes)
     if grip.block is None:
         return Held.on(problem, u, nodes, K, epsilon, grip)
-    return Saddle.on(problem, u, nodes, K, epsilon)
+    rows = problem.gap_jacobian(u)[nodes] if problem.driven else acting
+    return Saddle.of(K, rows, acting, 1.0 / (epsilon * problem.weights[nodes]))

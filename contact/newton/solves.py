@@ -15,7 +15,9 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.events import Event
-from contact.newton.held import Held, Pivots, holdable
+from contact.newton.held import holdable
+from contact.newton.pivots import Pivots
+from contact.newton.ports import Bound
 from contact.newton.saddle import Saddle, bound
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
@@ -78,7 +80,7 @@ class LinearSolves:
         with self.tally.timed("assembly_s"):
             return self.problem.linearise(u, memory)
 
-    def factorise(self, A: sparse.csc_matrix, of: Held | Saddle | Pivots | None = None) -> Factor:
+    def factorise(self, A: sparse.csc_matrix, of: Bound | Pivots | None = None) -> Factor:
         """Factorise, counted and timed; ``of``: what the matrix is of.  Raises SingularMatrixError.
 
         A saddle point has an order of its own, and as many patterns as sets: to analyse them for fronts takes longer
@@ -127,7 +129,7 @@ class Response:
         Raises SingularMatrixError, ValueError.
         """
         self._run, self.nodes = run, nodes
-        self._held: Held | Saddle | Pivots
+        self._held: Bound | Pivots
         if holdable(run.problem):
             self._held = bound(run.problem, u, nodes, K, run.epsilon)
             self._matrix = self._held.matrix

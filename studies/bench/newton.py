@@ -21,8 +21,8 @@ import pandas as pd
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
-from contact.newton.held import Held, Pivots
-from contact.newton.saddle import Saddle
+from contact.newton.pivots import Pivots
+from contact.newton.ports import Bound
 from contact.newton.solves import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
@@ -146,7 +146,7 @@ class _Kept(NewtonRun):
     factors: list[Factor] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)
 
-    def factorise(self, A: sparse.csc_matrix, of: Held | Saddle | Pivots | None = None) -> Factor:
+    def factorise(self, A: sparse.csc_matrix, of: Bound | Pivots | None = None) -> Factor:
         """Factorise and keep."""
         self.matrices.append(A)
         self.factors.append(super().factorise(A, of))

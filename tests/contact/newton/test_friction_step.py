@@ -13,7 +13,8 @@ from scipy import sparse
 
 from contact.algorithms.regularised import Regularised
 from contact.coulomb import State
-from contact.newton.friction_states import Directions, Laws, Local, directed, friction_of
+from contact.newton.friction_held import Directions
+from contact.newton.friction_states import Laws, Local, directed, friction_of
 from contact.newton.friction_step import FrictionalStep, Linear, SprungStep, Stepped
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome

@@ -9,7 +9,6 @@ import pytest
 from scipy import sparse
 
 from contact.newton.condensed import Condensed, Linear
-from contact.newton.held import Held
 from contact.newton.saddle import Saddle, bound
 from contact.newton.solves import LinearSolves
 from contact.problem import ContactProblem
@@ -62,4 +61,3 @@ def test_eigenvalues_on_what_a_set_leaves_free_are_those_of_the_condensed_matrix
     expected = int(np.sum(np.linalg.eigvalsh(free @ K.toarray() @ free.T) < 0))
     assert expected == int(sign < 0)
     assert negative_pivots(saddle.matrix, ordered=True, multipliers=saddle.multipliers) == expected
-    assert negative_pivots(Held.on(posed, u, nodes, K, math.inf).matrix) == expected
