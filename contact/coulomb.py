@@ -81,8 +81,12 @@ class Surface(Standing):
 class Sliding(Protocol):
     """The slip since anchors (m, 3), which tell points of a foundation by their places, of a face by patch and xi.
 
-    :class:`contact.slip.Slip`, :class:`contact.faces.rubbing.Rubbing`.
+    :class:`contact.slip.Slip`, :class:`contact.faces.rubbing.Rubbing`, :class:`contact.faces.rubbings.Rubbings`.
     """
+
+    @property
+    def each(self) -> tuple[Sliding, ...]:
+        """That of each pair of faces by itself."""
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm]."""

@@ -60,6 +60,11 @@ class Slip:
     motion: Motion
     anchors: np.ndarray
 
+    @property
+    def each(self) -> tuple[Slip, ...]:
+        """That before the one foundation."""
+        return (self,)
+
     def since(self, anchors: np.ndarray) -> Slip:
         """The slip from other anchors (m, 3)."""
         return replace(self, anchors=anchors)

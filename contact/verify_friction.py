@@ -85,7 +85,7 @@ def residuals_of_law(
 
 @dataclass(frozen=True, eq=False)
 class Rubbed:
-    """Two faces under friction (m, 2) [N], between which springs have given way (m,) [mm]."""
+    """Faces under friction (m, 2) [N], between which springs have given way (m,) [mm]."""
 
     faces: Faces
     sliding: Sliding
@@ -93,7 +93,7 @@ class Rubbed:
     given: np.ndarray
 
     def positions(self, u: np.ndarray) -> np.ndarray:
-        """All points (k, 3) of both."""
+        """All points (k, 3)."""
         return self.faces.positions(u)
 
     def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
@@ -106,8 +106,9 @@ class Rubbed:
 
     @property
     def parts(self) -> tuple[tuple[Faces, slice], ...]:
-        """The one pair that rubs."""
-        return ((self, slice(None)),)
+        """Each pair by itself."""
+        found = zip(self.faces.parts, self.sliding.each, strict=True)
+        return tuple((Rubbed(pair, own, self.friction[its], self.given[its]), its) for (pair, its), own in found)
 
 
 def under(contact: ContactProblem, law: Coulomb, friction: np.ndarray) -> ContactProblem:

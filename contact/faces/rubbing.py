@@ -26,12 +26,10 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Coulomb
 from contact.faces.measured import slips
 from contact.faces.pair import Pair
 from contact.faces.patches import shape, twist
 from contact.faces.search import nearest
-from contact.problem import ContactProblem
 
 NO_WAY = 1e-9  # of the other: a way that supports leave nothing of
 IMAGINARY = 1e-30  # a complex step
@@ -48,6 +46,17 @@ class Rubbing:
     pair: Pair
     nodes: np.ndarray
     anchors: np.ndarray
+
+    @classmethod
+    def at_rest(cls, pair: Pair) -> Rubbing:
+        """From where the pair is undeformed."""
+        begun = cls(pair, pair.nodes, np.zeros((len(pair.nodes), 3)))
+        return begun.since(begun.places(np.zeros(pair.operator.shape[1])))
+
+    @property
+    def each(self) -> tuple[Rubbing, ...]:
+        """That of the one pair."""
+        return (self,)
 
     def since(self, anchors: np.ndarray) -> Rubbing:
         """The slip from other anchors (m, 3)."""
@@ -226,17 +235,3 @@ def _on_face(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.ndar
     good = (change <= FOOT * 100) & (np.max(np.abs(found), axis=1) <= BEYOND)
     xi[beside[good]] = found[good]
     return np.column_stack([near.quad, xi])
-
-
-def rubbed(problem: ContactProblem, mu: float) -> ContactProblem:
-    """The same problem of a pair with friction, slips counted from where it is undeformed until anchors are given.
-
-    Raises ValueError where there is no pair of faces, or more than one.
-    """
-    pair = problem.faces
-    if not isinstance(pair, Pair):
-        raise ValueError("friction between faces needs one pair of them")
-    begun = Rubbing(pair, pair.nodes, np.zeros((len(pair.nodes), 3)))
-    slip = begun.since(begun.places(np.zeros(pair.operator.shape[1])))
-    law = Coulomb(np.full(len(pair.nodes), mu), slip, slip.jacobian, pair.size, slip)
-    return replace(problem, coulomb=law, travel=None)

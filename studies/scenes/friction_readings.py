@@ -8,6 +8,7 @@ import numpy as np
 
 from contact.coulomb import State
 from contact.faces.rubbing import Rubbing
+from contact.faces.rubbings import Rubbings
 from contact.problem import ContactProblem, ContactSolution
 from contact.slip import slip_of
 from studies.ask.scene import Units
@@ -57,7 +58,7 @@ def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dic
 def _candidates(problem: ContactProblem, state: ContactSolution) -> tuple[np.ndarray, np.ndarray]:
     """Where the candidates are, and the normals of what they touch there, (m, 3) each."""
     sliding = slip_of(problem, state.rubbed.since)
-    if isinstance(sliding, Rubbing):
+    if isinstance(sliding, Rubbing | Rubbings):
         return sliding.on_faces(state.u)
     assert problem.surface is not None
     y = problem.surface.positions(state.u)

@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.continuation.candidates import laid
 from contact.coulomb import Motion, Surface
-from contact.faces.rubbing import rubbed as between_faces
+from contact.faces.rubbings import rubbed as between_faces
 from contact.problem import ContactProblem, ContactSolution
 from contact.slip import with_friction
 from studies.ask.request import Settings, UsageError
@@ -110,8 +110,6 @@ class Stages:
         last = problem_at(stage.targets[-1])
         if last.surface is None and last.faces is None:
             return problem_at, start
-        if last.faces is not None and len(last.faces.parts) > 1:
-            raise UsageError(f"mu = {self._mu:g} must be 0 between {len(last.faces.parts)} pairs of faces: one may rub")
 
         def rubbed(t: float) -> ContactProblem:
             share, problem = stage.rubs(t), problem_at(t)

@@ -14,7 +14,8 @@ from contact.catalogue import by_the_exact_law
 from contact.continuation.candidates import laid
 from contact.coulomb import Motion, State
 from contact.faces.pair import Pair, between
-from contact.faces.rubbing import Rubbing, rubbed
+from contact.faces.rubbing import Rubbing
+from contact.faces.rubbings import rubbed
 from contact.faces.sampling import at_nodes
 from contact.interchange.friction_oracle import confirm
 from contact.interchange.linearised_step import FrozenFrictionalStep, freeze

@@ -10,12 +10,15 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
+from contact.coulomb import State
 from contact.faces.pair import Pair, between
+from contact.faces.rubbings import Rubbings, rubbed
 from contact.faces.sampling import areas, at_nodes, mortar
 from contact.faces.several import Several
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.friction_oracle import confirm
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, freeze
 from contact.interchange.oracle import minimise
-from contact.problem import ContactSolution, linear_mechanics
+from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 from contact.verify import PAIR, judge
 from support.problems.sheets import sheet
 
@@ -86,18 +89,23 @@ def test_the_judge_looks_at_every_pair_by_itself() -> None:
     assert {"pair_force", "pair_moment"} <= set(told.failures())
 
 
-@pytest.mark.parametrize("pairing", ["nodes", pytest.param("mortar", marks=pytest.mark.slow)])
-def test_three_nets_in_a_row_are_what_an_oracle_makes_of_them(pairing: str) -> None:
-    """Springs hold every point; the uppermost net is pressed on the middle one, and that on the lowest."""
+def pressed(pairing: str, aside: float = 0.0) -> tuple[ContactProblem, Several]:
+    """Springs hold every point; the uppermost net is pressed on the middle one and pulled aside, and so is that."""
     whole = stack(pairing)
-    n, m = whole.operator.shape[1], len(whole.weights)
     above = whole.pairs[1].weights
-    load = np.zeros((n // 3, 3))
-    load[-len(above) :, 2] = -2.5 * above
+    load = np.zeros((len(whole.pairs[0].reference), 3))
+    load[-len(above) :] = np.array([aside, 0.4 * aside, -2.5]) * above[:, None]
+    load[-len(above) :: 3, 0] *= 0.2
     K = sparse.csc_matrix(
         sparse.diags_array(np.repeat([50.0, 3.0, 1.0], [3 * 24, 3 * 20, 3 * 30]))  # each stiffer than the next
     )
-    problem = between(linear_mechanics(K, load.ravel()), whole)
+    return between(linear_mechanics(K, load.ravel()), whole), whole
+
+
+@pytest.mark.parametrize("pairing", ["nodes", pytest.param("mortar", marks=pytest.mark.slow)])
+def test_three_nets_in_a_row_are_what_an_oracle_makes_of_them(pairing: str) -> None:
+    problem, whole = pressed(pairing)
+    n, m = whole.operator.shape[1], len(whole.weights)
     found = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
     assert found.outcome.converged
     told = judge(problem, found.u, found.pressure)
@@ -114,3 +122,57 @@ def test_three_nets_in_a_row_are_what_an_oracle_makes_of_them(pairing: str) -> N
     )
     _, pressure = minimise(step)
     np.testing.assert_allclose(found.pressure, pressure, rtol=0, atol=EXACT * np.max(pressure))
+
+
+@pytest.mark.parametrize("pairing", ["nodes", pytest.param("mortar", marks=pytest.mark.slow)])
+def test_three_nets_that_rub_are_what_an_oracle_makes_of_them(pairing: str) -> None:
+    """Tresca programmes of an interior point on the step at its solution; each pair is balanced by itself."""
+    plain, whole = pressed(pairing, aside=1.0)
+    problem = rubbed(plain, 0.3)
+    n, m = whole.operator.shape[1], len(whole.weights)
+    found = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    assert found.outcome.converged
+    told = judge(problem, found.u, found.pressure, found.rubbed.force)
+    assert not told.failures()
+    assert max(told.balances["pair_force"], told.balances["pair_moment"]) <= PAIR
+    assert set(found.rubbed.state.tolist()) == set(State)
+    assert all(found.rubbed.force[own].any() for own in whole.candidates)
+    step = freeze(problem, found.u, found.pressure, {})
+    assert isinstance(step, FrozenFrictionalStep)
+    assert confirm(step, np.zeros(n), problem.nodal_forces(found.pressure), found.rubbed.force).agrees
+
+
+def test_the_slips_of_all_pairs_have_their_derivatives_and_anchors(rng: np.random.Generator) -> None:
+    whole = stack("nodes", 0.02, 0.2)
+    n = whole.operator.shape[1]
+    problem = rubbed(between(linear_mechanics(sparse.csc_matrix(sparse.eye_array(n)), np.zeros(n)), whole), 0.3)
+    assert problem.coulomb is not None
+    slip = problem.coulomb.sliding
+    assert isinstance(slip, Rubbings)
+    u, t = 0.1 * rng.normal(size=n), rng.normal(size=(len(problem.weights), 2))
+    assert np.max(np.abs(slip(u))) > 0.2
+    for way in rng.normal(size=(3, n)):
+        ends = u + STEP * way, u - STEP * way
+        ds = np.subtract(*(slip(each).ravel() for each in ends)) / (2 * STEP)
+        bent = np.subtract(*(slip.jacobian(each).T @ t.ravel() for each in ends)) / (2 * STEP)
+        np.testing.assert_allclose(slip.jacobian(u) @ way, ds, rtol=0, atol=BY_DIFFERENCES)
+        size = BY_DIFFERENCES * np.max(np.abs(bent))
+        np.testing.assert_allclose(slip.curvature(u, t) @ way, bent, rtol=0, atol=size)
+    np.testing.assert_allclose(slip.measured(u), slip(u), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(slip.since(slip.places(u))(u), 0, atol=1e-13)
+
+
+def test_the_judge_looks_at_the_friction_of_every_pair_by_itself() -> None:
+    """Friction of one pair put on the points of the other balances none of both."""
+    problem, whole = pressed("nodes", aside=1.0)
+    problem = rubbed(problem, 0.3)
+    n, m = whole.operator.shape[1], len(whole.weights)
+    law = problem.coulomb
+    assert law is not None
+    assert isinstance(law.sliding, Rubbings)
+    found = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    lower, upper = law.sliding.each
+    lame = Rubbings((lower, replace(upper, anchors=np.roll(upper.anchors, 1, axis=0))))
+    wrong = replace(problem, coulomb=replace(law, sliding=lame))
+    assert not judge(problem, found.u, found.pressure, found.rubbed.force).failures()
+    assert judge(wrong, found.u, found.pressure, found.rubbed.force).failures()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -15,9 +16,10 @@ from studies.ask.request import UsageError
 from studies.output.vtu import read_vtu
 from studies.scenes.complete import complete
 from studies.scenes.faces.face_patch import RADIUS, SIDE, H, lame_between
-from studies.scenes.faces.model import FacesModel
+from studies.scenes.faces.model import FacesModel, Facing
+from studies.scenes.walk import walk
 from studies.solving.result import Result
-from studies.solving.solve import solve
+from studies.solving.solve import solve, stages_of
 from support.problems.differences import fitted_order
 
 LAST_DIGITS = 1e-12
@@ -241,9 +243,29 @@ def test_algorithms_agree_on_a_plate_that_is_dragged(name: str) -> None:
             assert mine[key] == pytest.approx(other[key], rel=AGREE, abs=1e-8)
 
 
-def test_friction_of_several_pairs_is_refused() -> None:
-    with pytest.raises(UsageError, match=r"mu = 0\.2 must be 0 between 2 pairs of faces"):
-        solve(*complete("stack", {"mu": 0.2}, "1x8"))
+@pytest.mark.slow
+@pytest.mark.parametrize("pairing", ["nodes", "mortar"])
+def test_a_stack_whose_middle_ring_is_the_master_of_both_rubs_alike_in_both_contacts(pairing: str) -> None:
+    """To the last digits; as slave of the one pair it is another answer, by as much as faces and steps are coarse."""
+    asked = {"mu": 0.2, "h_mm": 1.0, "other_h_mm": 1.5, "delta_mm": tuple(np.linspace(2.5, 35.0, 14).tolist())}
+    scene, request = complete("stack", {**asked, "pairing": pairing}, "1x16")
+    model = scene.build(request)
+    assert isinstance(model, FacesModel)
+    first, second = model.pairs
+    mirrored = replace(model, pairs=(first, Facing(second.master, second.slave, first.nodes)))
+    totals = []
+    for each in (mirrored, model):
+        points = list(walk(stages_of(each, request), ALGORITHMS["semismooth"](epsilon=math.inf)))
+        assert all(point.converged for point in points)
+        state, problem = points[-1].state, points[-1].problem
+        normal, pull = problem.nodal_forces(state.pressure), np.linalg.norm(state.rubbed.force, axis=1)
+        own = each.pair_of_candidate == 0
+        both = [np.array([normal[which].sum(), pull[which].sum()]) for which in (own, ~own)]
+        assert pull.sum() > 1.0
+        assert state.rubbed.dissipation > 0.01
+        totals.append(both)
+    np.testing.assert_allclose(*totals[0], rtol=1e-10)
+    np.testing.assert_allclose(totals[1][0][0], totals[0][0][0], rtol=2e-3)
 
 
 def test_a_coefficient_of_zero_is_no_friction_to_the_last_digit() -> None:
