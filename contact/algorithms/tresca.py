@@ -49,7 +49,7 @@ class Tresca:
     def of(cls, block: Block, sides: int) -> Tresca:
         """Raises StepError where W has no energy, or is far from convex."""
         W = sparse.csc_matrix(block.W)
-        if not symmetric(W):
+        if not (block.energetic or symmetric(W)):
             off = f"the compliance differs from its transpose by {asymmetry(W):.1e} of its size"
             raise StepError(Outcome.REFUSED, f"{off}: no energy to minimise")
         give = np.abs(np.diag(block.W)).reshape(-1, 3).copy()

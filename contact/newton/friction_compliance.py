@@ -47,6 +47,7 @@ class Block:
     """The problem of c candidates: W (3c, 3c) [mm/N], v (3c,) [mm] without forces, mu (c,), stiffness k (c,) [N/mm].
 
     own (c, 3): ways that can move, or have; the others neither move nor matter.
+    energetic: whether the stiffness is symmetric, so that W is but for rounding, which is as large as it is soft.
     """
 
     W: np.ndarray
@@ -54,6 +55,7 @@ class Block:
     mu: np.ndarray
     k: np.ndarray
     own: np.ndarray
+    energetic: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +112,8 @@ def _asked(
             nodes = np.flatnonzero(near)
             places, columns = body.columns(nodes)
             W = columns[places] + np.diag(give[places])
-            chosen = choose(Block(W, v[places], run.law.mu[nodes], at.local.c[nodes], body.own[nodes]))
+            c, own = at.local.c[nodes], body.own[nodes]
+            chosen = choose(Block(W, v[places], run.law.mu[nodes], c, own, energetic=body.symmetric))
         F[places], state[nodes] = chosen.forces.ravel(), chosen.state
         after = v + columns @ F[places]
         moved = float(np.max(np.abs(after - body.now), initial=0.0))
@@ -133,7 +136,7 @@ class _Body:
         self.now, self.own = np.column_stack([contact.gap(u), run.law.slip(u)]).ravel(), J.own
         self.own[:, 1:] |= np.abs(self.now.reshape(m, 3)[:, 1:]) > run.slip_rounding(u)
         self._known, self._columns = np.zeros(0, int), np.zeros((3 * m, 0))
-        own = np.abs(K.diagonal())
+        self.symmetric, own = symmetric(K), np.abs(K.diagonal())
         alone = np.linalg.norm(at.lin.residual) / np.where(own > 0, own, np.inf)
         size = float(np.max(abs(J.rows) @ alone, initial=0.0))
         for spring in (np.zeros(3 * m), SPRING * np.repeat(np.where(near | (not near.any()), at.local.c, 0.0), 3)):
@@ -155,7 +158,7 @@ class _Body:
     def _negative(self) -> int:
         """Negative eigenvalues of the symmetric part of the matrix."""
         A, problem = self._matrix, self._run.newton.problem
-        if symmetric(A):
+        if self.symmetric:
             return negative_pivots(A, self._factor, ordered=problem.ordered, multipliers=problem.multipliers)
         return negative_pivots(sparse.csc_matrix((A + A.T) / 2), multipliers=problem.multipliers)
 
