@@ -45,7 +45,7 @@ class Pair:
 
     master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
     sampling: where the slave is looked at.  slave (a, 4): its patches, for the judge alone, who looks at what passes
-    through them; none where it does not.
+    through them; none where it does not.  smooth: whether there is no friction, whatever the coefficient of others.
     """
 
     reference: np.ndarray
@@ -53,6 +53,7 @@ class Pair:
     master: np.ndarray
     sampling: Sampling
     slave: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.intp))
+    smooth: bool = False
 
     @property
     def weights(self) -> np.ndarray:

@@ -82,12 +82,13 @@ class Rubbings:
 def rubbed(problem: ContactProblem, mu: float) -> ContactProblem:
     """The same problem of pairs with friction, slips counted from where they are undeformed until anchors are given.
 
-    Raises ValueError where there is no pair of faces.
+    There is none between those that are smooth. Raises ValueError where there is no pair of faces.
     """
     faces = problem.faces
     if not isinstance(faces, Pair | Several):
         raise ValueError("friction between faces needs pairs of them")
     each = tuple(Rubbing.at_rest(pair) for pair, _ in faces.parts)
     slip = each[0] if len(each) == 1 else Rubbings(each)
-    law = Coulomb(np.full(len(problem.weights), mu), slip, slip.jacobian, faces.size, slip)
+    coefficients = [np.full(len(one.nodes), 0.0 if one.pair.smooth else mu) for one in each]
+    law = Coulomb(np.concatenate(coefficients), slip, slip.jacobian, faces.size, slip)
     return replace(problem, coulomb=law, travel=None)

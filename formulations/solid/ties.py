@@ -4,7 +4,8 @@ Under a uniform pressure a quadratic face loads its corners by 1/36 of it, the m
 by 4/9; a contact of bilinear patches passes 1/4 to each corner. A face that may meet others is therefore bilinear: its
 nodes between corners follow them, and the elements behind it keep all others (transition elements), so that they are
 right under a uniform pressure to the last digit. The position of a node is tied as its displacement is.
-Where nothing varies along a1, as in plane strain, all nodes behind such a face follow one of their a1.
+Where nothing varies along a1, as in plane strain, all nodes behind such a face follow one of their a1. Where
+planes of symmetry are oblique, displacements are those along axes of each node.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
+from scipy.spatial.transform import Rotation
 
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import Law, StVenantKirchhoff
@@ -49,9 +51,20 @@ def uniform_along(mesh: SolidMesh, apart: np.ndarray) -> sparse.csr_matrix:
     return sparse.csr_matrix(sparse.eye_array(len(leads), format="csr")[leads])
 
 
+def about_z(angle: np.ndarray) -> sparse.csr_matrix:
+    """(3N, 3N): Cartesian displacements of nodes from those along axes of their own, turned about z by angle (N,)."""
+    turn = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_matrix()
+    blocks = sparse.bsr_matrix((turn, np.arange(len(turn)), np.arange(len(turn) + 1)))
+    found = sparse.csr_matrix(blocks)
+    found.eliminate_zeros()
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class TiedSolid:
     """A loaded solid, one ``face`` (F, 9) of which may meet others, by its unknowns that follow no others.
+
+    back (B, 9): a face on the other side that may meet others, too.
 
     operator P (n of the solid, n): r = P^T r_solid, K = P^T K_solid P, for all displacements of the solid are P u.
     """
@@ -60,6 +73,7 @@ class TiedSolid:
     laminate: Laminate
     face: np.ndarray
     operator: sparse.csr_matrix
+    back: np.ndarray
 
     @classmethod
     def build(
@@ -70,24 +84,33 @@ class TiedSolid:
         face: np.ndarray,
         *,
         uniform: bool = False,
+        turned: np.ndarray | None = None,
+        back: np.ndarray | None = None,
         law: Callable[[Ply], Law] = StVenantKirchhoff.of,
     ) -> TiedSolid:
         """Of a mesh with its supports (N, 3) bool; a node that follows others must be held where all of them are.
 
-        face (F, 9): what may meet others, of one of its faces.  uniform: whether nothing varies along a1.
+        face (F, 9): what may meet others, of one of its faces.  back (B, 9): and of the one on the other side.
+        uniform: whether nothing varies along a1.  turned (N,): angles [rad] about z of the axes along which
+        displacements are unknown and ``fixed``.
         Raises ValueError where an element is so bent that it is inside out with a straight face.
         """
-        straight = straight_face(len(mesh.x), face)
+        back = face[:0] if back is None else back
+        straight = straight_face(len(mesh.x), np.concatenate([face, back]))
         mesh = replace(mesh, x=straight @ mesh.x)
         if np.any(mesh.orientation * mesh.jacobian_determinants() <= 0):
             raise ValueError("elements are inside out behind a face that is straight: the mesh is too coarse along it")
         T = straight @ uniform_along(mesh, np.unique(face)) if uniform else straight
-        body = SolidDiscretisation.build(mesh, laminate, fixed, law)
-        leading = np.zeros(len(mesh.x), bool)
-        leading[np.unique(T.indices)] = True
-        chosen = np.flatnonzero((~fixed & leading[:, None]).ravel())
         whole = sparse.csr_matrix(sparse.kron(T, sparse.eye_array(3), format="csr"))
-        return cls(SolidModel(body), laminate, face, sparse.csr_matrix(whole[body.free][:, chosen]))
+        at_rest = fixed
+        if turned is not None:
+            whole = sparse.csr_matrix(whole @ about_z(turned))
+            at_rest = fixed & ((turned == 0.0)[:, None] | np.array([False, False, True]))
+        body = SolidDiscretisation.build(mesh, laminate, at_rest, law)
+        leading = np.zeros(fixed.size, bool)
+        leading[np.unique(whole.indices)] = True
+        chosen = np.flatnonzero(~fixed.ravel() & leading)
+        return cls(SolidModel(body), laminate, face, sparse.csr_matrix(whole[body.free][:, chosen]), back)
 
     @property
     def n_free(self) -> int:
@@ -118,11 +141,19 @@ class TiedSolid:
 
     def between(self, values: np.ndarray) -> np.ndarray:
         """Values (N,) at corners of the face, interpolated to its other nodes."""
-        return np.asarray(straight_face(len(values), self.face) @ values)
+        return np.asarray(straight_face(len(values), np.concatenate([self.face, self.back])) @ values)
 
     @property
     def patches(self) -> np.ndarray:
         """Corners (F, 4) of the face in the order of a bilinear patch, a_1 x a_2 out of the body."""
-        mesh, corners = self.solid.discretisation.mesh, self.face[:, list(CORNERS)]
-        outwards = (mesh.orientation > 0) == bool(np.isin(self.face[0], mesh.outer).all())
+        return self._outwards(self.face)
+
+    @property
+    def behind(self) -> np.ndarray:
+        """Those (B, 4) of the face on the other side."""
+        return self._outwards(self.back)
+
+    def _outwards(self, face: np.ndarray) -> np.ndarray:
+        mesh, corners = self.solid.discretisation.mesh, face[:, list(CORNERS)]
+        outwards = (mesh.orientation > 0) == bool(np.isin(face[0], mesh.outer).all())
         return corners if outwards else corners[:, ::-1]

@@ -47,7 +47,6 @@ CLIMBED = {  # the scenes that declare ladders of each family, as they come in t
         "two-rings",
         "pinched-ring",
         "stack",
-        "half-spheres",
         "face-patch",
     ),
     TYRE: ("tyre",),

@@ -11,18 +11,22 @@ from studies.ask.request import Value
 from studies.ask.scene import Reference
 from studies.scenes import SCENES
 
+UNSAID: Mapping[str, float | str] = {
+    "law": LINEAR,
+    "mu": 0.0,
+}  # what a reference, or a request, that does not name them is of
 STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
 
 
 def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
     """The references of a scene that hold where these are the settings, the measure and the load.
 
-    None that is zero: errors are relative. One that names no law is of the linear one. A campaign may bring scenes of
-    its own, which are not loaded here.
+    None that is zero: errors are relative. One that names neither law nor mu is of the linear one without friction. A
+    campaign may bring scenes of its own, which are not loaded here.
     """
-    where = {"law": LINEAR, **there}
+    where = {**UNSAID, **there}
     for reference in SCENES[scene].references if scene in SCENES else ():
-        at = {"law": LINEAR, **reference.at}
+        at = {**UNSAID, **reference.at}
         if reference.value != 0.0 and all(_same(where.get(key), value) for key, value in at.items()):
             yield reference
 

@@ -51,11 +51,15 @@ def of_second(count: int, request: Request) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Facing:
-    """Two sides that may meet; nodes (m,): points of the slave's face, the candidates."""
+    """Two sides that may meet; nodes (m,): points of the slave's face, the candidates.
+
+    smooth: whether there is no friction between them, whatever there is between others.
+    """
 
     slave: Side
     master: Side
     nodes: np.ndarray
+    smooth: bool = False
 
     @property
     def said(self) -> str:
@@ -170,7 +174,10 @@ class FacesModel:
     def pairs_at(self, t: float) -> tuple[Pair, ...]:
         """The pairs at a point of the path."""
         bodies, found = self.bodies_at(t), zip(self.pairs, self._samplings, strict=True)
-        return tuple(bodies.pair(each.slave, each.master, each.nodes, self.pairing, known) for each, known in found)
+        return tuple(
+            replace(bodies.pair(each.slave, each.master, each.nodes, self.pairing, known), smooth=each.smooth)
+            for each, known in found
+        )
 
     def problem_at(self, t: float) -> ContactProblem:
         """All bodies and their pairs at a point of the path."""
@@ -207,4 +214,4 @@ class FacesModel:
             own = state.pressure[self.pair_of_candidate == number]
             pressures[each.slave.body][each.points(bodies.parts)] = own
         layers = zip(bodies.parts, bodies.split(state.u), pressures, strict=True)
-        write_layers(path, [one.layer(own, pressure) for one, own, pressure in layers])
+        write_layers(path, [one.layer(own, pressure) for one, own, pressure in layers if len(one.nodes)])

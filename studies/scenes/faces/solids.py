@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -47,8 +46,8 @@ def _sinh_ratio(s: np.ndarray | float, b: float) -> np.ndarray:
 class PlacedSolid:
     """A solid in space: x = turn X + shift with its own coordinates X; turn (3, 3), shift (3,) [mm].
 
-    Its one face that may meet others has the number that it is asked for by, 0 inner or 1 outer; its points are the
-    corners of the elements there.
+    Its one face that may meet others has the number that it is asked for by, 0 inner or 1 outer; one that may on both
+    sides has its back as 0. The points of a face are the corners of the elements there.
     """
 
     solid: TiedSolid
@@ -77,27 +76,26 @@ class PlacedSolid:
         """The potential [N mm]."""
         return self.solid.energy(u)
 
-    @cached_property
-    def corners(self) -> np.ndarray:
-        """Nodes of the mesh (k,) that are the points of the face."""
-        return np.unique(self.solid.patches)
+    def _patches(self, face: int) -> np.ndarray:
+        """Of a face (F, 4), by nodes of the mesh."""
+        return self.solid.behind if face == 0 and len(self.solid.back) else self.solid.patches
 
     def face(self, face: int) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
         """Positions (k, 3) at rest, displacements (3k, n), and patches (F, 4) turned outwards."""
         body = self.solid.solid.discretisation
-        turn = sparse.kron(sparse.eye_array(len(self.corners)), self.turn, format="csr")
-        operator = turn @ body.displacement_operator(self.corners) @ self.solid.operator
-        patches = np.searchsorted(self.corners, self.solid.patches)
-        return body.mesh.x[self.corners] @ self.turn.T + self.shift, sparse.csr_matrix(operator), patches
+        patches, corners = self._patches(face), self.points_of(face)
+        turn = sparse.kron(sparse.eye_array(len(corners)), self.turn, format="csr")
+        operator = turn @ body.displacement_operator(corners) @ self.solid.operator
+        patches = np.searchsorted(corners, patches)
+        return body.mesh.x[corners] @ self.turn.T + self.shift, sparse.csr_matrix(operator), patches
 
     def areas(self, face: int) -> np.ndarray:
         """Shares (k,) [mm^2] of the points in the face."""
-        x, patches = self.solid.solid.discretisation.mesh.x, self.solid.patches
-        return areas(x, patches)[self.corners]
+        return areas(self.solid.solid.discretisation.mesh.x, self._patches(face))[self.points_of(face)]
 
     def points_of(self, face: int) -> np.ndarray:
         """Where the points of the face (k,) are among those of :meth:`layer`."""
-        return self.corners
+        return np.unique(self._patches(face))
 
     @property
     def nodes(self) -> np.ndarray:

@@ -176,3 +176,12 @@ def test_the_judge_looks_at_the_friction_of_every_pair_by_itself() -> None:
     wrong = replace(problem, coulomb=replace(law, sliding=lame))
     assert not judge(problem, found.u, found.pressure, found.rubbed.force).failures()
     assert judge(wrong, found.u, found.pressure, found.rubbed.force).failures()
+
+
+def test_a_smooth_pair_has_no_friction_beside_one_that_rubs() -> None:
+    problem, whole = pressed("nodes")
+    smooth = Several((whole.pairs[0], replace(whole.pairs[1], smooth=True)))
+    law = rubbed(between(problem, smooth), 0.3).coulomb
+    assert law is not None
+    for mu, own in zip((0.3, 0.0), smooth.candidates, strict=True):
+        assert set(law.mu[own].tolist()) == {mu}

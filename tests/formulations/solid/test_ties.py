@@ -10,12 +10,12 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 from contact.faces.sampling import areas
-from formulations.geometry.surfaces import Plate, cylinder
+from formulations.geometry.surfaces import Plate, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.solid import SolidModel
-from formulations.solid.ties import TiedSolid
+from formulations.solid.ties import TiedSolid, straight_face
 from formulations.solid_mesh import SolidMesh
 from support.problems.differences import fitted_order
 
@@ -106,3 +106,34 @@ def test_a_face_that_leaves_elements_inside_out_is_refused() -> None:
     mesh = SolidMesh.build(cylinder(10.0), np.array([0.0, 1.0]), np.array([0.0, 1.5]), wall)
     with pytest.raises(ValueError, match="inside out"):
         TiedSolid.build(mesh, wall, np.zeros((len(mesh.x), 3), bool), mesh.outer)
+
+
+def test_axes_turned_about_z_leave_a_wedge_its_planes_of_symmetry_and_its_way_out() -> None:
+    angle, wall = np.radians(20.0), Laminate((Ply.isotropic(E, NU, 0.5),), -0.25)
+    mesh = SolidMesh.build(sphere(2.0), np.array([0.0, 0.2, 0.5]), np.array([0.0, angle]), wall)
+    around = mesh.parameter[:, 1]
+    sides = np.concatenate([mesh.on(1, 0.0), mesh.on(1, angle)])
+    fixed = np.zeros((len(mesh.x), 3), bool)
+    fixed[sides, 1] = True
+    body = TiedSolid.build(mesh, wall, fixed, mesh.outer, back=mesh.inner, turned=around)
+    across = np.column_stack([-np.sin(around), np.cos(around), 0 * around])
+    for each in np.eye(body.n_free):
+        assert np.max(np.abs(np.sum(body.expand(each) * across, axis=1)[sides])) <= 1e-15
+    faces = np.concatenate([body.face, body.back])
+    out = straight_face(len(around), faces) @ np.column_stack([np.cos(around), np.sin(around), 0 * around])
+    free = body.solid.discretisation.free
+    P = body.operator.toarray()
+    u = np.linalg.lstsq(P, out.ravel()[free], rcond=None)[0]
+    np.testing.assert_allclose(body.expand(u), out, rtol=0, atol=1e-13)
+
+
+def test_a_solid_has_a_face_on_both_sides_turned_outwards() -> None:
+    wall = Laminate((Ply.isotropic(E, NU, 0.5),), -0.25)
+    mesh = SolidMesh.build(sphere(2.0), np.array([0.0, 0.2, 0.5]), np.array([0.0, 0.3]), wall)
+    body = TiedSolid.build(mesh, wall, np.zeros((len(mesh.x), 3), bool), mesh.outer, back=mesh.inner)
+    x = body.solid.discretisation.mesh.x
+    for quads, sign in ((body.patches, 1.0), (body.behind, -1.0)):
+        corners = x[quads]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
+        assert len(quads) == 2
+        assert np.all(sign * np.sum(corners.mean(axis=1) * normal, axis=1) > 0)

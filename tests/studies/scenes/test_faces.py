@@ -160,23 +160,6 @@ def test_rings_in_a_row_whose_meshes_do_not_match_converge_to_the_elastica(pairi
     assert errors[1] <= 3e-3
 
 
-@pytest.mark.slow
-def test_equal_half_spheres_meet_as_each_meets_a_plane_in_the_limit() -> None:
-    both = solved("half-spheres", "80x1", other_h_mm=1.8).quantities["force_N"]
-    one = solve(*complete("half-spheres", {"against": "plane", "delta_mm": "0.3"}, "80x1")).quantities["force_N"]
-    assert both == pytest.approx(one, rel=5e-3)  # the last node that touches carries as much
-
-
-@pytest.mark.parametrize("slave", ["first", pytest.param("second", marks=pytest.mark.slow)])
-def test_a_stiff_half_sphere_is_a_rigid_ball(slave: str) -> None:
-    given = {"delta_mm": "0.2"}
-    stiff = solved("half-spheres", "80x1", slave=slave, other_E_MPa="1e6", **given).quantities["force_N"]
-    soft = solved("half-spheres", "40x1", slave=slave, **given).quantities["force_N"]
-    ball = solve(*complete("half-spheres", {"against": "ball", **given}, "80x1")).quantities["force_N"]
-    assert stiff == pytest.approx(ball, rel=2e-2)  # as much as the last node that touches
-    assert soft < 0.6 * ball
-
-
 def test_both_faces_of_the_middle_ring_are_in_one_file(tmp_path) -> None:
     result = solved("stack", "1x20", delta_mm="35", lines="rim", pairing="nodes")
     assert result.last is not None

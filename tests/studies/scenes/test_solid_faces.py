@@ -13,6 +13,7 @@ from contact.faces.sampling import PAIRINGS
 from contact.verify import PAIR
 from studies.ask.scene import UsageError
 from studies.output.vtu import read_vtu
+from studies.scenes import SCENES
 from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
 from studies.scenes.complete import complete
 from studies.scenes.faces.model import FacesModel
@@ -197,3 +198,58 @@ def test_a_thin_layer_is_the_law_of_a_finite_epsilon_on_a_plate() -> None:
     found = solved("ring-on-layer", "1x128", delta_mm="5", **layer).quantities
     assert found["P_R2_over_EI"] == pytest.approx(ring["P_R2_over_EI"], rel=1e-3)
     assert found["flat_half_length"] == pytest.approx(ring["flat_half_length"], rel=5e-2)  # on a rigid plate it is 0
+
+
+HALVES: dict[str, str] = {"delta_mm": "1,2,3,4", "surfaces": "5"}
+
+
+def test_half_spheres_rub_on_each_other_and_not_on_the_plane() -> None:
+    result = solved("half-spheres", "8x1", through=1, delta_mm="0.5", mu="0.5")
+    assert result.verdict == "converged"
+    assert isinstance(result.model, FacesModel)
+    assert result.last is not None
+    assert result.last.friction is not None
+    pressure, t = result.last.pressure, np.linalg.norm(result.last.friction.force, axis=1)
+    rubs = result.model.pair_of_candidate == 0
+    assert np.all(t[~rubs] == 0)
+    assert np.any(pressure[~rubs] > 0)
+    assert np.max(t[rubs]) > 0
+    assert result.steps[-1]["dissipation_N_mm"] > 0
+
+
+def test_fields_of_half_spheres_have_what_deforms(tmp_path) -> None:
+    result = solved("half-spheres", "8x1", through=1, delta_mm="0.1")
+    assert result.last is not None
+    result.model.write_fields(tmp_path / "fields.vtu", result.last)
+    fields = read_vtu(tmp_path / "fields.vtu")
+    assert set(fields.data["body"]) == {0.0, 1.0}  # and not the plane
+    assert np.max(np.abs(fields.points)) == pytest.approx(14.0)
+    assert np.max(fields.data["pressure"]) == pytest.approx(np.max(result.last.pressure))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mu", ["0", "0.5"])
+def test_half_spheres_are_inside_the_band_of_four_codes(mu: str) -> None:
+    """And stable, unlike shells."""
+    result = solved("half-spheres", "30x1", mu=mu, through=1, delta_mm="1,2,3,4" + (",5" if mu != "0" else ""))
+    assert result.verdict == "converged"
+    read = [each for each in SCENES["half-spheres"].references if each.kind == "read"]
+    known = {each.at["delta_mm"]: each for each in read if each.at["mu"] == float(mu)}
+    assert len(known) == len(result.steps)
+    for step in result.steps:
+        reference = known[step["delta_mm"]]
+        assert abs(step["quarter_N"] / reference.value - 1) <= reference.uncertainty
+
+
+@pytest.mark.slow
+def test_half_spheres_are_the_same_as_shells_and_whoever_is_the_master() -> None:
+    solid = solved("half-spheres", "40x1", delta_mm="1,2,3,4")
+    swapped = solved("half-spheres", "40x1", slave="first", delta_mm="1,2,3,4")
+    shell = solved("half-spheres", "40x1", bodies="shells", **HALVES)
+    limits = [each.value for each in SCENES["half-spheres"].references if each.kind == "refined"]
+    for limit, one, other, third in zip(limits, solid.steps, swapped.steps, shell.steps, strict=True):
+        assert one["quarter_N"] == pytest.approx(limit, rel=5e-3)
+        assert other["quarter_N"] == pytest.approx(one["quarter_N"], rel=2e-3)
+        assert third["quarter_N"] == pytest.approx(one["quarter_N"], rel=7e-3)
+    assert solid.verdict == "converged"
+    assert shell.verdict == "unstable"
