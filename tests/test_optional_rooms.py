@@ -23,7 +23,7 @@ WITHOUT = (
         "reports",
     ),
 )
-MOST = 149  # modules of ours
+MOST = 150  # modules of ours
 SOLVED = """
 import sys
 from studies.cli import main

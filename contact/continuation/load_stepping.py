@@ -223,12 +223,13 @@ class Stepper:
 
     def reject(self, attempt: Attempt, failure: Event) -> Stepper:
         """Where it was, with half the step; with an outcome where no smaller one would do."""
-        if attempt.solution.outcome is Outcome.REFUSED:
+        if attempt.solution.outcome is Outcome.REFUSED and not self._lost(attempt):
             return replace(self._spent(attempt, None), outcome=Outcome.REFUSED)
         if self.failures + 1 >= PATIENCE and self.target > self.reached and self.problem_at(self.reached).travel:
             return self._by_arc_length(attempt, failure)
         vain = self.vain + (0.0 if attempt.solution.outcome.converged else _factorisations(attempt.solution))
-        spent = self.bounded and vain + BRIEF > self.allowed  # the next attempt would be beyond it
+        shorter = self.vain > 0 or attempt.solution.friction is None  # with friction a first failure is as dear as many
+        spent = self.bounded and shorter and vain + BRIEF > self.allowed  # the next attempt would be beyond it
         width = attempt.parameter - self.reached
         smallest = abs(self.step) / 2 < self.smallest
         if smallest and attempt.beyond and self._smooth(attempt):
@@ -247,6 +248,10 @@ class Stepper:
         asked = step if EventKind.PASSED & failure.kind else self.asked  # a longer one would pass again
         cut = replace(self._spent(attempt, event), step=step, asked=asked, cut=True, vain=vain)
         return replace(cut, failures=self.failures + 1, jump=(width, attempt.moved) if attempt.beyond else self.jump)
+
+    def _lost(self, attempt: Attempt) -> bool:
+        """Whether it was no problem that was refused, but what Newton's method with friction has come to from there."""
+        return attempt.solution.friction is not None and attempt.solution.counters.get("newton_iterations", 0) > 1
 
     def _end(self, attempt: Attempt) -> Ending:
         """Why there is no next state; where no digit of one is sure, a tangent in its neighbourhood tells nothing."""

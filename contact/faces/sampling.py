@@ -73,6 +73,19 @@ def at_nodes(nodes: np.ndarray, k: int, weights: np.ndarray) -> Sampling:
     return Sampling(_chosen(nodes, k), _chosen(np.arange(m), m), weights, nodes)
 
 
+def joined(sampling: Sampling, count: int) -> Sampling:
+    """One candidate instead of each ``count`` in a row that move alike: its gap is their mean by their areas.
+
+    Its node is the first of theirs.
+    """
+    weights = sampling.weights.reshape(-1, count)
+    m, total = len(weights), weights.sum(axis=1)
+    share, ends = weights / total[:, None], count * np.arange(m + 1)
+    means = sparse.csr_matrix((share.ravel(), np.arange(weights.size), ends), shape=(m, weights.size))
+    average = sparse.csr_matrix(means @ sampling.average)
+    return Sampling(sampling.points, average, total, sampling.nodes[::count])
+
+
 def mortar(x: np.ndarray, slave: np.ndarray, master: np.ndarray, nodes: np.ndarray) -> Sampling:
     """The patches ``slave`` (a, 4) before ``master`` (b, 4) of points x (k, 3) at rest.
 

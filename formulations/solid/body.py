@@ -31,6 +31,7 @@ class SolidDiscretisation:
 
     free (n,): the flat displacements that are unknown.  dofs (E, 81): flat displacements of the elements.
     gradients (E, 27 points, 27 nodes, 3): of N along the local axes; volumes (E, 27 points); laws: one a ply.
+    A :meth:`section` has 9 points, 9 nodes and 27 displacements an element instead.
     """
 
     mesh: SolidMesh
@@ -62,6 +63,24 @@ class SolidDiscretisation:
         laws = tuple(law(ply) for ply in laminate.plies)
         return cls(mesh, fixed, free, dofs, Pattern.build(number[dofs], len(free)), gradients, volumes, laws)
 
+    def section(self) -> SolidDiscretisation:
+        """The same where all nodes of one (a2, a3) move alike, by the elements of the lowest a1 and their nodes there.
+
+        For a body that is drawn out along a1, with elements of one length along it: one Gauss point, the middle one.
+        """
+        low = self.mesh.parameter[self.mesh.elements[:, 0], 0]
+        own, middle = np.flatnonzero(np.isclose(low, low.min())), slice(9, 18)
+        elements = self.mesh.elements[own, :9]
+        mesh = replace(self.mesh, elements=elements, frame=self.mesh.frame[own, middle], ply=self.mesh.ply[own])
+        of_columns = self.gradients[own, middle].reshape(len(own), 9, 3, 9, 3).sum(axis=2)
+        volumes = self.volumes[own].reshape(-1, 3, 9).sum(axis=1) * (len(low) // len(own))
+        fixed = self.fixed | ~np.isin(np.arange(len(self.fixed)), elements)[:, None]
+        free, dofs = np.flatnonzero(~fixed.ravel()), _flat(elements)
+        number = np.full(fixed.size, -1, dtype=np.intp)
+        number[free] = np.arange(len(free))
+        pattern = Pattern.build(number[dofs], len(free))
+        return SolidDiscretisation(mesh, fixed, free, dofs, pattern, of_columns, volumes, self.laws)
+
     @property
     def n_free(self) -> int:
         """Number of unknowns."""
@@ -84,25 +103,23 @@ class SolidDiscretisation:
 
     def internal(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Internal force (E, 81) and tangent (E, 81, 81) at the displacements (N, 3)."""
-        force, tangent = np.empty((len(self.volumes), 81)), np.empty((len(self.volumes), 81, 81))
-        # F, dE/du, C dE/du, the material and the geometric part at 27 points
-        spend(
-            27
-            * len(self.volumes)
-            * (4 * product(27, 3, 3) + product(6, 6, 81) + product(81, 6, 81) + product(27, 27, 3))
-        )
+        (count, points, nodes, _), k = self.gradients.shape, self.dofs.shape[1]
+        force, tangent = np.empty((count, k)), np.empty((count, k, k))
+        # F, dE/du, C dE/du, the material and the geometric part at every point
+        each = 4 * product(nodes, 3, 3) + product(6, 6, k) + product(k, 6, k) + product(nodes, nodes, 3)
+        spend(points * count * each)
         for law, part in self._passes():
             G, volume = self.gradients[part], self.volumes[part]
             F, strain = self._strained(full, part)
             stress, C = law.response(strain)
             stress = stress * volume[..., None]
             B = _strain_gradient(F, G)
-            flat = B.reshape(len(part), -1, 81)
+            flat = B.reshape(len(part), -1, k)
             CB = np.matmul(C, B * volume[..., None, None]).reshape(flat.shape)
             force[part] = np.einsum("egp,egpk->ek", stress, B)
             initial = np.einsum("egni,egij,egmj->enm", G, tensor(stress), G, optimize=True)
             block = np.matmul(flat.transpose(0, 2, 1), CB)
-            of_nodes = block.reshape(-1, 27, 3, 27, 3)
+            of_nodes = block.reshape(-1, nodes, 3, nodes, 3)
             for x in range(3):
                 of_nodes[:, :, x, :, x] += initial
             tangent[part] = block
@@ -110,7 +127,7 @@ class SolidDiscretisation:
 
     def internal_force(self, full: np.ndarray) -> np.ndarray:
         """The force (E, 81) of :meth:`internal` alone."""
-        force = np.empty((len(self.volumes), 81))
+        force = np.empty(self.dofs.shape)
         for law, part in self._passes():
             F, strain = self._strained(full, part)
             stress = law.response(strain)[0] * self.volumes[part][..., None]
@@ -144,8 +161,9 @@ class SolidDiscretisation:
         """Elements (e,) of one ply with its law, a few at a time."""
         for ply, law in enumerate(self.laws):
             own = np.flatnonzero(self.mesh.ply == ply)
-            for start in range(0, len(own), CHUNK):
-                yield law, own[start : start + CHUNK]
+            most = CHUNK * 81 // self.dofs.shape[1]
+            for start in range(0, len(own), most):
+                yield law, own[start : start + most]
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,9 +264,9 @@ def _green(F: np.ndarray, i: int, j: int) -> np.ndarray:
 
 
 def _strain_gradient(F: np.ndarray, G: np.ndarray) -> np.ndarray:
-    """dE/du (e, g, 6, 81) in Voigt order with engineering shears."""
+    """dE/du (e, g, 6, 3k) of k nodes in Voigt order with engineering shears."""
     rows = []
     for i, j in VOIGT:
         row = np.einsum("egx,egn->egnx", F[..., i], G[..., j])
         rows.append(row if i == j else row + np.einsum("egx,egn->egnx", F[..., j], G[..., i]))
-    return np.stack(rows, axis=2).reshape(*F.shape[:2], 6, 81)
+    return np.stack(rows, axis=2).reshape(*F.shape[:2], 6, -1)

@@ -67,6 +67,7 @@ class TiedSolid:
     back (B, 9): a face on the other side that may meet others, too.
 
     operator P (n of the solid, n): r = P^T r_solid, K = P^T K_solid P, for all displacements of the solid are P u.
+    section: in plane strain, what has the same r and K for less; its own displacements are others of u.
     """
 
     solid: SolidModel
@@ -74,6 +75,7 @@ class TiedSolid:
     face: np.ndarray
     operator: sparse.csr_matrix
     back: np.ndarray
+    section: tuple[SolidModel, sparse.csr_matrix] | None = None
 
     @classmethod
     def build(
@@ -84,14 +86,17 @@ class TiedSolid:
         face: np.ndarray,
         *,
         uniform: bool = False,
+        plane: bool = False,
         turned: np.ndarray | None = None,
         back: np.ndarray | None = None,
         law: Callable[[Ply], Law] = StVenantKirchhoff.of,
     ) -> TiedSolid:
         """Of a mesh with its supports (N, 3) bool; a node that follows others must be held where all of them are.
 
-        face (F, 9): what may meet others, of one of its faces.  back (B, 9): and of the one on the other side.
-        uniform: whether nothing varies along a1.  turned (N,): angles [rad] about z of the axes along which
+        face (F, 9): what may meet others, of one of its faces, or quadrilaterals of others as well, turned alike.
+        back (B, 9): and of the one on the other side.
+        uniform: whether nothing varies along a1 behind the face, nor at it where it is ``plane``: whoever meets such a
+        face has one candidate for all nodes of one (a2, a3).  turned (N,): angles [rad] about z of the axes along which
         displacements are unknown and ``fixed``.
         Raises ValueError where an element is so bent that it is inside out with a straight face.
         """
@@ -100,7 +105,8 @@ class TiedSolid:
         mesh = replace(mesh, x=straight @ mesh.x)
         if np.any(mesh.orientation * mesh.jacobian_determinants() <= 0):
             raise ValueError("elements are inside out behind a face that is straight: the mesh is too coarse along it")
-        T = straight @ uniform_along(mesh, np.unique(face)) if uniform else straight
+        apart = np.zeros(0, np.intp) if plane else np.unique(face)
+        T = straight @ uniform_along(mesh, apart) if uniform or plane else straight
         whole = sparse.csr_matrix(sparse.kron(T, sparse.eye_array(3), format="csr"))
         at_rest = fixed
         if turned is not None:
@@ -110,7 +116,16 @@ class TiedSolid:
         leading = np.zeros(fixed.size, bool)
         leading[np.unique(whole.indices)] = True
         chosen = np.flatnonzero(~fixed.ravel() & leading)
-        return cls(SolidModel(body), laminate, face, sparse.csr_matrix(whole[body.free][:, chosen]), back)
+        P, section = sparse.csr_matrix(whole[body.free][:, chosen]), None
+        if plane:
+            cut = body.section()
+            section = SolidModel(cut), sparse.csr_matrix(whole[cut.free][:, chosen])
+        return cls(SolidModel(body), laminate, face, P, back, section)
+
+    @property
+    def _acting(self) -> tuple[SolidModel, sparse.csr_matrix]:
+        """Whose residual and tangent are worked out, and its displacements from the unknowns."""
+        return self.section or (self.solid, self.operator)
 
     @property
     def n_free(self) -> int:
@@ -124,16 +139,19 @@ class TiedSolid:
 
     def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
         """Residual and tangent at u (n,)."""
-        P, lin = self.operator, self.solid.linearise(self.operator @ u, memory)
+        solid, P = self._acting
+        lin = solid.linearise(P @ u, memory)
         return replace(lin, residual=P.T @ lin.residual, tangent=sparse.csc_matrix(P.T @ lin.tangent @ P))
 
     def residual(self, u: np.ndarray) -> np.ndarray:
         """That of :meth:`linearise` alone."""
-        return np.asarray(self.operator.T @ self.solid.residual(self.operator @ u))
+        solid, P = self._acting
+        return np.asarray(P.T @ solid.residual(P @ u))
 
     def energy(self, u: np.ndarray) -> float:
         """That of the solid."""
-        return self.solid.energy(self.operator @ u)
+        solid, P = self._acting
+        return solid.energy(P @ u)
 
     def expand(self, u: np.ndarray) -> np.ndarray:
         """Displacements (N, 3) of all nodes."""

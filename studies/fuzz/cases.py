@@ -28,7 +28,7 @@ from studies.scenes.benchmarks.quads import OnQuads
 
 SCENE, FRICTION = "scene", "friction"  # kinds of a number that stands for a request
 KINDS = {SCENE: 0.2, FRICTION: 0.15, "posed": 0.15, "matrices": 0.5}  # by what a case costs
-SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders", "ring-on-layer")
+SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders", "ring-on-layer", "ironing")
 OFTEN = {"panel": 8, "tyre": 10, **dict.fromkeys(SOLIDS, 1)}  # for their settings, or for their cost
 RUBBED = {"panel": 10.0, "tyre": 8.0, "crushed-ring-solid": 0.3, "tyre-solid": 0.5}  # with friction; the others 1
 WITH_CONTACT = 4  # the others, as often as a scene without

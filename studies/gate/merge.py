@@ -39,7 +39,7 @@ from studies.run.running import Progress, write_plan
 from studies.run.task import Limits
 from studies.scenes.plugins import used
 
-SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders")
+SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders", "ironing")
 NOT_SOLVED, ALREADY = "not solved there", "here already"
 LARGEST, LARGEST_SOLID = 20_000, 4_096  # elements that are built to recompute a claim: about a GiB
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out

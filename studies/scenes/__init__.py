@@ -56,6 +56,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "half-spheres": "studies.scenes.faces.half_spheres",
     "face-patch": "studies.scenes.faces.face_patch",
     "two-cylinders": "studies.scenes.faces.two_cylinders",
+    "ironing": "studies.scenes.faces.ironing",
     "ring-on-layer": "studies.scenes.faces.ring_on_layer",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",

@@ -11,11 +11,9 @@ from studies.ask.request import Value
 from studies.ask.scene import Reference
 from studies.scenes import SCENES
 
-UNSAID: Mapping[str, float | str] = {
-    "law": LINEAR,
-    "mu": 0.0,
-}  # what a reference, or a request, that does not name them is of
-STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
+UNSAID: Mapping[str, float | str] = {"law": LINEAR, "mu": 0.0}  # of what does not name them
+# what grows along a path; all else that a reference names is a setting
+STEP_KEYS = ("load_fraction", "delta_mm", "way_mm")
 
 
 def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from contact.faces.pair import Pair
-from contact.faces.sampling import PAIRINGS, Sampling
+from contact.faces.sampling import PAIRINGS, Sampling, joined
 from contact.faces.several import Several
 from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import FACES
@@ -54,12 +54,14 @@ class Facing:
     """Two sides that may meet; nodes (m,): points of the slave's face, the candidates.
 
     smooth: whether there is no friction between them, whatever there is between others.
+    alike (m, j): all points of that face that move as a candidate does, which stands for them; it comes first.
     """
 
     slave: Side
     master: Side
     nodes: np.ndarray
     smooth: bool = False
+    alike: np.ndarray | None = None
 
     @property
     def said(self) -> str:
@@ -67,9 +69,19 @@ class Facing:
         own, its = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
         return f"{own} against {its}"
 
+    @property
+    def whole(self) -> np.ndarray:
+        """The points (m, j) that each candidate stands for."""
+        return self.nodes[:, None] if self.alike is None else self.alike
+
     def points(self, bodies: Sequence[Body]) -> np.ndarray:
-        """The candidates (m,) among the points that a file has of the slave."""
-        return bodies[self.slave.body].points_of(self.slave.face)[self.nodes]
+        """Those (m, j) among the points that a file has of the slave."""
+        return bodies[self.slave.body].points_of(self.slave.face)[self.whole]
+
+    def sampling(self, bodies: Bodies, pairing: str) -> Sampling:
+        """Where the slave is looked at, of bodies that are at rest."""
+        found = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing).sampling
+        return found if self.alike is None else joined(found, self.alike.shape[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +181,7 @@ class FacesModel:
     def _samplings(self) -> tuple[Sampling, ...]:
         """Where the slaves are looked at all along the path: at points of them that are found at rest."""
         bodies = self.bodies_at(0.0)
-        return tuple(bodies.pair(each.slave, each.master, each.nodes, self.pairing).sampling for each in self.pairs)
+        return tuple(each.sampling(bodies, self.pairing) for each in self.pairs)
 
     def pairs_at(self, t: float) -> tuple[Pair, ...]:
         """The pairs at a point of the path."""
@@ -202,7 +214,7 @@ class FacesModel:
         bodies = self.bodies_at(0.0).parts
         candidates, start = [np.full(len(each.nodes), -1) for each in bodies], 0
         for each in self.pairs:
-            candidates[each.slave.body][each.points(bodies)] = start + np.arange(len(each.nodes))
+            candidates[each.slave.body][each.points(bodies)] = start + np.arange(len(each.nodes))[:, None]
             start += len(each.nodes)
         return np.concatenate(candidates), np.concatenate([each.nodes for each in bodies])
 
@@ -212,6 +224,6 @@ class FacesModel:
         pressures = [np.zeros(len(each.nodes)) for each in bodies.parts]
         for number, each in enumerate(self.pairs if len(state.pressure) else ()):
             own = state.pressure[self.pair_of_candidate == number]
-            pressures[each.slave.body][each.points(bodies.parts)] = own
+            pressures[each.slave.body][each.points(bodies.parts)] = own[:, None]
         layers = zip(bodies.parts, bodies.split(state.u), pressures, strict=True)
         write_layers(path, [one.layer(own, pressure) for one, own, pressure in layers if len(one.nodes)])

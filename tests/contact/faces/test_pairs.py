@@ -11,7 +11,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.faces.measured import distances
 from contact.faces.pair import between
-from contact.faces.sampling import OWN, PAIRINGS, clipped, mortar
+from contact.faces.sampling import OWN, PAIRINGS, clipped, joined, mortar
 from contact.faces.search import nearest
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import minimise
@@ -118,6 +118,17 @@ def test_what_lies_beyond_the_rim_of_the_master_is_no_part_of_an_area() -> None:
     np.testing.assert_allclose(one.sampling.average.sum(axis=1), 1.0, atol=ROUNDING)
     assert one.weights.sum() == pytest.approx(1.8**2, rel=ROUNDING)
     np.testing.assert_allclose(one.at(np.zeros(one.operator.shape[1])).gap, 0.1, atol=ROUNDING)
+
+
+def test_candidates_that_move_alike_are_one_with_their_mean_gap_and_the_sum_of_their_areas() -> None:
+    one = pair("mortar")
+    couples, u = joined(one.sampling, 2), np.zeros(one.operator.shape[1])
+    areas, gaps = (each.reshape(-1, 2) for each in (one.weights, one.at(u).gap))
+    np.testing.assert_allclose(couples.weights, areas.sum(axis=1), rtol=ROUNDING)
+    found = replace(one, sampling=couples).at(u).gap
+    np.testing.assert_allclose(found, (areas * gaps).sum(axis=1) / areas.sum(axis=1), rtol=1e-12)
+    assert np.ptp(gaps, axis=1).max() > 1e-3
+    assert couples.nodes.tolist() == one.nodes[::2].tolist()
 
 
 def test_a_patch_that_turns_away_from_the_master_at_rest_has_points_all_over() -> None:

@@ -67,6 +67,26 @@ def test_in_plane_strain_one_node_stands_for_its_line_along_a1() -> None:
     assert body.n_free == of_face + behind
 
 
+@pytest.mark.parametrize("across", [1, 3])
+def test_a_section_has_residual_tangent_and_energy_of_the_whole(rng, across: int) -> None:
+    """Of a mesh that is no grid any more, of two plies, whatever the elements across."""
+    plies = Laminate((Ply.isotropic(E, NU, H / 2), Ply.isotropic(3 * E, NU, H / 2)), -H)
+    mesh = SolidMesh.build(Plate(), np.linspace(0.0, 1.5, across + 1), np.array([0.0, 0.7, 1.2]), plies)
+    x, z = mesh.x[:, 1], mesh.x[:, 2]
+    mesh = replace(mesh, x=mesh.x + 0.1 * np.stack([0 * x, x * z, x**2], axis=1))
+    fixed = np.zeros((len(mesh.x), 3), bool)
+    fixed[:, 0] = fixed[np.unique(mesh.inner)] = True
+    body = TiedSolid.build(mesh, plies, fixed, mesh.outer, plane=True, law=LAWS["neo-hooke"])
+    u = 0.03 * rng.normal(size=body.n_free)
+    section, whole = body.linearise(u), replace(body, section=None).linearise(u)
+    for mine, its in ((section.residual, whole.residual), (section.tangent.toarray(), whole.tangent.toarray())):
+        np.testing.assert_allclose(mine, its, rtol=0, atol=LAST_DIGITS * np.max(np.abs(its)))
+    np.testing.assert_allclose(body.residual(u), section.residual, rtol=0, atol=LAST_DIGITS)
+    assert body.energy(u) == pytest.approx(replace(body, section=None).energy(u), rel=LAST_DIGITS)
+    across_z = body.expand(u)[np.lexsort(mesh.parameter.T)].reshape(-1, 2 * across + 1, 3)
+    np.testing.assert_allclose(across_z, across_z[:, :1] + np.zeros_like(across_z), atol=LAST_DIGITS)
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_residual_and_tangent_are_derivatives_of_the_energy(rng, law: str) -> None:
     body = block(law=law)

@@ -47,7 +47,7 @@ def test_a_scene_says_what_it_is_judged_by() -> None:
 def test_presets_stand_for_their_options_and_give_way_to_single_ones() -> None:
     """In every scene but solids, which have no shell's element, and those that have no lines of curvature."""
     shells = [name for name, scene in SCENES.items() if "element" in {setting.key for setting in scene.settings}]
-    assert set(SCENES) - set(shells) <= {"tyre-solid", "crushed-ring-solid", "two-cylinders"}
+    assert set(SCENES) - set(shells) <= {"tyre-solid", "crushed-ring-solid", "two-cylinders", "ironing"}
     shells = [name for name in shells if not isinstance(SCENES[name], OnQuads)]
     for scene in shells:
         for name, options in PRESETS.items():
@@ -73,7 +73,8 @@ def test_contact_is_a_property_of_the_scene() -> None:
     rings = {"ring", "crushed-ring", "crushed-ring-solid", "roller", "collapsing-tube"}
     strips = {"plate-contact", "strip-contact", "heavy-strip", "walled-column"}
     pieces = {"panel", "pressed-panel", "manufactured-contact", *strips}
-    pairs = {"two-rings", "pinched-ring", "stack", "half-spheres", "face-patch", "two-cylinders", "ring-on-layer"}
+    shells = {"two-rings", "pinched-ring", "stack", "half-spheres", "face-patch"}
+    pairs = {*shells, "two-cylinders", "ring-on-layer", "ironing"}
     assert {"tyre", "tyre-solid", *rings, *pieces, *pairs} == touching
     for name in SCENES:
         assert ("epsilon" in complete(name, {})[1].settings) == (name in touching)
