@@ -117,12 +117,12 @@ def _solved(cell: Cell) -> tuple[str, Result]:
     return cell.command, solve(*cell.resolved())
 
 
-TOLERANCE, AGREED = "1e-11", 1e-8  # of the residual; of the largest force
+TOLERANCE = "1e-10"  # of the residual
 CASES: dict[str, tuple[str, str, Mapping[str, str]]] = {
     "two rings": ("two-rings", "1x16", {"delta_mm": "10,50"}),
     "ring on itself": ("pinched-ring", "1x24", {"F_R2_over_EI": "6,8"}),
     "three rings": ("stack", "1x16", {"delta_mm": "10,50"}),
-    "half-spheres": ("half-spheres", "20x1", {}),
+    "half-spheres": ("half-spheres", "12x1", {"delta_mm": "0.5,1"}),
     "patch test, curved": ("face-patch", "4x4", {"shape": "curved"}),
     "solid cylinders": ("two-cylinders", "1x8", {"delta_mm": "0.01,0.025"}),
     "solid ring on a layer": ("ring-on-layer", "1x12", {}),
