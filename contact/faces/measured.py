@@ -38,7 +38,7 @@ def _some(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for count in SAMPLES:
         at, patch, tried = x.T[:, point], _apart(corners[quad]), np.linspace(-1, 1, count)
         far = np.stack([_far(at, patch, np.full(len(point), t)) for t in tried])
-        speed = np.max(np.linalg.norm(patch[[3, 2]] - patch[[0, 1]], axis=1), axis=0) / 2
+        speed = np.max(np.linalg.norm(patch[[1, 2]] - patch[[0, 3]], axis=1), axis=0) / 2
         kept = far.min(axis=0) - speed / (count - 1) <= _least(far.min(axis=0), point, len(x))[point] * (1 + CLOSE)
         point, quad, far = point[kept], quad[kept], far[:, kept]
     at, patch, best = x.T[:, point], _apart(corners[quad]), np.argmin(far, axis=0)

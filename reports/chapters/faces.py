@@ -36,6 +36,8 @@ def faces_page(store: Store) -> Part:
         **{each: int(requests.loc[requests["pairing"] == each, "solved"].sum()) for each in ("mortar", "nodes")},
     }
     names = list(dict.fromkeys(run["algorithm"]))
+    usual = run["case"].map(run[run["algorithm"] == names[0]].set_index("case")["substeps"])
+    run = run.assign(usual=usual)
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
     told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
     told["failed"] = run[~run["outcome"].isin(SOLVED)]
@@ -68,7 +70,8 @@ def _error(mine: pd.DataFrame) -> str:
 def _cell(row: dict[str, Any]) -> str:
     if row["outcome"] not in SOLVED:
         return str(row["outcome"])
-    return f"{scientific(row['force_error'])} ({row['iterations']:.0f})"
+    steps = "" if row["substeps"] == row["usual"] else f", {row['substeps']:.0f} steps for {row['usual']:.0f}"
+    return f"{scientific(row['force_error'])} ({row['iterations']:.0f}{steps})"
 
 
 def _costs(cost: pd.DataFrame) -> Iterator[dict[str, float]]:

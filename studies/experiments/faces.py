@@ -147,6 +147,7 @@ def algorithms_table() -> Iterator[Row]:
                 "reason": found.reason or found.unsupported,
                 "loads": len(found.steps),
                 "judged": sum(not step["failures"] for step in found.steps),
+                "substeps": sum(step["substeps"] for step in found.steps),
                 "force_error": _apart(found, first),
                 "iterations": found.counters.get("newton_iterations", 0),
                 "command": command,

@@ -121,7 +121,7 @@ PREFIXES = {"asked": "", "c": "", "w": "operations_", "t": "time_", "k": "residu
 
 def published(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """The tables data_cells, data_answers and data_columns of a collected table."""
-    numbered = table.assign(cell=range(len(table)))
+    numbered = pd.concat([table, pd.Series(range(len(table)), table.index, name="cell")], axis=1)
     collected = {name: ("asked", name) for name in ASKED}
     collected |= {name: (name[0], name[2:]) for name in map(str, numbered) if name[1:2] == "." and name[0] in PREFIXES}
     kept = {name: _renamed(*of) for name, of in collected.items()}

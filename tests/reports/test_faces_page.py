@@ -29,7 +29,7 @@ def test_requests_without_an_answer_are_counted_and_listed() -> None:
 
 def test_algorithms_and_costs_are_beside_what_they_are_compared_with() -> None:
     said = page()
-    assert "| ring on itself | 0 (10) | 1.0e-12 (10) | 1.0e-03 (10) |" in said
+    assert "| ring on itself | 0 (10) | 1.0e-12 (10) | 1.0e-03 (10, 3 steps for 2) |" in said
     assert "| 1280 | 40 | 1.00 | 1.50 |" in said
 
 

@@ -6,7 +6,7 @@ and along, by the forces on the bottom of the slab.
 
 In a steady slide nothing more is stored, and all work of H is friction's, whatever the law of the solids::
 
-    H = mu sum f ds/dX,    H/V = mu (sum f/V) <ds/dX>
+    H = mu sum f ds/dX,    H/V = mu (sum f/V) mean(ds/dX)
 
 with the normal forces f and the way ds of the surface of the slab past the die while this moves by dX, about as far.
 Normal forces lean to both sides on the arc: their sum is more than V, and H/V more than mu. No slide by Coulomb's law

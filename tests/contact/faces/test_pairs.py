@@ -74,6 +74,16 @@ def test_both_searches_find_the_same_distances() -> None:
     np.testing.assert_allclose(found.gap, anew, rtol=0, atol=10 * ROUNDING)
 
 
+@pytest.mark.parametrize("turn", [0, 1])
+def test_both_searches_find_a_long_patch_beside_a_small_one(turn: int) -> None:
+    """Between its ends and its middle, from where the small one is ten times as far as it."""
+    x = np.array([[-6, 0, 0], [6, 0, 0], [6, 0.2, 0], [-6, 0.2, 0], [2.5, 1, 0], [3.5, 1, 0], [3.5, 2, 0], [2.5, 2, 0]])
+    quads = np.stack([np.roll([0, 1, 2, 3], turn), np.array([4, 5, 6, 7])])
+    point = np.array([[3.0, 0.1, 0.1]])
+    np.testing.assert_allclose(distances(point, x, quads), 0.1, atol=1e-12)
+    np.testing.assert_allclose(nearest(point, x, quads).gap, 0.1, atol=1e-12)
+
+
 def test_a_point_at_a_corner_of_patches_that_are_turned_is_found() -> None:
     """No box is left out by the rounding of its turn."""
     x, quads = sheet(6, 5, 1.0, 0.0, 0.3, up=True)
