@@ -16,7 +16,7 @@ from reports.markdown import Part, Template, by_name, commands, table
 from reports.store import Store
 
 TEXT = Template("faces")
-TABLES = ("faces", "faces_algorithms", "faces_cost")
+TABLES = ("faces", "faces_algorithms", "faces_cost", "faces_ironing")
 KINDS = (("mortar", "first"), ("mortar", "second"), ("nodes", "first"), ("nodes", "second"))
 SOLVED = ("converged", "unstable")
 COLUMNS = 4
@@ -24,7 +24,7 @@ COLUMNS = 4
 
 def faces_page(store: Store) -> Part:
     """The whole page."""
-    found, run, cost = map(store.table, TABLES)
+    found, run, cost, ironed = map(store.table, TABLES)
     found = found.assign(solved=found["outcome"].isin(SOLVED))
     requests = found.drop_duplicates("command")
     told: dict[str, Any] = {
@@ -41,7 +41,7 @@ def faces_page(store: Store) -> Part:
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
     told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
     told["failed"] = run[~run["outcome"].isin(SOLVED)]
-    return TEXT("page", {"faces.svg": errors(found)}, **told, costs=list(_costs(cost)))
+    return TEXT("page", {"faces.svg": errors(found)}, **told, costs=list(_costs(cost)), **_ironed(ironed))
 
 
 def _errors(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
@@ -65,6 +65,14 @@ def _error(mine: pd.DataFrame) -> str:
     halvings = len(mine) - 1
     order = f" ({math.log2(first / abs(last)) / halvings:.1f})" if mine["solved"].iloc[0] else ""
     return share(last) + order
+
+
+def _ironed(ironed: pd.DataFrame) -> dict[str, Any]:
+    """The meshes, and where the last two lead with order 1."""
+    before, last = ironed.iloc[-2], ironed.iloc[-1]
+    names = ("V_press", "H_press", "V", "H", "ratio", "loss")
+    limits = {f"limit_{name}": 2 * last[name] - before[name] for name in names}
+    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], "way": last["reached_mm"], **limits}
 
 
 def _cell(row: dict[str, Any]) -> str:

@@ -15,12 +15,15 @@ import pandas as pd
 
 from contact.catalogue import ALGORITHMS, is_exact
 from contact.faces.sampling import PAIRINGS
+from studies.ask.settings import configured
 from studies.experiments import Row, tabulated
 from studies.scenes.closed_forms.contact import flattened_ring, pressed_cylinders
-from studies.scenes.complete import Cell
+from studies.scenes.complete import Cell, complete
 from studies.scenes.contact.ring import RADIUS
-from studies.scenes.faces import two_cylinders
+from studies.scenes.faces import ironing, two_cylinders
 from studies.scenes.faces.model import SLAVES
+from studies.scenes.walk import walk
+from studies.solving.friction_stages import Stages
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -185,3 +188,36 @@ def cost_table() -> Iterator[Row]:
 def _an_iteration(cell: Cell) -> tuple[float, float]:
     _, result = _solved(cell)
     return result.timing["cpu"] / result.counters["newton_iterations"], result.counters["dofs"]
+
+
+IRONED, PARTS = ("1x30", "1x60", "1x120"), 20  # elements along the slab; load steps of a millimetre
+SLIDE, BEGUN = (1.0, 2.0, 3.0, 3.8, 4.8), 3.8  # mm: stops, and from where on forces are averaged to the last of them
+
+
+@tabulated
+def ironing_table() -> Iterator[Row]:
+    """Shallow ironing with mu = 0.3 on each mesh: forces [N/mm] at the end of the press and as means over a slide.
+
+    loss: what friction dissipates over that slide and its length, over V, which is H/V where the slide is steady.
+    """
+    for mesh in IRONED:
+        scene, request = complete("ironing", {"mu": 0.3, "slide_mm": SLIDE}, mesh)
+        model, algorithm = scene.build(request), configured(request.contact, request.settings)
+        seen = [
+            visited.stage.observe(visited.problem_at(at), state, at).step
+            for visited in walk(Stages(model.stages(), request.settings), algorithm, PARTS)
+            for at, state in visited.point.way[1:]
+        ]
+        table = pd.DataFrame(seen).set_index("way_mm")
+        press = table.loc[:1.0].iloc[-1]
+        over = table.loc[1.0 + BEGUN - 1e-9 :]
+        way = over.index[-1] - over.index[0]
+        V, H = (float(np.trapezoid(over[name], over.index) / way) for name in ("V_N_mm", "H_N_mm"))
+        loss = float(over["dissipation_N_mm"].iloc[-1] - over["dissipation_N_mm"].iloc[0]) / ironing.WIDTH / way / V
+        told = {
+            "mesh": mesh,
+            "reached_mm": over.index[-1] - 1.0,
+            "V_press": press["V_N_mm"],
+            "H_press": press["H_N_mm"],
+        }
+        yield {**told, "V": V, "H": H, "ratio": H / V, "loss": loss, "states": len(table)}
