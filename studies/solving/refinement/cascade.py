@@ -181,7 +181,8 @@ def answer(
         asked = near(scene, asked, FINER)
     known = isinstance(found, Estimate) and (found.uncertainty <= error or late)
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
-        return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress)
+        left = budget - (time.process_time() - start)
+        return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress, budget=left)
     last = cascade.last
     if judged is None or judged.request is not last.request:
         judged = solve_from(scene, last.request, last, progress)

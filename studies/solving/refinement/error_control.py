@@ -18,6 +18,7 @@ have modes by themselves is none: its mesh is made finer across them, and the ro
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -97,8 +98,11 @@ def solve_to_error(
     quantity: str | None = None,
     progress: Callable[[str], None] = lambda text: None,
     most: int = MOST,
+    budget: float = math.inf,
 ) -> tuple[Result, bool]:
     """The result on the finest grid, and whether its quantity is surely known to a relative ``error``.
+
+    budget: CPU seconds, beyond which no round is begun; the best answer in that time is one.
 
     request: on the coarsest mesh.  quantity: by default the force, or the first that the scene has references for. The
     quantities hold the estimate, the table ``refinement`` the rounds. A path that ends before its last load ends the
@@ -106,7 +110,7 @@ def solve_to_error(
     The table ``loads`` states every load. No limit is stated for what has none under a point load.
     """
     family, rounds, seen_at = Family.of(scene, request), list[Round](), list[list[Round]]()
-    known, too_coarse = None, 0
+    known, too_coarse, begun = None, 0, time.process_time()
     for _ in range(MOST_ROUNDS):
         start, head = time.process_time(), f"round {len(rounds) + 1}"
         if rounds:
@@ -153,6 +157,10 @@ def solve_to_error(
         record_estimate(fine, quantity, found, error)
         record_loads(fine, quantity, of_rounds(seen_at))
         if len(rounds) >= FEWEST and found.uncertainty <= error:
+            return fine, True
+        if time.process_time() - begun + GROWTH * rounds[-1].seconds > budget:
+            sure = f"not to {100 * error:g} %" if found.uncertainty > error else "by two grids alone"
+            fine.reason = f"{quantity} is known to {100 * found.uncertainty:.2g} %, {sure}"
             return fine, True
         if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
             break

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -164,10 +165,18 @@ def test_the_command_refines_and_says_so(tmp_path: Path, capsys: pytest.CaptureF
     assert (tmp_path / "refinement.csv").exists()
 
 
+def test_no_round_is_begun_that_the_budget_has_no_room_for() -> None:
+    asked = coarsest("scordelis-lo", {})
+    result, enough = solve_to_error(*asked, 1e-6, "edge_deflection_mm", budget=1e-3)
+    assert enough
+    assert len(result.table("refinement")) == 1
+    assert "edge_deflection_mm is known to" in result.reason
+
+
 @pytest.mark.slow
 def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
     monkeypatch.setattr(
-        "studies.solving.refinement.error_control.solve_to_error.__defaults__", (None, lambda text: None, 200)
+        "studies.solving.refinement.error_control.solve_to_error.__defaults__", (None, lambda text: None, 200, math.inf)
     )
     assert main(["solve", "scordelis-lo", "--error", "0.01%", "--out", str(tmp_path)]) == NOT_CONVERGED
     assert "no grid of up to 200 unknowns" in capsys.readouterr().out
