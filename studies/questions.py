@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from studies.ask.request import text_of
+from studies.ask.request import UsageError, text_of
 from studies.notebook import solve
 from studies.scenes.plugins import load_entry_points
 from studies.solving.refinement.error_control import parse_error
@@ -73,8 +73,11 @@ def judge(problem: str | Path, answer: str | Path, tolerance: float | None = Non
 
     problem: a .npz.  answer: a .npz or .json with du [mm], pressure [MPa] and claims; with friction du, normal and
     friction [N].  tolerance: the accuracy that is asked for, by default 1e-8; with friction the judge has its own
-    bounds.  Raises UsageError for what is no problem or no answer, OSError for a file that is not there.
+    bounds.  Raises UsageError for what is no problem or no answer, and for a file that cannot be read.
     """
     from studies.arena.replay import judge_files
 
-    return judge_files(Path(problem), Path(answer), tolerance)
+    try:
+        return judge_files(Path(problem), Path(answer), tolerance)
+    except OSError as error:
+        raise UsageError(f"{error.filename}: {error.strerror}") from None

@@ -15,6 +15,7 @@ from studies.commands.options import check_file, reading
 from studies.gate.baseline import COMMAND, HERE, OUTCOME, TOLERANCES, Bound, read_bounds
 from studies.gate.compare import UNFINISHED, NothingComparedError, compared, measured, shortened
 from studies.gate.times import compare_times, samples_of_both
+from studies.run.archive import Archive
 from studies.run.campaign import find
 from studies.run.collect import collect
 from studies.run.plan import plan
@@ -22,6 +23,7 @@ from studies.run.rows import ERROR
 from studies.solving.result import CONVERGED, SOLVED
 
 SPENT = ("newton_iterations", "factorisations", "operations")
+QUICK = "quick"
 MOST = 20  # rows a table: a comment is read, an archive is not
 TITLES = {"worse": "Worse", "changed": "Changed", "better": "Better", "missing": "Missing", "new": "New"}
 VALUES = ("cell", "value", "A", "B", "allowed")
@@ -32,13 +34,14 @@ def add_compare(parser: argparse.ArgumentParser) -> None:
     """Two stores and the campaign."""
     parser.add_argument("before", type=Path, metavar="A", help="the store before")
     parser.add_argument("now", type=Path, metavar="B", help="the store of now")
-    parser.add_argument("--campaign", default="quick", help="which")
+    parser.add_argument("--campaign", metavar="NAME", help="which, where stores have several; default quick")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write it as one page of HTML, with the pictures")
 
 
 def run_compare(options: argparse.Namespace) -> int:
     """Print the comparison, with times where both stores have samples; 1 where there is nothing to compare."""
-    before, now, campaign = options.before, options.now, options.campaign
+    before, now = options.before, options.now
+    campaign = options.campaign or _campaign_of(before, now)
     if options.out is not None:
         check_file(options.out, "--out")
     with reading(now):
@@ -54,6 +57,12 @@ def run_compare(options: argparse.Namespace) -> int:
             _write_page(options.out, said, values, before, now, campaign)
     print(said, end="")
     return OK
+
+
+def _campaign_of(*stores: Path) -> str:
+    """The one that all stores have, or quick."""
+    shared = set.intersection(*(set(Archive(store).campaigns()) for store in stores))
+    return shared.pop() if len(shared) == 1 else QUICK
 
 
 def values_of_both(before: pd.DataFrame, now: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -148,7 +157,7 @@ def _spent(before: pd.DataFrame, now: pd.DataFrame) -> str:
         if f"c.{name} A" in both and f"c.{name} B" in both and (a := both[f"c.{name} A"].sum()) > 0:
             b = both[f"c.{name} B"].sum()
             told.append(f"{name.replace('_', ' ')} {a:.4g} → {b:.4g} ({b / a:.3f})")
-    return f"{len(both)} cells solved in both: {', '.join(told)}."
+    return f"{len(both)} cells solved in both{': ' if told else ''}{', '.join(told)}."
 
 
 def _titled(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> str:

@@ -53,3 +53,5 @@ def test_an_answer_is_judged_from_its_file(tmp_path: Path, capsys: pytest.Captur
     assert capsys.readouterr().out.splitlines() == found.lines()
     with pytest.raises(UsageError, match=r"tolerance = 0 must be a number in \(0, inf\)"):
         judge(problem, answer, 0)
+    with pytest.raises(UsageError, match=r"none\.npz: No such file"):
+        judge(tmp_path / "none.npz", answer)

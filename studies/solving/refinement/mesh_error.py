@@ -29,7 +29,7 @@ GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly
 NOISE = 1e-7  # of the largest quantity in a unit: what is smaller is 0
 POINT_LOAD = "it grows by {:.2g} % with every halving of the elements under a point load"
 NO_GRIDS = "not known: grids of half and a quarter of the elements need {} or more"
-FAILED = "not known: {} does not reach the last load"
+FAILED = "not known: no path to the last load on {}"
 
 
 @dataclass(frozen=True)

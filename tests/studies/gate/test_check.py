@@ -158,6 +158,8 @@ def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.Captur
 def test_two_stores_make_a_comment(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["compare", str(solved / "store"), str(solved / "store"), "--campaign", "small"]) == 0
     text = capsys.readouterr().out
+    assert main(["compare", str(solved / "store"), str(solved / "store")]) == 0  # it has no other
+    assert capsys.readouterr().out == text
     assert text.startswith("### Campaign small, A → B\n")
     assert "A: 6 of 6 cells ran, 6 converged. B: 6 of 6 cells ran, 6 converged." in text
     assert "Nothing changed beyond the bounds." in text

@@ -102,7 +102,7 @@ def test_a_coarser_grid_that_does_not_carry_the_load_is_named(monkeypatch: pytes
     monkeypatch.setattr(mesh_error, "sketch", fails)
     result = stated("ring", "1x64")
     assert not result.errors
-    assert "the error of the mesh is not known: 1x16 does not reach the last load" in result.notes
+    assert "the error of the mesh is not known: no path to the last load on 1x16" in result.notes
 
 
 def test_a_deflection_under_a_point_load_has_no_limit() -> None:
