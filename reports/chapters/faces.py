@@ -68,11 +68,10 @@ def _error(mine: pd.DataFrame) -> str:
 
 
 def _ironed(ironed: pd.DataFrame) -> dict[str, Any]:
-    """The meshes, and where the last two lead with order 1."""
+    """The meshes; what H/V changes by between the last two, and what friction is short of it on the last."""
     before, last = ironed.iloc[-2], ironed.iloc[-1]
-    names = ("V_press", "H_press", "V", "H", "ratio", "loss")
-    limits = {f"limit_{name}": 2 * last[name] - before[name] for name in names}
-    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], "way": last["reached_mm"], **limits}
+    told = {"changed": abs(last["ratio"] / before["ratio"] - 1), "apart": 1 - last["loss"] / last["ratio"]}
+    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], "way": last["reached_mm"], **told}
 
 
 def _cell(row: dict[str, Any]) -> str:
