@@ -31,8 +31,8 @@ def faces_page(store: Store) -> Part:
         "meshes": int(found.groupby("problem")["mesh"].nunique().max()),
         "errors": list(_errors(found)),
         "asked": int((requests["pairing"] == "mortar").sum()),
-        "odd": requests[~requests["solved"]],
-        "commands": commands(requests["command"]),
+        "odd": _short(requests[~requests["solved"]]),
+        "commands": commands(requests.loc[requests["finest"].astype(bool), "command"]),
         **{each: int(requests.loc[requests["pairing"] == each, "solved"].sum()) for each in ("mortar", "nodes")},
     }
     names = list(dict.fromkeys(run["algorithm"]))
@@ -40,8 +40,13 @@ def faces_page(store: Store) -> Part:
     run = run.assign(usual=usual)
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
     told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
-    told["failed"] = run[~run["outcome"].isin(SOLVED)]
+    told["failed"] = _short(run[~run["outcome"].isin(SOLVED)])
     return TEXT("page", {"faces.svg": errors(found)}, **told, costs=list(_costs(cost)), **_ironed(ironed))
+
+
+def _short(rows: pd.DataFrame) -> pd.DataFrame:
+    """With the first clause of their reasons."""
+    return rows.assign(reason=rows["reason"].astype(str).str.split("; ").str[0])
 
 
 def _errors(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
@@ -56,14 +61,14 @@ def _errors(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
 
 
 def _error(mine: pd.DataFrame) -> str:
-    """Of the last mesh, with the order since the first; what rounding leaves has no order."""
+    """Of the last mesh, with the order since the first; what is rounding, or below the reference's own, has none."""
     first, last = mine["error"].abs().iloc[0], mine["error"].iloc[-1]
     if not mine["solved"].iloc[-1]:
         return str(mine["outcome"].iloc[-1])
     if abs(last) < 1e-9:
         return scientific(last)
-    halvings = len(mine) - 1
-    order = f" ({math.log2(first / abs(last)) / halvings:.1f})" if mine["solved"].iloc[0] else ""
+    seen = mine["solved"].iloc[0] and abs(last) > mine["known"].iloc[-1]
+    order = f" ({math.log2(first / abs(last)) / (len(mine) - 1):.1f})" if seen else ""
     return share(last) + order
 
 
@@ -101,7 +106,8 @@ def errors(found: pd.DataFrame) -> Figure:
             elements = mine["mesh"].str.split("x").str[-1].astype(int)
             axes.loglog(elements, mine["error"].abs(), label=f"{pairing}, {slave} is the slave", **look(number).whole)
         ticks(axes, sorted(own["mesh"].str.split("x").str[-1].astype(int).unique()))
-        axes.set(title=f"{problem}\n{quantity(str(name))}", xlabel="elements")
+        title = "\n".join([*str(problem).split(", "), quantity(str(name))])
+        axes.set(title=title, xlabel="elements")
     legend_above(figure, panels[0])
     return figure
 
