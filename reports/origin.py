@@ -44,7 +44,7 @@ def counted(planned: Iterable[Cell]) -> dict[str, int]:
 def completeness_line(store: Store) -> str:
     """How much of the campaign is there, in one line."""
     told = ", ".join(f"{count} {name}" for name, count in counted(store.planned).items())
-    return f"{store.campaign}: {len(store.planned)} cells planned: {told or 'none'}"
+    return f"{store.campaign}: " + (f"{len(store.planned)} cells planned: {told}" if told else "tables alone")
 
 
 def foot(store: Store) -> str:
