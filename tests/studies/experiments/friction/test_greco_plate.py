@@ -103,8 +103,8 @@ def test_all_algorithms_agree_and_the_lifted_corner_converges() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "friction_off"), [(16, 5e-4), (32, 5e-4), (64, 1e-4)])
 def test_the_greco_plate_with_friction(n: int, friction_off: float) -> None:
-    """5e-4 of the slips on every mesh; the naive set cycles; lcp and qp are one step. Semismooth is the cheapest up to
-    32x32, the single step of lcp on 64x64.
+    """5e-4 of the slips on every mesh; the naive set cycles; lcp and qp are one step. Semismooth is the cheapest: that
+    the body stands by itself costs lcp and qp a factorisation more.
 
     Friction is that of graded meshes of 9-node quadrilaterals, 64x64 and 96x96 alike.
     """
@@ -116,7 +116,7 @@ def test_the_greco_plate_with_friction(n: int, friction_off: float) -> None:
     assert own["error"] < 5e-4
     assert own["friction_N"] == pytest.approx(-1405.3, rel=friction_off)
     assert table.loc["lcp", "newton_iterations"] == table.loc["qp", "newton_iterations"] == 1
-    assert table["operations"].idxmin() == ("lcp" if n == 64 else "semismooth")
+    assert table["operations"].idxmin() == "semismooth"
 
 
 TIED_ROUNDING = 1e-12
