@@ -85,7 +85,8 @@ def _run(options: argparse.Namespace) -> int:
             print(f"footprint: {word(stopped)} before the grid that is asked for; nothing is written", file=sys.stderr)
             return code_of(stopped)
         try:
-            step_lines = _beside(options, scene, result, derived, tell) if stop is None else []
+            step_lines = [] if stop else _step_error(options, result, tell)
+            step_lines += [] if stop else _gradients(options, scene, result, derived, tell)
         except KeyboardInterrupt as stopped:
             step_lines, stop = [f"{word(stopped)}: no error of load steps, no derivatives"], stopped
     if result.unsupported:
@@ -198,23 +199,9 @@ def _derived(options: argparse.Namespace, scene: Scene, request: Request) -> lis
     return [gradient.parse_gradient(text, scene, request) for text in options.gradient]
 
 
-def _beside(
-    options: argparse.Namespace,
-    scene: Scene,
-    result: Result,
-    derived: Sequence[tuple[str, tuple[str, ...]]],
-    tell: Callable[[str], None],
-) -> list[str]:
-    """The error of load steps and derivatives, as far as they are asked for; what there is to print of them."""
-    said = [] if options.no_step_error else _step_error(result, tell)
-    if derived and result.outcome.converged:
-        said += _gradients(options, scene, result, derived, tell)
-    return said
-
-
-def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
+def _step_error(options: argparse.Namespace, result: Result, tell: Callable[[str], None]) -> list[str]:
     """The error of load steps with friction, into the result; what there is to print of it."""
-    if not rubbing(result.request.settings):
+    if options.no_step_error or not rubbing(result.request.settings):
         return []
     from studies.solving import load_steps  # loaded with friction alone
 
@@ -230,6 +217,8 @@ def _gradients(
     tell: Callable[[str], None],
 ) -> list[str]:
     """Derivatives into the result, judged where that is asked for; what there is to print of them."""
+    if not derived or not result.outcome.converged:
+        return []
     from studies.solving.derivatives import gradient  # loaded with derivatives alone
 
     found = gradient.of_quantities(scene, result, derived, tell)

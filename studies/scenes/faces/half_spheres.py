@@ -7,9 +7,9 @@ of the whole. Both walls are solids, or shells of 0.18 and 0.15 of their radii. 
 pole to its rim, keeps elements from meeting in a point. What the codes agree on ends near 5 mm, where without friction
 the inner one snaps through.
 
-With friction the steps of most meshes have not ended beyond 2 mm, of 30x1 with one element through the walls they do.
+With friction paths of most meshes stall beyond 2 mm; that of 30x1 with one element through the walls reaches 5 mm.
 Shells are unstable from 0.5 mm on: in a short wave at the pole the pressed face of either moves along the meridian,
-one way and the other from line to line of the mesh, where shears are taken half-way between. Solids are stable.
+one way and the other from line to line of the mesh. Solids are stable.
 """
 
 from __future__ import annotations

@@ -80,7 +80,8 @@ def test_sets_and_forces_are_those_of_semismooth(name: str, cell: str) -> None:
         force, right = (x.problem.nodal_forces(x.point.solution.pressure) for x in (one, other))
         assert np.linalg.norm(force - right) <= FORCES * np.linalg.norm(right)
         assert judge(one.problem, solution.u, solution.pressure).failures() == []
-    assert counted(found, SPENT[name]) >= (not cell.startswith(("panel", "face-patch")))  # of which all touch at once
+    at_once = name == "interior-point" and cell.startswith("face-patch")  # all touch: no programme is asked
+    assert counted(found, SPENT[name]) >= (not cell.startswith("panel") and not at_once)
 
 
 @pytest.mark.slow

@@ -29,9 +29,9 @@ def solved(mesh: str = COARSE, steps: int = 2, contact: str = "semismooth", **se
     return result
 
 
-def bodies_of(result: Result, at: float) -> tuple[PlacedSolid, PlacedSolid]:
-    assert isinstance(result.model, FacesModel)
-    slab, die = result.model.bodies_at(at).parts
+def bodies_of(model: object, at: float) -> tuple[PlacedSolid, PlacedSolid]:
+    assert isinstance(model, FacesModel)
+    slab, die = model.bodies_at(at).parts
     assert isinstance(slab, PlacedSolid)
     assert isinstance(die, PlacedSolid)
     return slab, die
@@ -42,7 +42,7 @@ def test_what_moves_the_die_is_what_holds_the_slab_and_friction_keeps_to_its_con
     last, end = result.last, result.steps[-1]
     assert last is not None
     assert last.friction is not None
-    slab, die = bodies_of(result, end["way_mm"])
+    slab, die = bodies_of(result.model, end["way_mm"])
     u = last.u[slab.n_free :]
     top = reaction(die.solid, u, die.solid.solid.discretisation.mesh.on(2, HIGH))
     assert top[1] == pytest.approx(WIDTH * end["H_N_mm"], rel=BALANCE)
@@ -86,11 +86,11 @@ def test_elements_across_change_nothing() -> None:
 @pytest.mark.slow
 def test_forces_of_the_press_converge_whoever_is_the_master() -> None:
     """Against the limit of meshes beyond these."""
-    for slave in ("first", "second"):
+    for slave, bound in (("first", 0.01), ("second", 0.015)):
         found = [solved(f"1x{n}", 4, mu=MU, slide_mm=0.05, slave=slave).steps[0] for n in (30, 60)]
         errors = [abs(each["V_N_mm"] / 314.0 - 1) for each in found]
         assert errors[1] < errors[0] / 2
-        assert errors[1] < 0.015
+        assert errors[1] < bound
 
 
 @pytest.mark.slow
@@ -102,7 +102,7 @@ def test_in_a_steady_slide_friction_loses_what_the_die_does() -> None:
     way, H, V, lost = (np.array([each[k] for each in seen]) for k in ("way_mm", "H_N_mm", "V_N_mm", "dissipation_N_mm"))
     done = WIDTH * np.sum((H[1:] + H[:-1]) / 2 * np.diff(way))
     assert 0.92 * done < lost[-1] - lost[0] < done
-    assert np.mean(H) / np.mean(V) == pytest.approx(0.35, rel=0.04)
+    assert np.mean(H) / np.mean(V) == pytest.approx(0.345, rel=0.03)
     assert np.ptp(V) < 0.03 * np.mean(V)
 
 
@@ -111,6 +111,7 @@ def test_a_path_of_the_die_adds_up() -> None:
     model = scene.build(request)
     assert isinstance(model, FacesModel)
     assert tuple(model.targets) == pytest.approx((0.8, 2.8, 3.3))
-    places = [model.bodies_at(at).parts[1].shift for at in (0.0, 0.4, 0.8, 1.8, 2.8, 3.05, 3.3)]  # type: ignore[attr-defined]
+    dies = [bodies_of(model, at)[1] for at in (0.0, 0.4, 0.8, 1.8, 2.8, 3.05, 3.3)]
+    places = [die.shift for die in dies]
     np.testing.assert_allclose(np.array(places)[:, 2] - places[0][2], [0, -0.4, *[-0.8] * 5], atol=1e-12)
     np.testing.assert_allclose(np.array(places)[:, 1] - places[0][1], [0, 0, 0, 1, 2, 1.75, 1.5], atol=1e-12)
