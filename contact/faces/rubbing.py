@@ -14,6 +14,8 @@ force may be moved along its line, both bodies as wholes feel it where the candi
 right to the first order in the slip of one step, as the step itself is.
 Where supports of both bodies leave a candidate no way along d, as in a plane of symmetry, its first slip is that across
 d, and the second one is none: facets are not at right angles to such a plane, and three ways would hold two unknowns.
+Its anchor is in the plane, too (:mod:`contact.faces.symmetry`): beside it a little of y moves along d, and who sticks
+there is held along two ways by a lever of 1e-4 of a patch, with forces that belong to neither stick nor slip.
 Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Wriggers, Computational Contact Mechanics (2006), sec. 9.4; complex
 steps: Squire, Trapp, SIAM Rev. 40 (1998) 110-112.
 """
@@ -28,10 +30,10 @@ from scipy import sparse
 
 from contact.faces.measured import slips
 from contact.faces.pair import Pair
-from contact.faces.patches import shape, twist
+from contact.faces.patches import CORNERS, shape, twist
 from contact.faces.search import nearest
+from contact.faces.symmetry import NO_WAY, ends_in_planes, held_along, motions
 
-NO_WAY = 1e-9  # of the other: a way that supports leave nothing of
 IMAGINARY = 1e-30  # a complex step
 ROUNDED = 1e-14  # of the largest entry of a candidate: one that is rounding alone
 STEPS = 20
@@ -64,15 +66,29 @@ class Rubbing:
 
     def places(self, u: np.ndarray) -> np.ndarray:
         """Where the candidates (m, 3) are on the master: the anchors of the next step, once u (n,) is accepted."""
-        x = self.pair.positions(u)
-        return _on_face(x[self.nodes], x, self.pair.master)
+        return self._anchored(u, 0.0)
 
     def left(self, u: np.ndarray, stretched: np.ndarray) -> np.ndarray:
         """The anchors (m, 3) that a step leaves: places, less what springs are still ``stretched`` (m, 2) by [mm]."""
         if not stretched.any():
             return self.places(u)
-        x = self.pair.positions(u)
-        return _on_face(x[self.nodes] - self.in_space(u, stretched), x, self.pair.master)
+        return self._anchored(u, self.in_space(u, stretched))
+
+    def _anchored(self, u: np.ndarray, less: np.ndarray | float) -> np.ndarray:
+        """Anchors (m, 3) below the candidates less (m, 3) [mm]; of those in a plane of symmetry in that plane."""
+        pair, x = self.pair, self.pair.positions(u)
+        at = x[self.nodes] - less
+        found = _on_face(at, x, pair.master)
+        corners = pair.master[found[:, 0].astype(np.intp)]
+        which, ends = ends_in_planes(self.nodes, pair.reference, pair.operator, corners)
+        start, end = np.moveaxis(x[np.take_along_axis(corners[which], ends, axis=1)], 1, 0)
+        off, way = at[which] - start, end - start
+        size = _dot(way, way)
+        along = np.divide(2 * _dot(off, way), size, out=np.zeros_like(size), where=size > 0) - 1
+        along = np.where(np.abs(along) <= BEYOND, along, np.clip(along, -1, 1))
+        low, high = np.moveaxis(CORNERS[ends], 1, 0)
+        found[which, 1:] = (1 - along) / 2 * low + (1 + along) / 2 * high
+        return found
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm]."""
@@ -89,12 +105,9 @@ class Rubbing:
         ends = columns.shape[1] * np.arange(3 * m + 1)
         shape_ = (3 * m, self.pair.operator.shape[0])
         D = sparse.csr_matrix((values, unknowns.ravel(), ends), shape=shape_) @ self.pair.operator
-        rows = [sparse.csr_matrix(D[i::3]) for i in every]
-        gram = np.stack([[np.asarray(a.multiply(b).sum(axis=1)).ravel() for a in rows] for b in rows]).T
-        sizes, axes = np.linalg.eigh(gram)
-        held = np.sum(sizes <= NO_WAY**2 * sizes[:, -1:], axis=1)
-        e1, e2, *_ = _frame(z)
-        along = np.concatenate([_dot(e1, axes[:, :, 0]), _dot(e2, axes[:, :, 0])], axis=1)
+        axes, held = held_along(motions(sparse.csr_matrix(D)))
+        axis, (e1, e2, *_) = axes[:, :, 0], _frame(z)
+        along = np.concatenate([_dot(e1, axis), _dot(e2, axis)], axis=1)
         size = np.linalg.norm(along, axis=1)
         found = np.tile(np.eye(2), (m, 1, 1))
         found[held > 1] = 0.0

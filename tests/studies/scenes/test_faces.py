@@ -190,6 +190,14 @@ def test_fields_have_both_bodies_where_they_are(tmp_path) -> None:
     assert math.isclose(np.min(first[:, 0]), 0.0, abs_tol=1e-9)
 
 
+def test_friction_on_a_curved_patch_has_no_moment_about_its_axis_of_symmetry() -> None:
+    """Its planes of symmetry are at right angles to no facet; without friction in them, one candidate would slip."""
+    (found,) = solved("face-patch", "4x4", shape="curved", mu=0.3).steps
+    assert found["sticking"] == found["contact_nodes"]
+    assert abs(found["moment_N_mm"]) <= 1e-9 * found["moment_bound_N_mm"]
+    assert found["friction_N"] > 0.1 * found["bound_N"]
+
+
 PULLED = {"mu": 0.3, "drag_mm": (0.01, 1.0, 12.0, 8.0)}
 
 

@@ -11,7 +11,7 @@ import pytest
 from contact.faces.pair import between
 from contact.faces.sampling import PAIRINGS
 from contact.verify import PAIR
-from studies.ask.scene import UsageError
+from studies.ask.scene import Reference, UsageError
 from studies.output.vtu import read_vtu
 from studies.scenes import SCENES
 from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
@@ -217,6 +217,12 @@ def test_half_spheres_rub_on_each_other_and_not_on_the_plane() -> None:
     assert result.steps[-1]["dissipation_N_mm"] > 0
 
 
+def test_half_spheres_that_rub_take_the_steps_that_are_asked_for() -> None:
+    """Slips beside the planes of symmetry would have Newton's iteration cycle, and steps cut, from 0.5 mm on."""
+    scene, request = complete("half-spheres", {"through": "1", "delta_mm": "1", "mu": "0.5"}, "16x1", steps=2)
+    assert solve(scene, request).ways == [("load", (0.5, 1.0))]
+
+
 def test_fields_of_half_spheres_have_what_deforms(tmp_path) -> None:
     result = solved("half-spheres", "8x1", through=1, delta_mm="0.1")
     assert result.last is not None
@@ -227,14 +233,13 @@ def test_fields_of_half_spheres_have_what_deforms(tmp_path) -> None:
     assert np.max(fields.data["pressure"]) == pytest.approx(np.max(result.last.pressure))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mu", ["0", "0.5"])
-def test_half_spheres_are_inside_the_band_of_four_codes(mu: str) -> None:
-    """And stable, unlike shells."""
-    result = solved("half-spheres", "30x1", mu=mu, through=1, delta_mm="1,2,3,4" + (",5" if mu != "0" else ""))
-    assert result.verdict == "converged"
-    read = [each for each in SCENES["half-spheres"].references if each.kind == "read"]
-    known = {each.at["delta_mm"]: each for each in read if each.at["mu"] == float(mu)}
+def half_spheres(kind: str, mu: float) -> dict[float, Reference]:
+    found = [each for each in SCENES["half-spheres"].references if each.kind == kind and each.at["mu"] == mu]
+    return {float(each.at["delta_mm"]): each for each in found}
+
+
+def in_band(result: Result, mu: float) -> None:
+    known = half_spheres("read", mu)
     assert len(known) == len(result.steps)
     for step in result.steps:
         reference = known[step["delta_mm"]]
@@ -242,11 +247,40 @@ def test_half_spheres_are_inside_the_band_of_four_codes(mu: str) -> None:
 
 
 @pytest.mark.slow
+def test_half_spheres_are_inside_the_band_of_four_codes() -> None:
+    """And stable, unlike shells."""
+    result = solved("half-spheres", "30x1", through=1, delta_mm="1,2,3,4")
+    assert result.verdict == "converged"
+    in_band(result, 0.0)
+
+
+@pytest.mark.slow
+def test_half_spheres_that_rub_converge_inside_the_band_of_three_codes_up_to_5_mm() -> None:
+    """On three meshes of half the elements each, in steps of 1 mm that are never cut."""
+    limits = half_spheres("refined", 0.5)
+    for mesh in ("20x1", "40x1", "80x1"):
+        result = solved("half-spheres", mesh, mu="0.5", delta_mm="1,2,3,4,5")
+        assert [way for _, way in result.ways] == [(1.0,), (2.0,), (3.0,), (4.0,), (5.0,)]
+        in_band(result, 0.5)
+    for step in result.steps:
+        limit = limits[step["delta_mm"]]
+        assert abs(step["quarter_N"] / limit.value - 1) <= limit.uncertainty
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pairing", PAIRINGS)
+@pytest.mark.parametrize("slave", ["first", "second"])
+def test_half_spheres_rub_up_to_5_mm_whoever_is_the_master(pairing: str, slave: str) -> None:
+    settings: dict[str, Any] = {"mu": 0.5, "through": 1, "delta_mm": "1,2,3,4,5", "pairing": pairing, "slave": slave}
+    in_band(solved("half-spheres", "30x1", **settings), 0.5)
+
+
+@pytest.mark.slow
 def test_half_spheres_are_the_same_as_shells_and_whoever_is_the_master() -> None:
     solid = solved("half-spheres", "40x1", delta_mm="1,2,3,4")
     swapped = solved("half-spheres", "40x1", slave="first", delta_mm="1,2,3,4")
     shell = solved("half-spheres", "40x1", bodies="shells", **HALVES)
-    limits = [each.value for each in SCENES["half-spheres"].references if each.kind == "refined"]
+    limits = [each.value for each in half_spheres("refined", 0.0).values()]
     for limit, one, other, third in zip(limits, solid.steps, swapped.steps, shell.steps, strict=True):
         assert one["quarter_N"] == pytest.approx(limit, rel=5e-3)
         assert other["quarter_N"] == pytest.approx(one["quarter_N"], rel=2e-3)
