@@ -73,6 +73,11 @@ class Pair:
         """Forces (k, 3) [N] on all points of both faces by the candidates' forces (m,)."""
         return np.asarray((self.at(u).rows.T @ nodal).reshape(-1, 3))
 
+    def resultant(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
+        """The force (3,) [N] of the master on the slave by the candidates' forces (m,)."""
+        near = self.at(u).near
+        return np.asarray(near.direction.T @ (self.sampling.average.T @ nodal))
+
     def measured(self, u: np.ndarray) -> np.ndarray:
         """Gaps (m,) at the same points of the slave, by distances that are measured anew."""
         x = self.positions(u)

@@ -20,7 +20,7 @@ from studies.experiments import Row, tabulated
 from studies.scenes.closed_forms.contact import flattened_ring, pressed_cylinders
 from studies.scenes.complete import Cell, complete
 from studies.scenes.contact.ring import RADIUS
-from studies.scenes.faces import ironing, two_cylinders
+from studies.scenes.faces import crossed_tubes, ironing, two_cylinders
 from studies.scenes.faces.model import SLAVES
 from studies.scenes.walk import walk
 from studies.solving.friction_stages import Stages
@@ -37,7 +37,7 @@ class Problem:
 
     meshes: coarse to fine.  exact: value by quantity; None where it is the same body on a plane, by ``beside`` on the
     last of the meshes doubled.  known: relative, to which the model of the reference is that of the scene.
-    slaves: of one with itself there is no other.
+    slaves: of one with itself there is no other.  options: beside the mesh.
     """
 
     scene: str
@@ -47,6 +47,7 @@ class Problem:
     known: float
     slaves: tuple[str, ...] = SLAVES
     beside: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, str] = field(default_factory=dict)
 
 
 def _rings() -> dict[str, float]:
@@ -77,6 +78,14 @@ PROBLEMS: dict[str, Problem] = {
     "solid cylinders, the second 10 times stiffer": Problem(
         "two-cylinders", {"delta_mm": f"{TRAVEL}", "E_ratio": "10"}, SOLID_MESHES, _cylinders(10), 1e-2
     ),
+    "crossed tubes, at a point": Problem(
+        "crossed-tubes",
+        {"delta_mm": f"{crossed_tubes.POINT}", "shear_correction": "1000"},
+        ("8x12", "16x24", "32x48"),
+        {"dent_Eh_over_F": crossed_tubes.of_a_point("two")},
+        1e-3,
+        options={"measure": "linear"},
+    ),
     "patch test, flat": Problem("face-patch", {}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
     "patch test, curved": Problem("face-patch", {"shape": "curved"}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
 }
@@ -97,7 +106,8 @@ def _read() -> Iterator[Row]:
         exact = _beside(problem) if problem.beside else problem.exact
         for mesh, pairing, slave in product(problem.meshes, PAIRINGS, problem.slaves):
             chosen = {"pairing": pairing} | ({"slave": slave} if len(problem.slaves) > 1 else {})
-            command, result = _solved(Cell("", problem.scene, {"mesh": mesh}, {**problem.settings, **chosen}))
+            options = {"mesh": mesh, **problem.options}
+            command, result = _solved(Cell("", problem.scene, options, {**problem.settings, **chosen}))
             shared = {"problem": name, "scene": problem.scene, "mesh": mesh, "pairing": pairing, "slave": slave}
             ended = {"outcome": result.verdict, "reason": result.reason, "command": command}
             spent = {"iterations": result.counters.get("newton_iterations", 0), "unknowns": result.counters["dofs"]}
@@ -126,6 +136,7 @@ CASES: dict[str, tuple[str, str, Mapping[str, str]]] = {
     "ring on itself": ("pinched-ring", "1x24", {"F_R2_over_EI": "6,8"}),
     "three rings": ("stack", "1x16", {"delta_mm": "10,50"}),
     "half-spheres": ("half-spheres", "12x1", {"delta_mm": "0.5,1"}),
+    "crossed tubes": ("crossed-tubes", "8x12", {"delta_mm": "1,4"}),
     "patch test, curved": ("face-patch", "4x4", {"shape": "curved"}),
     "solid cylinders": ("two-cylinders", "1x8", {"delta_mm": "0.01,0.025"}),
     "solid ring on a layer": ("ring-on-layer", "1x12", {}),

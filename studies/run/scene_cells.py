@@ -48,6 +48,7 @@ CLIMBED = {  # the scenes that declare ladders of each family, as they come in t
         "pinched-ring",
         "stack",
         "face-patch",
+        "crossed-tubes",
     ),
     TYRE: ("tyre",),
 }

@@ -55,6 +55,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "stack": "studies.scenes.faces.stack",
     "half-spheres": "studies.scenes.faces.half_spheres",
     "face-patch": "studies.scenes.faces.face_patch",
+    "crossed-tubes": "studies.scenes.faces.crossed_tubes",
     "two-cylinders": "studies.scenes.faces.two_cylinders",
     "ironing": "studies.scenes.faces.ironing",
     "ring-on-layer": "studies.scenes.faces.ring_on_layer",

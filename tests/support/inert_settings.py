@@ -40,6 +40,7 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
     "half-spheres": ({"mesh": (20, 1)}, {"mesh": (20, 1), "given": {"bodies": "shells"}}),
     "ironing": ({"mesh": (1, 24)},),
     "face-patch": ({"mesh": (8, 8)}, {"given": {"mu": 0.3}}),  # on coarser ones 0.75 and 0.825 are as many, too
+    "crossed-tubes": ({"given": {"layers": "many"}},),
     "ring-on-layer": ({"given": {"nu_layer": 0.3, "delta_mm": "1"}},),  # a contact that is small beside the ring
     "panel": (
         {"mesh": (6, 6)},

@@ -89,6 +89,7 @@ class Meeting:
     """What a scene may read off a state u (n,): by candidate, at the positions (m, 3) [mm] of their nodes.
 
     pair (m,): the number of theirs.  force (m,) [N], pressure (m,) [MPa], area (m,) [mm^2].
+    resultant (pairs, 3) [N]: of each pair on its slave; the sum of its forces where all have one direction.
     """
 
     u: np.ndarray
@@ -97,6 +98,7 @@ class Meeting:
     force: np.ndarray
     pressure: np.ndarray
     area: np.ndarray
+    resultant: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,10 +199,12 @@ class FacesModel:
         return self.bodies_at(t).against(pairs[0] if len(pairs) == 1 else Several(pairs))
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
-        found = zip(self.pairs_at(t), self.pairs, strict=True)
+        pairs, which = self.pairs_at(t), self.pair_of_candidate
+        found = zip(pairs, self.pairs, strict=True)
         position = np.concatenate([pair.positions(state.u)[each.nodes] for pair, each in found])
         forces, pressure = problem.nodal_forces(state.pressure), state.pressure
-        meeting = Meeting(state.u, self.pair_of_candidate, position, forces, pressure, problem.weights)
+        on_slaves = [pair.resultant(state.u, forces[which == number]) for number, pair in enumerate(pairs)]
+        meeting = Meeting(state.u, which, position, forces, pressure, problem.weights, np.array(on_slaves))
         quantities = dict(self.measure_at(t, meeting))
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 

@@ -1,4 +1,4 @@
-"""Six algorithms on eight scenes of two bodies and more, without friction and with it: all agree, or say why not.
+"""Six algorithms on nine scenes of two bodies and more, without friction and with it: all agree, or say why not.
 
 Springs are compared with the states that semismooth finds by the same law of springs, the others by the exact law.
 """
@@ -29,6 +29,8 @@ CELLS = {
     "half-spheres, mu": "20x1 delta_mm=0.2,0.4 mu=0.2",
     "face-patch": "4x4",
     "face-patch, dragged": "4x4 mu=0.3 drag_mm=0.01,1,12,8",
+    "crossed-tubes": "8x12 delta_mm=1,4",
+    "crossed-tubes, mu": "8x12 delta_mm=1,2 mu=0.2",
     "two-cylinders": "1x8",
     "two-cylinders, mu": "1x8 E_ratio=10 mu=0.2",
     "ring-on-layer": "1x12 delta_mm=35",
@@ -36,7 +38,8 @@ CELLS = {
 }
 BY_ROUNDING = {"two-cylinders, mu": 1e-9}  # all that its forces are known to
 CYCLES = {  # what becomes of it then, rounding decides: it fails and says why, or steps are cut until it does not
-    (cell, "trial-and-error") for cell in ("stack, mu", "half-spheres, mu", "two-rings, mu", "ring-on-layer, mu")
+    (f"{cell}, mu", "trial-and-error")
+    for cell in ("stack", "half-spheres", "two-rings", "ring-on-layer", "crossed-tubes")
 }
 CLOSE = 2e-2  # relative, of the whole force by other steps
 pytestmark = pytest.mark.slow

@@ -73,7 +73,7 @@ def test_contact_is_a_property_of_the_scene() -> None:
     rings = {"ring", "crushed-ring", "crushed-ring-solid", "roller", "collapsing-tube"}
     strips = {"plate-contact", "strip-contact", "heavy-strip", "walled-column"}
     pieces = {"panel", "pressed-panel", "manufactured-contact", *strips}
-    shells = {"two-rings", "pinched-ring", "stack", "half-spheres", "face-patch"}
+    shells = {"two-rings", "pinched-ring", "stack", "half-spheres", "face-patch", "crossed-tubes"}
     pairs = {*shells, "two-cylinders", "ring-on-layer", "ironing"}
     assert {"tyre", "tyre-solid", *rings, *pieces, *pairs} == touching
     for name in SCENES:

@@ -1,0 +1,157 @@
+"""Two thin tubes that cross at right angles, pressed on each other: the contact begins as a point.
+
+The axis of the first is along y, that of the second along x; the second is above. Half of the length and half of the
+circumference of each, between two planes of symmetry, on diaphragms at the ends that come together by delta; or, of
+tubes in many layers that cross in turn, a quarter of the circumference, whose planes of the axes come together.
+
+Of small forces each wall gives way as under a force at a point; of thin shells that is the classic pinched cylinder. A
+shell with shear sinks in at a point without limit, by the logarithm of the size of elements, and so does one face
+towards the other, until the contact is as wide as the wall is thick. With ``shear_correction`` 1000 the middle of the
+wall has a limit. From about a wall's thickness on the contact opens at the crossing and becomes a ring. Equal tubes of
+the default sizes share delta up to 5 mm; beyond, one of them dents in under the other, and meshes and slaves that are
+not alike say which.
+
+Grid lines get closer towards the crossing as sin does. A gap averaged around a node is open by the square of the size
+of elements where the node itself touches: by mortar nothing touches before delta is that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from formulations.geometry.surfaces import cylinder
+from formulations.section.laminate import Ply
+from formulations.shell import ShellModel
+from studies.ask.declarations import CONTACT, Ladder, Sheet, meshes
+from studies.ask.request import Request
+from studies.ask.scene import EPSILON, Reference, Scene, SceneModel, Setting, UsageError
+from studies.scenes.closed_forms.pinched_tube import pinched_tube
+from studies.scenes.data import Row, references
+from studies.scenes.element import centred_laminate, grid_over, on_grid, spaced_lines
+from studies.scenes.faces.bodies import Bodies, Placed, Side
+from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
+from studies.scenes.statics import SHELL_SETTINGS, loaded_shell
+
+RADIUS, LENGTH, H, E, NU = 100.0, 100.0, 1.0, 2e5, 0.3  # mm, mm (half of it), mm, MPa, -
+NEAR = 0.7  # of a radius or half a length, beyond which the other wall is not met
+UPRIGHT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # a1 along y, a2 = 0 on top, from there to x
+ACROSS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])  # half a turn about x = y, z = 0
+POINT = 0.1  # mm: a travel at which one node touches, or a few beside each other
+QUARTERS = 4
+
+TRAVELS = Setting.positive("delta_mm", (0.25, 0.5, 1.0), "by which the tubes come together", 50.0, kind="floats")
+LAYERS = Setting.one_of("layers", ("two", "many"), "two", "two tubes, or many that cross in turn, above each other")
+ENDS = Setting.one_of("ends", ("diaphragm", "free"), "diaphragm", "of the tubes; free ones with layers=many alone")
+LINES = Setting.one_of("lines", ("even", "crossing"), "crossing", "grid lines: even, or closer towards the crossing")
+
+
+def _size(key: str, default: float, meaning: str, low: float, high: float) -> tuple[Setting, Setting]:
+    return (
+        Setting(key, default, f"{meaning} of the first tube", low=low, high=high),
+        Setting(f"other_{key}", default, f"{meaning} of the second tube", low=low, high=high),
+    )
+
+
+RADII = _size("radius_mm", RADIUS, "radius of the middle surface", 1.0, 1e4)
+LENGTHS = _size("half_length_mm", LENGTH, "half of the length", 1.0, 1e5)
+WALLS = _size("h_mm", H, "thickness", 1e-3, 1e3)
+MODULI = _size("E_MPa", E, "Young's modulus", 1e-3, 1e12)
+POISSON = Setting("nu", NU, "Poisson's ratio of both", low=0.0, high=0.499)
+SIZES, DEFAULTS = (RADII, LENGTHS, WALLS, MODULI), (RADIUS, LENGTH, H, E)
+SOURCE = "thin tube between diaphragms under a force at a point, by a double Fourier series"
+
+
+def of_a_point(layers: str) -> float:
+    """E h w/F of a wall of the default sizes, thin and without shear, of which F pushes a point in by w."""
+    return pinched_tube(RADIUS, H, 2 * LENGTH, NU, 1 + (layers == "many"))
+
+
+def _references() -> tuple[Reference, ...]:
+    held: dict[str, float | str] = {each.key: value for own, value in zip(SIZES, DEFAULTS, strict=True) for each in own}
+    at = {**held, "ends": "diaphragm", "nu": NU, "measure": "linear", "shear_correction": 1000.0, "delta_mm": POINT}
+    rows: list[Row] = [({**at, "layers": layers}, {"dent_Eh_over_F": of_a_point(layers)}) for layers in LAYERS.choices]
+    return references("exact", SOURCE, 1e-3, rows)
+
+
+class CrossedTubes:
+    """a1 from the crossing along the axis of each tube, a2 from there around it."""
+
+    name: str = "crossed-tubes"
+    title: str = "Two crossing tubes pressed on each other"
+    default_mesh: tuple[int, int] = (16, 24)
+    settings: tuple[Setting, ...] = (
+        *(TRAVELS, LAYERS, ENDS, *RADII, *LENGTHS, *WALLS, *MODULI, POISSON, OTHER, PAIRING, SLAVE, LINES, EPSILON),
+        *SHELL_SETTINGS,
+    )
+    references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "force_N": "by which the tubes press on each other, along the normal of both axes",
+        "dent_mm": "of the first tube at the crossing, in the middle of its wall",
+        "other_dent_mm": "of the second tube",
+        "dent_Eh_over_F": "that of the first tube times its E h over the force; 0 without one",
+        "spread_along_mm": "mean distance of the nodal forces from the crossing along the axis of the first tube",
+        "spread_across_mm": "the same along the axis of the second tube",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(CONTACT, meshes(8, 12, 3), ("force_N", "dent_mm"), settings={"delta_mm": "1"}, coarser=("4x6",)),
+    )
+    sheet: Sheet = Sheet("z", 35.0, 30.0, settings={"delta_mm": "4"})
+
+    def build(self, request: Request) -> SceneModel:
+        """Two planes of symmetry of each tube, and a third one of many layers."""
+        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        _check(request)
+        radii, lengths, walls = ([request.number(each.key) for each in of_both] for of_both in SIZES[:3])
+        counts = request.mesh, tuple(of_second(n, request) for n in request.mesh)
+        tubes = [_tube(request, number, mesh) for number, mesh in enumerate(counts)]
+        grids = [tube.discretisation.grid for tube in tubes]
+        own = SLAVES.index(request.choice("slave"))
+
+        def bodies(delta: float) -> Bodies:
+            apart = np.array([0.0, 0.0, sum(radii) + sum(walls) / 2 - delta])
+            return Bodies((Placed(tubes[0], UPRIGHT), Placed(tubes[1], ACROSS @ UPRIGHT, apart)))
+
+        def before(number: int) -> np.ndarray:
+            """The nodes of a tube which the other one is before."""
+            along, around = grids[number].nodes.T
+            aside = radii[number] * np.sin(np.minimum(around, np.pi / 2))
+            far = min(radii[1 - number], lengths[number]), min(radii[number], lengths[1 - number])
+            return np.flatnonzero((along <= NEAR * far[0]) & (aside <= NEAR * far[1]))
+
+        def measured(delta: float, meeting: Meeting) -> dict[str, float]:
+            each = zip(tubes, grids, np.split(meeting.u, [tubes[0].discretisation.n_free]), strict=True)
+            dents = [-float(tube.discretisation.at_distance(u, 0.0)[grid.node_at(0, 0), 2]) for tube, grid, u in each]
+            force, total = QUARTERS * abs(float(meeting.resultant[0, 2])), float(meeting.force.sum())
+            soft = dents[0] * request.number("E_MPa") * walls[0] / force if force else 0.0
+            x, y = meeting.force @ np.abs(meeting.position[:, :2]) / total if total else (0.0, 0.0)
+            read = force, *dents, soft, float(y), float(x)
+            return dict(zip(self.quantities, read, strict=True))
+
+        patches = [np.flatnonzero(np.isin(grid.elements, before(k)).any(axis=1)) for k, grid in enumerate(grids)]
+        sides = [Side(k, 1, own_patches) for k, own_patches in enumerate(patches)]
+        pair = Facing(sides[own], sides[1 - own], before(own))
+        return FacesModel(bodies, (pair,), request.choice("pairing"), request.numbers("delta_mm"), measured, "delta_mm")
+
+
+def _check(request: Request) -> None:
+    if (request.choice("layers"), request.choice("ends")) == ("two", "free"):
+        raise UsageError("ends = free: nothing would hold two tubes; it needs layers=many")
+    for radius, h in zip(RADII, WALLS, strict=True):
+        if request.number(h.key) >= request.number(radius.key):
+            most = f"below {radius.key} = {request.number(radius.key):g}"
+            raise UsageError(f"{h.key} = {request.number(h.key):g} must be {most}")
+
+
+def _tube(request: Request, number: int, mesh: tuple[int, ...]) -> ShellModel:
+    radius, length, h, young = (request.number(of_both[number].key) for of_both in SIZES)
+    laminate = centred_laminate(request, Ply.isotropic(young, request.number("nu"), h))
+    closer, turn = request.choice("lines") == "crossing", np.pi / (1 + (request.choice("layers") == "many"))
+    along, around = (spaced_lines(0.0, end, n, closer) for end, n in zip((length, turn), mesh, strict=True))
+    edges = ("symmetric", request.choice("ends"), "symmetric", "symmetric")
+    return loaded_shell(on_grid(request, cylinder(radius), grid_over(request, along, around), laminate, edges), request)
+
+
+SCENES: tuple[Scene, ...] = (CrossedTubes(),)
