@@ -12,6 +12,7 @@ from contact.problem import ContactProblem, Faces, Linearised
 BALANCE = 1e-8
 _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
+SAME = 1e-12  # sines squared between normals of planes that are one
 UNRESOLVED = 0.5  # change of a mismatch with the panels, over it: of the rule then, and not of the answer
 LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
 
@@ -79,8 +80,9 @@ def force_balance(
 def pair_balance(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> tuple[float | None, float | None]:
     """Resultant of the forces of two faces on each other over their sum, and their moment over that times their size.
 
-    Both are zero where the forces come from a gap that no rigid motion of both changes. Of several pairs that of the
-    worst one, each by itself. None before a foundation.
+    Both are zero where the forces come from a gap that no rigid motion of both changes. A plane of symmetry that it
+    knows of stays where it is, and carries moments but for that about its normal, the one looked at. Of several
+    pairs that of the worst one, each by itself. None before a foundation.
     """
     if problem.faces is None:
         return None, None
@@ -95,5 +97,14 @@ def _of_pair(faces: Faces, u: np.ndarray, nodal: np.ndarray) -> tuple[float, flo
     arm = x - x.mean(axis=0)
     size = float(np.sum(np.linalg.norm(forces, axis=1))) or 1.0
     length = float(np.max(np.linalg.norm(arm, axis=1), initial=0.0)) or 1.0
-    moment = np.cross(arm, forces).sum(axis=0)
+    moment = _left_by(faces.mirrors) @ np.cross(arm, forces).sum(axis=0)
     return float(np.linalg.norm(forces.sum(axis=0))) / size, float(np.linalg.norm(moment)) / (size * length)
+
+
+def _left_by(mirrors: np.ndarray) -> np.ndarray:
+    """The projection (3, 3) on the axes that rotate planes with the normals (r, 3) into themselves."""
+    if not len(mirrors):
+        return np.eye(3)
+    sizes, axes = np.linalg.eigh(mirrors.T @ mirrors)
+    alone = sizes[1] <= SAME * sizes[2]
+    return np.asarray(alone * np.outer(axes[:, 2], axes[:, 2]))

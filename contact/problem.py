@@ -59,6 +59,10 @@ class Faces(Protocol):
     def measured(self, u: np.ndarray) -> np.ndarray:
         """Gaps (m,) [mm] from distances that are measured anew."""
 
+    @property
+    def mirrors(self) -> np.ndarray:
+        """Unit normals (r, 3) of planes of symmetry that gaps know of: about what they leave, moments balance."""
+
 
 Linearise = Callable[[np.ndarray, object], Linearised]  # (u, memory)
 

@@ -105,6 +105,11 @@ class Rubbed:
         return self.faces.measured(u) + self.given
 
     @property
+    def mirrors(self) -> np.ndarray:
+        """Those of the faces."""
+        return self.faces.mirrors
+
+    @property
     def parts(self) -> tuple[tuple[Faces, slice], ...]:
         """Each pair by itself."""
         found = zip(self.faces.parts, self.sliding.each, strict=True)

@@ -7,11 +7,14 @@ the nearest corner of any, and of them those that come as near as any between sa
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 SAMPLES = (3, 17)
 CLOSE = 1e-9  # of a distance: as near
 SECTIONS = 70  # of an interval of 2/SAMPLES, down to the last digit
+ASIDE = 1e-4  # of a patch, for a slope by differences
 GOLDEN = (np.sqrt(5.0) - 1) / 2
 BEHIND = -0.7  # cosine with the normal from which on a point is behind the face; else it is before or beside it
 AT_ONCE = 10_000_000  # entries of an array
@@ -19,21 +22,74 @@ AT_ONCE = 10_000_000  # entries of an array
 
 def distances(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Signed distances (p,) of points x (p, 3) from a face of points (k, 3) and patches (q, 4), negative behind it."""
-    off, normal = feet(x, positions, quads)
+    off, normal, _ = feet(x, positions, quads)
+    return _signed(off, normal)
+
+
+def curved_distances(x: np.ndarray, positions: np.ndarray, own: Edges, its: Edges, place: np.ndarray) -> np.ndarray:
+    """Those (p,) of the curved faces, from points of the slave at ``place`` (p, 3), its patch, or -1, and xi there."""
+    off, normal, at = feet(x, positions, its.patches)
+    return _signed(off, normal) - _raised(positions, its, at) - _raised(positions, own, place)
+
+
+class Edges(Protocol):
+    """What says how curved a face is, :class:`contact.faces.bulges.Bulges`."""
+
+    @property
+    def patches(self) -> np.ndarray:
+        """(q, 4)."""
+
+    @property
+    def share(self) -> np.ndarray:
+        """Of the normals at both ends of their edges (2, q, 4)."""
+
+    @property
+    def ways(self) -> np.ndarray:
+        """Projections of normals (k, 3, 3)."""
+
+
+def _raised(positions: np.ndarray, face: Edges, place: np.ndarray) -> np.ndarray:
+    """How far (p,) a curved face lies before its patches at places (p, 3): by the points in the middle of edges.
+
+    Their heights are those of parabolas with the normals at both ends, and between them the shape functions of eight
+    nodes. Normals by unit vectors along the edges.
+    """
+    corners, normal = positions[face.patches], np.zeros_like(positions)
+    for i in range(4):
+        ahead, behind = (corners[:, (i + step) % 4] - corners[:, i] for step in (1, -1))
+        by = np.sum(ahead**2, axis=1) * np.sum(behind**2, axis=1)
+        np.add.at(normal, face.patches[:, i], np.cross(ahead, behind) / by[:, None])
+    normal = np.squeeze(face.ways @ normal[:, :, None], axis=2)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), np.finfo(float).tiny)
+    inside = place[:, 0] >= 0
+    quad, (first, second) = place[inside, 0].astype(np.intp), place[inside, 1:].T
+    low, high = (1 - first**2) * (1 - second), (1 - first**2) * (1 + second)
+    left, right = (1 - second**2) * (1 - first), (1 - second**2) * (1 + first)
+    raised = np.zeros(len(place))
+    for i, function in enumerate((low, right, high, left)):
+        start, end = face.patches[quad, i], face.patches[quad, (i + 1) % 4]
+        before, after = (share[quad, i, None] for share in face.share)
+        turned = after * normal[end] - before * normal[start]
+        raised[inside] += function / 8 * np.sum((positions[end] - positions[start]) * turned, axis=1)
+    return raised
+
+
+def _signed(off: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Distances (p,) by where their feet lie (p, 3), negative behind normals (p, 3)."""
     least, along = np.linalg.norm(off, axis=1), np.einsum("pc,pc->p", off, normal)
     return np.where(along < BEHIND * least, -least, least)
 
 
-def feet(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """From the closest points of the face to x (p, 3), and the unit normals there, both (p, 3)."""
+def feet(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """From the closest points of the face to x (p, 3), the unit normals there, and where: patch and xi, (p, 3) each."""
     corners = positions[quads]
     size = max(1, AT_ONCE // (3 * max(1, len(quads))))
     parts = [_some(x[i : i + size], corners) for i in range(0, len(x), size)]
-    off, normal = zip((np.zeros((0, 3)),) * 2, *parts, strict=True)
-    return np.concatenate(off), np.concatenate(normal)
+    off, normal, place = zip((np.zeros((0, 3)),) * 3, *parts, strict=True)
+    return np.concatenate(off), np.concatenate(normal), np.concatenate(place)
 
 
-def _some(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _some(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     point, quad = _within_boxes(x, corners)
     for count in SAMPLES:
         at, patch, tried = x.T[:, point], _apart(corners[quad]), np.linspace(-1, 1, count)
@@ -43,17 +99,21 @@ def _some(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         point, quad, far = point[kept], quad[kept], far[:, kept]
     at, patch, best = x.T[:, point], _apart(corners[quad]), np.argmin(far, axis=0)
     t = _narrowed(at, patch, tried[np.maximum(best - 1, 0)], tried[np.minimum(best + 1, count - 1)])
-    offs = np.stack([_off(at, patch, each).T for each in (t, np.full(len(point), -1.0), np.ones(len(point)))])
-    off = offs[np.argmin(np.linalg.norm(offs, axis=2), axis=0), np.arange(len(point))]
+    ts = np.stack([t, np.full(len(point), -1.0), np.ones(len(point))])
+    offs = np.stack([_off(at, patch, each).T for each in ts])
+    best, every = np.argmin(np.linalg.norm(offs, axis=2), axis=0), np.arange(len(point))
+    off, t = offs[best, every], ts[best, every]
     distance = np.linalg.norm(off, axis=1)
     least = _least(distance, point, len(x))
     ties = distance <= least[point] * (1 + CLOSE) + 1e-12 * np.ptp(corners)
     normal = np.zeros_like(x)
     np.add.at(normal, point[ties], _normal(corners[quad[ties]]))
     first = np.flatnonzero(distance == least[point])
-    off_of = np.zeros_like(x)
+    off_of, place = np.zeros((2, *x.shape))
     off_of[point[first]] = off[first]
-    return off_of, normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    t = _polished(at, patch, t)
+    place[point[first]] = np.column_stack([quad, t, 2 * _share(at, patch, t)[0] - 1])[first]
+    return off_of, normal / np.linalg.norm(normal, axis=1, keepdims=True), place
 
 
 def _apart(corners: np.ndarray) -> np.ndarray:
@@ -94,6 +154,19 @@ def _narrowed(x: np.ndarray, corners: np.ndarray, a: np.ndarray, b: np.ndarray) 
     return np.where(at_c < at_d, c, d)
 
 
+def _polished(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """The same t (p,) to all digits: at the least distance half of them do not change it, but its slope."""
+
+    def slope(at: np.ndarray) -> np.ndarray:
+        share, off, way = _share(x, corners, at)
+        side = (1 - share) * (corners[1] - corners[0]) + share * (corners[2] - corners[3])
+        return np.asarray(np.sum((off - share * way) * side, axis=0))
+
+    here, ahead = slope(t), slope(t + ASIDE) - slope(t - ASIDE)
+    step = np.divide(-2 * ASIDE * here, ahead, out=np.zeros_like(t), where=(np.abs(t) < 1) & (ahead != 0))
+    return np.where(np.abs(step) < ASIDE, np.clip(t + step, -1.0, 1.0), t)
+
+
 def _far(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> np.ndarray:
     """How far (p,) points x (3, p) are from the segments at t (p,) of patches (4, 3, p)."""
     return np.sqrt(np.sum(_off(x, corners, t) ** 2, axis=0))
@@ -101,11 +174,17 @@ def _far(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 def _off(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> np.ndarray:
     """From the closest point of the segment at t (p,) of patches (4, 3, p) to x (3, p)."""
+    share, off, way = _share(x, corners, t)
+    return np.asarray(off - share * way)
+
+
+def _share(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How far along the segment that point lies (p,), x less where it starts, and the segment (3, p)."""
     low, high = (1 - t) / 2, (1 + t) / 2
     start, end = low * corners[0] + high * corners[1], low * corners[3] + high * corners[2]
     way, off = end - start, x - start
     share = np.sum(off * way, axis=0) / np.sum(way * way, axis=0)
-    return np.asarray(off - np.clip(share, 0.0, 1.0) * way)
+    return np.clip(share, 0.0, 1.0), off, way
 
 
 def _normal(corners: np.ndarray) -> np.ndarray:

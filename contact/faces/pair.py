@@ -22,12 +22,16 @@ Sources: Laursen, Simo, IJNME 36 (1993) 3451-3485; Konyukhov, Schweizerhof, Comp
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
-from contact.faces.measured import distances
+from contact.faces.blocks import along, inverse, summed
+from contact.faces.bulged import Bulged
+from contact.faces.bulges import Bulges
+from contact.faces.measured import curved_distances, distances
 from contact.faces.passages import Ways
 from contact.faces.patches import shape, twist
 from contact.faces.sampling import Sampling
@@ -46,6 +50,7 @@ class Pair:
     master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
     sampling: where the slave is looked at.  slave (a, 4): its patches, for the judge alone, who looks at what passes
     through them; none where it does not.  smooth: whether there is no friction, whatever the coefficient of others.
+    bulges: of the slave and of the master, where they are curved and not facets.
     """
 
     reference: np.ndarray
@@ -54,6 +59,7 @@ class Pair:
     sampling: Sampling
     slave: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.intp))
     smooth: bool = False
+    bulges: tuple[Bulges, Bulges] | None = None
 
     @property
     def weights(self) -> np.ndarray:
@@ -75,13 +81,22 @@ class Pair:
 
     def resultant(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
         """The force (3,) [N] of the master on the slave by the candidates' forces (m,)."""
-        near = self.at(u).near
-        return np.asarray(near.direction.T @ (self.sampling.average.T @ nodal))
+        return np.asarray(self.at(u).direction.T @ (self.sampling.average.T @ nodal))
 
     def measured(self, u: np.ndarray) -> np.ndarray:
         """Gaps (m,) at the same points of the slave, by distances that are measured anew."""
         x = self.positions(u)
-        return np.asarray(self.sampling.average @ distances(self.sampling.points @ x, x, self.master))
+        points = self.sampling.points @ x
+        if self.bulges is None:
+            found = distances(points, x, self.master)
+        else:
+            found = curved_distances(points, x, *self.bulges, self.sampling.place)
+        return np.asarray(self.sampling.average @ found)
+
+    @property
+    def mirrors(self) -> np.ndarray:
+        """Unit normals (r, 3) of the planes of symmetry that the normals of curved faces lie in."""
+        return np.concatenate([np.zeros((0, 3)), *(each.across for each in self.bulges or ())])
 
     @property
     def nodes(self) -> np.ndarray:
@@ -115,15 +130,31 @@ class Paired:
     @property
     def gap(self) -> np.ndarray:
         """g (m,), zero where it is rounding of coordinates: that must not say who touches at rest."""
-        found = np.asarray(self.pair.sampling.average @ self.near.gap)
+        gamma = self.near.gap if self._over is None else self.near.gap - self._over.height
+        found = np.asarray(self.pair.sampling.average @ gamma)
         return np.where(np.abs(found) <= np.finfo(float).eps * self.pair.size, 0.0, found)
 
     @property
     def rows(self) -> sparse.csr_matrix:
         """dg (m, 3k) by the positions of the points."""
-        return sparse.csr_matrix(self.pair.sampling.average @ _along(self._apart, self.near.direction))
+        found = along(self._apart, self.near.direction)
+        if self._over is not None:
+            found = found - self._over.rows
+        return sparse.csr_matrix(self.pair.sampling.average @ found)
 
     @property
+    def direction(self) -> np.ndarray:
+        """Of forces on points of the slave (p, 3): normals of facets, tilted where they are curved."""
+        return self.near.direction if self._over is None else self.near.direction - self._over.tilt
+
+    @cached_property
+    def _over(self) -> Bulged | None:
+        """What bulges take off the gaps of the points."""
+        if self.pair.bulges is None:
+            return None
+        return Bulged(*self.pair.bulges, self.pair.sampling.place, self.x, self.near, self._apart)
+
+    @cached_property
     def _apart(self) -> sparse.csr_matrix:
         """V (p, k): v = dx_s - dX at a fixed xi."""
         return sparse.csr_matrix(self.pair.sampling.points - self._on_master(shape(self.near.xi)[0]))
@@ -149,14 +180,13 @@ class Paired:
         both = sampling.patches[kept] * len(self.pair.master) + near.quad[kept]
         _, first, group = np.unique(both, return_index=True, return_inverse=True)
         kept, first, group = kept[np.argsort(group, kind="stable")], kept[first], np.sort(group)
-        J = self._local(kept)
-        bent = (on_points[kept, None, None] * self._middle(kept)) @ J
-        J, bent = (_padded(each, group) for each in (J, bent))
         corners = np.column_stack([sampling.corners[0][first], self.pair.master[near.quad[first]]])
-        unknowns = (3 * corners[:, :, None] + np.arange(3)).reshape(len(first), -1)
-        blocks, width = np.swapaxes(J, 1, 2) @ bent, unknowns.shape[1]
-        places = np.repeat(unknowns, width, axis=1).ravel(), np.tile(unknowns, width).ravel()
-        return sparse.coo_matrix((blocks.ravel(), places), shape=(self.x.size, self.x.size)).tocsr()
+        middle = on_points[kept, None, None] * self._middle(kept)
+        found = summed(self._local(kept), middle, group, corners, len(self.x))
+        if self._over is not None:
+            over = self._over.curvature(on_points, kept, sampling.corners[1][kept], group, corners)
+            return sparse.csr_matrix(found - over)
+        return found
 
     def _local(self, kept: np.ndarray) -> np.ndarray:
         """p_1, p_2, q_1, q_2 and, where one is beyond an edge, t_1 . v, t_2 . v (kept, 4 or 6, 3c).
@@ -183,9 +213,9 @@ class Paired:
         b = np.zeros_like(m)
         twisted = np.tensordot(twist(), self.x[self.pair.master[near.quad[kept]]], (0, 1))
         b[:, 0, 1] = b[:, 1, 0] = whole * np.einsum("pc,pc->p", near.direction[kept], twisted)
-        across = _inverse(m - g[:, None, None] * b)
+        across = inverse(m - g[:, None, None] * b)
         found = np.zeros((len(kept), *(4 if free.all() else 6,) * 2))
-        found[:, :2, :2] = -_inverse(m) @ b @ across
+        found[:, :2, :2] = -inverse(m) @ b @ across
         found[:, :2, 2:4] = found[:, 2:4, :2] = -across * both
         found[:, 2:4, 2:4] = -g[:, None, None] * across * both
         if not free.all():
@@ -193,31 +223,6 @@ class Paired:
             bent = np.divide(1.0, g, out=np.zeros_like(g), where=sharp)
             found[:, 4, 4], found[:, 5, 5] = bent * ~whole, bent * ~free.any(axis=1)
         return found
-
-
-def _inverse(m: np.ndarray) -> np.ndarray:
-    """Of symmetric matrices (p, 2, 2)."""
-    adjugate = np.array([[1.0, -1.0], [-1.0, 1.0]]) * m
-    adjugate[:, [0, 1], [0, 1]] = m[:, [1, 0], [1, 0]]
-    return np.asarray(adjugate / (m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] ** 2)[:, None, None])
-
-
-def _along(values: sparse.csr_matrix, directions: np.ndarray) -> sparse.csr_matrix:
-    """The rows d_i . (values @ x)_i (p, 3k) of directions d (p, 3)."""
-    row = np.repeat(np.arange(len(directions)), np.diff(values.indptr))
-    data = values.data[:, None] * directions[row]
-    columns = 3 * values.indices[:, None] + np.arange(3)
-    shape_ = (values.shape[0], 3 * values.shape[1])
-    return sparse.csr_matrix((data.ravel(), columns.ravel(), 3 * values.indptr), shape=shape_)
-
-
-def _padded(rows: np.ndarray, group: np.ndarray) -> np.ndarray:
-    """Rows (p, i, j) of points in the order of their groups (p,) as (groups, i times points of the largest, j)."""
-    start = np.flatnonzero(np.diff(group, prepend=-1))
-    place = np.arange(len(group)) - start[group]
-    found = np.zeros((len(start), place.max() + 1, *rows.shape[1:]))
-    found[group, place] = rows
-    return found.reshape(len(start), -1, rows.shape[2])
 
 
 def _across(a: np.ndarray, n: np.ndarray, free: np.ndarray) -> np.ndarray:

@@ -68,7 +68,7 @@ def _passed(ends: np.ndarray, points: np.ndarray, quads: np.ndarray, kind: str) 
         if cosine < SLID:
             yield Crossing(int(points[i]), goes, comes, kind, along)
     whose = np.array(list(still), np.intp)
-    off, normal = feet(ends[1][points[whose]], ends[1], quads)
+    off, normal, _ = feet(ends[1][points[whose]], ends[1], quads)
     depth = -np.einsum("pc,pc->p", off, normal)
     for i, deep in zip(whose, depth, strict=True):
         goes, quad = still[i]

@@ -44,12 +44,14 @@ class Sampling:
     """points S (p, k): those of the slave from the points of the faces.  average C (m, p): gaps from theirs.
 
     weights W (m,) [mm^2]: reference areas of the candidates.  nodes (m,): which of the points of the faces they are.
+    place (p, 3): the patch of the slave that a point lies in, and xi there; -1 of a point that is a corner.
     """
 
     points: sparse.csr_matrix
     average: sparse.csr_matrix
     weights: np.ndarray
     nodes: np.ndarray
+    place: np.ndarray
 
     @cached_property
     def corners(self) -> tuple[np.ndarray, np.ndarray]:
@@ -70,7 +72,7 @@ class Sampling:
 def at_nodes(nodes: np.ndarray, k: int, weights: np.ndarray) -> Sampling:
     """The points ``nodes`` (m,) of k, with areas (m,)."""
     m = len(nodes)
-    return Sampling(_chosen(nodes, k), _chosen(np.arange(m), m), weights, nodes)
+    return Sampling(_chosen(nodes, k), _chosen(np.arange(m), m), weights, nodes, _corners(m))
 
 
 def joined(sampling: Sampling, count: int) -> Sampling:
@@ -83,7 +85,7 @@ def joined(sampling: Sampling, count: int) -> Sampling:
     share, ends = weights / total[:, None], count * np.arange(m + 1)
     means = sparse.csr_matrix((share.ravel(), np.arange(weights.size), ends), shape=(m, weights.size))
     average = sparse.csr_matrix(means @ sampling.average)
-    return Sampling(sampling.points, average, total, sampling.nodes[::count])
+    return Sampling(sampling.points, average, total, sampling.nodes[::count], sampling.place)
 
 
 def mortar(x: np.ndarray, slave: np.ndarray, master: np.ndarray, nodes: np.ndarray) -> Sampling:
@@ -105,7 +107,14 @@ def mortar(x: np.ndarray, slave: np.ndarray, master: np.ndarray, nodes: np.ndarr
     weights[alone] = whole[alone]
     average = [sparse.diags_array(1 / weights) @ of_node, _chosen(alone, len(nodes)).T]
     points = sparse.vstack([points, _chosen(nodes[alone], len(x))], format="csr")
-    return Sampling(sparse.csr_matrix(points), sparse.csr_matrix(sparse.hstack(average, format="csr")), weights, nodes)
+    place = np.vstack([np.column_stack([patch, xi]), _corners(len(alone))])
+    averaged = sparse.csr_matrix(sparse.hstack(average, format="csr"))
+    return Sampling(sparse.csr_matrix(points), averaged, weights, nodes, place)
+
+
+def _corners(count: int) -> np.ndarray:
+    """The places (count, 3) of points that are corners."""
+    return np.tile([-1.0, 0.0, 0.0], (count, 1))
 
 
 def _points(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -65,6 +65,11 @@ class Several:
         return Passages(tuple(way for each in self.pairs if (way := each.standing) is not None))
 
     @property
+    def mirrors(self) -> np.ndarray:
+        """Unit normals (r, 3) of the planes of symmetry of all."""
+        return np.concatenate([each.mirrors for each in self.pairs])
+
+    @property
     def size(self) -> float:
         """Largest coordinate [mm]."""
         return max(each.size for each in self.pairs)

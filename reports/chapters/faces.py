@@ -16,7 +16,7 @@ from reports.markdown import Part, Template, by_name, commands, table
 from reports.store import Store
 
 TEXT = Template("faces")
-TABLES = ("faces", "faces_algorithms", "faces_cost", "faces_ironing")
+TABLES = ("faces", "faces_algorithms", "faces_cost", "faces_spheres", "faces_ironing")
 KINDS = (("mortar", "first"), ("mortar", "second"), ("nodes", "first"), ("nodes", "second"))
 SOLVED = ("converged", "unstable")
 COLUMNS = 4
@@ -24,7 +24,7 @@ COLUMNS = 4
 
 def faces_page(store: Store) -> Part:
     """The whole page."""
-    found, run, cost, ironed = map(store.table, TABLES)
+    found, run, cost, spheres, ironed = map(store.table, TABLES)
     found = found.assign(solved=found["outcome"].isin(SOLVED))
     requests = found.drop_duplicates("command")
     told: dict[str, Any] = {
@@ -41,7 +41,8 @@ def faces_page(store: Store) -> Part:
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
     told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
     told["failed"] = _short(run[~run["outcome"].isin(SOLVED)])
-    return TEXT("page", {"faces.svg": errors(found)}, **told, costs=list(_costs(cost)), **_ironed(ironed))
+    told |= {"costs": list(_costs(cost)), "spheres": list(_spheres(spheres))}
+    return TEXT("page", {"faces.svg": errors(found)}, **told, **_ironed(ironed))
 
 
 def _short(rows: pd.DataFrame) -> pd.DataFrame:
@@ -70,6 +71,20 @@ def _error(mine: pd.DataFrame) -> str:
     seen = mine["solved"].iloc[0] and abs(last) > mine["known"].iloc[-1]
     order = f" ({math.log2(first / abs(last)) / (len(mine) - 1):.1f})" if seen else ""
     return share(last) + order
+
+
+def _spheres(spheres: pd.DataFrame) -> Iterator[dict[str, str]]:
+    """What the codes have, and a row a mesh on facets and on curved faces, a column a travel."""
+    codes = spheres.drop_duplicates("delta_mm")
+    band = zip(codes["delta_mm"], codes["reference"], codes["known"], strict=True)
+    yield {"faces": "published codes", "mesh": "", "ended": ""} | {
+        f"at_{delta:g}": f"{value:.3f} ± {share(known)}" for delta, value, known in band
+    }
+    for (faces, mesh), own in spheres.groupby(["faces", "mesh"], sort=False):
+        found = zip(own["delta_mm"], own["quarter_N"], strict=True)
+        forces = {f"at_{delta:g}": NOTHING if math.isnan(force) else f"{force:.4f}" for delta, force in found}
+        ended = f"{own['outcome'].iloc[0]} ({own['iterations'].iloc[0]:.0f})"
+        yield {"faces": code(str(faces)), "mesh": str(mesh), "ended": ended, **forces}
 
 
 def _ironed(ironed: pd.DataFrame) -> dict[str, Any]:

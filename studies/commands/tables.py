@@ -74,6 +74,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "faces": faces.faces_table,
     "faces_algorithms": faces.algorithms_table,
     "faces_cost": faces.cost_table,
+    "faces_spheres": faces.spheres_table,
     "faces_ironing": faces.ironing_table,
     "friction_dragged": scenes.dragged_table,
     "friction_turned": scenes.turned_table,

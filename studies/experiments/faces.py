@@ -20,14 +20,15 @@ from studies.experiments import Row, tabulated
 from studies.scenes.closed_forms.contact import flattened_ring, pressed_cylinders
 from studies.scenes.complete import Cell, complete
 from studies.scenes.contact.ring import RADIUS
-from studies.scenes.faces import crossed_tubes, ironing, two_cylinders
-from studies.scenes.faces.model import SLAVES
+from studies.scenes.faces import crossed_tubes, half_spheres, ironing, two_cylinders
+from studies.scenes.faces.model import SHAPES, SLAVES
 from studies.scenes.walk import walk
 from studies.solving.friction_stages import Stages
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
 DELTA = 50.0  # mm, of rings
+RUB = 0.5  # Coulomb's coefficient of half-spheres
 TRAVEL = 0.025  # mm, of solid cylinders: the contact is 0.0095 of the radius wide
 
 
@@ -87,7 +88,12 @@ PROBLEMS: dict[str, Problem] = {
         options={"measure": "linear"},
     ),
     "patch test, flat": Problem("face-patch", {}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
-    "patch test, curved": Problem("face-patch", {"shape": "curved"}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
+    "patch test, curved, on facets": Problem(
+        "face-patch", {"shape": "curved"}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0
+    ),
+    "patch test, curved, faces curved": Problem(
+        "face-patch", {"shape": "curved", "faces": "curved"}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0
+    ),
 }
 
 
@@ -173,6 +179,27 @@ def _apart(one: Result, other: Result) -> float:
     if one.last is None or other.last is None or one.verdict != other.verdict:
         return np.nan
     return float(np.max(np.abs(one.last.pressure - other.last.pressure)) / np.max(other.last.pressure))
+
+
+SPHERES = ("30x1", "40x1", "80x1")
+
+
+@tabulated
+def spheres_table() -> Iterator[Row]:
+    """Half-spheres with mu = 0.5 on facets and on curved faces: forces [N] by travel, until a path ends.
+
+    Of the reference: middle and half width of what the published codes leave open.
+    """
+    known = {each.at["delta_mm"]: each for each in half_spheres.band() if each.at["mu"] == RUB}
+    for faces, mesh in product(SHAPES, SPHERES):
+        given = {"mu": f"{RUB}", "faces": faces, "delta_mm": ",".join(f"{delta:g}" for delta in known)}
+        command, result = _solved(Cell("", "half-spheres", {"mesh": mesh}, given))
+        found = {step["delta_mm"]: step["quarter_N"] for step in result.steps}
+        for delta, reference in known.items():
+            read = {"reference": reference.value, "known": reference.uncertainty}
+            shared = {"faces": faces, "mesh": mesh, "delta_mm": delta, "quarter_N": found.get(delta, np.nan), **read}
+            spent = {"iterations": result.counters["newton_iterations"], "cpu_s": result.timing["cpu"]}
+            yield {**shared, **spent, "outcome": result.verdict, "reason": result.reason, "command": command}
 
 
 REPEATS = 3

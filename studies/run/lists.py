@@ -232,8 +232,8 @@ LISTS: dict[str, CellList] = {
     "faults": CellList("After how many random cases planted faults are found (a table)", tables=("fuzz_faults",)),
     "arena": CellList("The collection of frozen contact problems (tables)", tables=("problems", "problems_left_out")),
     "faces": CellList(
-        "Two faces that meet: pairings, slaves, algorithms, cost, ironing (tables)",
-        tables=("faces", "faces_algorithms", "faces_cost", "faces_ironing"),
+        "Two faces that meet: pairings, slaves, algorithms, cost, half-spheres, ironing (tables)",
+        tables=("faces", "faces_algorithms", "faces_cost", "faces_spheres", "faces_ironing"),
     ),
     "friction": CellList(
         "Friction: the tyre dragged and turned, closed forms, agreement (tables)",

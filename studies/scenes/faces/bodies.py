@@ -14,9 +14,11 @@ from typing import Protocol
 import numpy as np
 from scipy import sparse
 
+from contact.faces.bulges import Bulges
 from contact.faces.pair import Pair, between
-from contact.faces.sampling import Sampling, at_nodes, mortar
+from contact.faces.sampling import at_nodes, mortar
 from contact.faces.several import Several
+from contact.faces.symmetry import motions
 from contact.problem import ContactProblem, Linearisation, Linearised
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
@@ -45,6 +47,9 @@ class Body(Protocol):
 
     def face(self, face: int) -> tuple[np.ndarray, sparse.csr_matrix, np.ndarray]:
         """Points (k, 3) at rest [mm], their displacements (3k, n), and bilinear patches (F, 4) turned outwards."""
+
+    def held(self, face: int) -> list[sparse.csr_matrix]:
+        """Displacements (3k, n) of which all are held across a plane of symmetry at a point (k,) of a face."""
 
     def areas(self, face: int) -> np.ndarray:
         """Shares (k,) [mm^2] of the points in the area of a face."""
@@ -99,6 +104,10 @@ class Placed:
         place = body.positions()[face] @ self.turn.T + self.shift
         operator = sparse.csr_matrix(whole @ body.displacement_operator(every, face))
         return place, operator, np.where(inwards[:, None], quads[:, ::-1], quads)
+
+    def held(self, face: int) -> list[sparse.csr_matrix]:
+        """Those of both faces."""
+        return [self.face(each)[1] for each in (face, 1 - face)]
 
     def areas(self, face: int) -> np.ndarray:
         """Shares (N,) [mm^2] of the points in the area of a face."""
@@ -164,11 +173,12 @@ class Bodies:
         return sum(one.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
 
     def pair(
-        self, slave: Side, master: Side, nodes: np.ndarray, pairing: str, sampling: Sampling | None = None
+        self, slave: Side, master: Side, nodes: np.ndarray, pairing: str, *, curved: bool, rest: Pair | None = None
     ) -> Pair:
         """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch.
 
-        sampling: where the slave is looked at, by default as for bodies that are at rest where these are.
+        rest: the pair at rest, which says where the slave is looked at; by default the bodies are at rest.
+        curved: whether their faces are, between the points of their patches.
         """
         found = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
         (x, moves, quads), _ = found[0]
@@ -180,11 +190,18 @@ class Bodies:
             for k, (each, body) in enumerate(((moves, slave.body), (others, master.body)))
         ]
         operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
-        if sampling is None and pairing == "nodes":
+        own = quads[slave.patches]
+        if rest is not None:
+            return Pair(reference, operator, its, rest.sampling, own, bulges=rest.bulges)
+        if pairing == "nodes":
             sampling = at_nodes(nodes, len(reference), self.parts[slave.body].areas(slave.face)[nodes])
-        elif sampling is None:
-            sampling = mortar(reference, quads[slave.patches], its, nodes)
-        return Pair(reference, operator, its, sampling, quads[slave.patches])
+        else:
+            sampling = mortar(reference, own, its, nodes)
+        pair = Pair(reference, operator, its, sampling, own)
+        if not curved:
+            return pair
+        free = np.concatenate([sum(map(motions, self.parts[side.body].held(side.face))) for side in (slave, master)])
+        return replace(pair, bulges=(Bulges.of(reference, own, free), Bulges.of(reference, its, free)))
 
     def against(self, pair: Pair | Several) -> ContactProblem:
         """The contact problem of the pairs, with all that the judge may see.

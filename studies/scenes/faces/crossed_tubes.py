@@ -32,7 +32,18 @@ from studies.scenes.closed_forms.pinched_tube import pinched_tube
 from studies.scenes.data import Row, references
 from studies.scenes.element import centred_laminate, grid_over, on_grid, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    SLAVE,
+    SLAVES,
+    FacesModel,
+    Facing,
+    Meeting,
+    curved,
+    of_second,
+)
 from studies.scenes.statics import SHELL_SETTINGS, loaded_shell
 
 RADIUS, LENGTH, H, E, NU = 100.0, 100.0, 1.0, 2e5, 0.3  # mm, mm (half of it), mm, MPa, -
@@ -83,7 +94,22 @@ class CrossedTubes:
     title: str = "Two crossing tubes pressed on each other"
     default_mesh: tuple[int, int] = (16, 24)
     settings: tuple[Setting, ...] = (
-        *(TRAVELS, LAYERS, ENDS, *RADII, *LENGTHS, *WALLS, *MODULI, POISSON, OTHER, PAIRING, SLAVE, LINES, EPSILON),
+        *(
+            TRAVELS,
+            LAYERS,
+            ENDS,
+            *RADII,
+            *LENGTHS,
+            *WALLS,
+            *MODULI,
+            POISSON,
+            OTHER,
+            PAIRING,
+            SHAPE_OF_FACES,
+            SLAVE,
+            LINES,
+            EPSILON,
+        ),
         *SHELL_SETTINGS,
     )
     references: tuple[Reference, ...] = _references()
@@ -133,7 +159,15 @@ class CrossedTubes:
         patches = [np.flatnonzero(np.isin(grid.elements, before(k)).any(axis=1)) for k, grid in enumerate(grids)]
         sides = [Side(k, 1, own_patches) for k, own_patches in enumerate(patches)]
         pair = Facing(sides[own], sides[1 - own], before(own))
-        return FacesModel(bodies, (pair,), request.choice("pairing"), request.numbers("delta_mm"), measured, "delta_mm")
+        return FacesModel(
+            bodies,
+            (pair,),
+            request.choice("pairing"),
+            request.numbers("delta_mm"),
+            measured,
+            "delta_mm",
+            curved=curved(request),
+        )
 
 
 def _check(request: Request) -> None:

@@ -28,7 +28,19 @@ from studies.ask.request import Request, UsageError
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import DRAG, OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.model import (
+    DRAG,
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    SLAVE,
+    SLAVES,
+    FacesModel,
+    Facing,
+    Meeting,
+    curved,
+    of_second,
+)
 from studies.scenes.statics import loaded_shell
 
 E, NU, H, SIDE = 1000.0, 0.3, 2.0, 40.0  # MPa, -, mm, mm
@@ -53,7 +65,18 @@ class FacePatch:
     name: str = "face-patch"
     title: str = "Uniform pressure through two faces whose meshes do not match"
     default_mesh: tuple[int, int] = (8, 8)
-    settings: tuple[Setting, ...] = (PRESSURE, SHAPE, DRAG, OTHER, PAIRING, SLAVE, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (
+        PRESSURE,
+        SHAPE,
+        DRAG,
+        OTHER,
+        PAIRING,
+        SHAPE_OF_FACES,
+        SLAVE,
+        EPSILON,
+        *ELEMENT,
+        SOLVER,
+    )
     references: tuple[Reference, ...] = (
         Reference("pressure_ratio", 1.0, {"shape": "flat", "pairing": "mortar"}, "exact", "equilibrium", 1e-12),
         Reference(
@@ -111,7 +134,9 @@ class FacePatch:
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
         pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
         pair = Facing(Side(own, faces[own]), Side(1 - own, faces[1 - own]), nodes)
-        model = FacesModel(bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True)
+        model = FacesModel(
+            bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True, curved=curved(request)
+        )
         return replace(model, dragged_at=partial(bodies, pressures[-1]), drags=drags)
 
 

@@ -34,7 +34,17 @@ from studies.ask.request import Request
 from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, references
 from studies.scenes.faces.bodies import Bodies, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    SLAVE,
+    SLAVES,
+    FacesModel,
+    Facing,
+    Meeting,
+    curved,
+)
 from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
 
 WIDTH, E, NU = 1.0, 689.6, 0.32  # mm, MPa, -
@@ -88,7 +98,7 @@ class Ironing:
     name: str = "ironing"
     title: str = "Shallow ironing: a die pressed into a slab and drawn along it"
     default_mesh: tuple[int, int] = (1, 60)
-    settings: tuple[Setting, ...] = (DEPTH, SLIDE, STIFFER, DIE, PAIRING, SLAVE, EPSILON, SOLVER)
+    settings: tuple[Setting, ...] = (DEPTH, SLIDE, STIFFER, DIE, PAIRING, SHAPE_OF_FACES, SLAVE, EPSILON, SOLVER)
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {
         "V_N_mm": "force on the die downwards, per width",
@@ -119,7 +129,9 @@ class Ironing:
 
         alike = columns(PlacedSolid((slab, die)[own]))
         pair = Facing(Side(own, 1), Side(1 - own, 1), alike[:, 0], alike=alike)
-        return FacesModel(placed, (pair,), request.choice("pairing"), way.stops, measured, "way_mm")
+        return FacesModel(
+            placed, (pair,), request.choice("pairing"), way.stops, measured, "way_mm", curved=curved(request)
+        )
 
 
 def reaction(body: TiedSolid, u: np.ndarray, held: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from contact.faces.pair import Pair
-from contact.faces.sampling import PAIRINGS, Sampling, joined
+from contact.faces.sampling import PAIRINGS, joined
 from contact.faces.several import Several
 from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import FACES
@@ -26,6 +26,10 @@ from studies.scenes.faces.bodies import Bodies, Body, Placed, Side
 
 PAIRING = Setting.one_of(
     "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
+)
+SHAPES = ("facets", "curved")
+SHAPE_OF_FACES = Setting.one_of(
+    "faces", SHAPES, SHAPES[0], "faces between their points: flat patches, or curved by the normals at their corners"
 )
 TOUCHING = 1e-9  # of the size of faces: a gap at rest that is none
 SLAVES = ("first", "second")
@@ -42,6 +46,11 @@ OTHER = Setting(
 DRAG = Setting(
     "drag_mm", None, "stops of the first body on its way along the second, in turn", "path", otherwise="none"
 )
+
+
+def curved(request: Request) -> bool:
+    """Whether faces are curved between their points."""
+    return request.choice(SHAPE_OF_FACES.key) == SHAPES[1]
 
 
 def of_second(count: int, request: Request) -> int:
@@ -78,10 +87,10 @@ class Facing:
         """Those (m, j) among the points that a file has of the slave."""
         return bodies[self.slave.body].points_of(self.slave.face)[self.whole]
 
-    def sampling(self, bodies: Bodies, pairing: str) -> Sampling:
-        """Where the slave is looked at, of bodies that are at rest."""
-        found = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing).sampling
-        return found if self.alike is None else joined(found, self.alike.shape[1])
+    def at_rest(self, bodies: Bodies, pairing: str, *, curved: bool) -> Pair:
+        """The pair of bodies that are at rest."""
+        found = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing, curved=curved)
+        return found if self.alike is None else replace(found, sampling=joined(found.sampling, self.alike.shape[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +117,8 @@ class FacesModel:
     bodies_at(t): all bodies where they are.  pairs: what may touch.  measure_at(t, meeting): what is read, {name_unit:
     value}.
     dragged_at(d): all bodies after the path, one of them dragged along the other by d, with stops at ``drags`` [mm].
-    lying: what is before the other face touches it without pressure at rest.  shown: where its fields are, at the last
+    lying: what is before the other face touches it without pressure at rest.
+    curved: whether faces are curved between their points, or facets.  shown: where its fields are, at the last
     target unless given.
     """
 
@@ -119,6 +129,7 @@ class FacesModel:
     measure_at: Callable[[float, Meeting], Mapping[str, float]]
     key: str
     lying: bool = False
+    curved: bool = False
     shown: float | None = None
     dragged_at: Callable[[float], Bodies] | None = None
     drags: Sequence[float] = ()
@@ -180,17 +191,20 @@ class FacesModel:
         return self.problem_at, replace(rest, active=np.concatenate(touching))
 
     @cached_property
-    def _samplings(self) -> tuple[Sampling, ...]:
-        """Where the slaves are looked at all along the path: at points of them that are found at rest."""
+    def _at_rest(self) -> tuple[Pair, ...]:
+        """They say where the slaves are looked at all along the path, and how curved faces hang together."""
         bodies = self.bodies_at(0.0)
-        return tuple(each.sampling(bodies, self.pairing) for each in self.pairs)
+        return tuple(each.at_rest(bodies, self.pairing, curved=self.curved) for each in self.pairs)
 
     def pairs_at(self, t: float) -> tuple[Pair, ...]:
         """The pairs at a point of the path."""
-        bodies, found = self.bodies_at(t), zip(self.pairs, self._samplings, strict=True)
+        bodies, found = self.bodies_at(t), zip(self.pairs, self._at_rest, strict=True)
         return tuple(
-            replace(bodies.pair(each.slave, each.master, each.nodes, self.pairing, known), smooth=each.smooth)
-            for each, known in found
+            replace(
+                bodies.pair(each.slave, each.master, each.nodes, self.pairing, curved=self.curved, rest=rest),
+                smooth=each.smooth,
+            )
+            for each, rest in found
         )
 
     def problem_at(self, t: float) -> ContactProblem:

@@ -24,7 +24,7 @@ from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.ring import RADIUS, WIDTH, E
 from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, FacesModel, Facing, of_second
+from studies.scenes.faces.model import OTHER, PAIRING, SHAPE_OF_FACES, FacesModel, Facing, curved, of_second
 from studies.scenes.statics import edge_forces, loaded_shell
 
 SIDE = np.pi / 2
@@ -40,7 +40,17 @@ class PinchedRing:
     name: str = "pinched-ring"
     title: str = "Ring pinched by two forces until it touches itself"
     default_mesh: tuple[int, int] = (1, 48)
-    settings: tuple[Setting, ...] = (LOADS, THICKNESS, AGAINST, OTHER, PAIRING, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (
+        LOADS,
+        THICKNESS,
+        AGAINST,
+        OTHER,
+        PAIRING,
+        SHAPE_OF_FACES,
+        EPSILON,
+        *ELEMENT,
+        SOLVER,
+    )
     references: tuple[Reference, ...] = ()
     quantities: Mapping[str, str] = {
         "contact_R2_over_EI": "force of the whole ring on itself times R^2/(E I)",
@@ -104,6 +114,7 @@ class PinchedRing:
             loads,
             lambda t, meeting: read(meeting.force, meeting.u),
             "F_R2_over_EI",
+            curved=curved(request),
         )
 
 

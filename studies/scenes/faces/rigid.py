@@ -56,6 +56,10 @@ class Floor:
         """Points (k, 3), displacements (3k, 0), patches (F, 4)."""
         return self.x, sparse.csr_matrix((self.x.size, 0)), self.patches
 
+    def held(self, face: int) -> list[sparse.csr_matrix]:
+        """Nothing moves."""
+        return [self.face(face)[1]]
+
     def areas(self, face: int) -> np.ndarray:
         """Shares (k,) [mm^2]."""
         return areas(self.x, self.patches)

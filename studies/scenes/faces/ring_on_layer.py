@@ -32,7 +32,18 @@ from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    SLAVE,
+    SLAVES,
+    FacesModel,
+    Facing,
+    Meeting,
+    curved,
+    of_second,
+)
 from studies.scenes.faces.solids import PlacedSolid, towards_start
 from studies.scenes.statics import loaded_shell
 
@@ -93,7 +104,7 @@ class RingOnLayer:
     default_mesh: tuple[int, int] = (1, 64)
     settings: tuple[Setting, ...] = (
         *(TRAVELS, THICKNESS, LAYER, YOUNG, POISSON, LAW, THROUGH, OTHER),
-        *(PAIRING, SOFTER, LINES, EPSILON, *ELEMENT, SOLVER),
+        *(PAIRING, SHAPE_OF_FACES, SOFTER, LINES, EPSILON, *ELEMENT, SOLVER),
     )
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {
@@ -134,7 +145,9 @@ class RingOnLayer:
         on_ring = np.setdiff1d(grid.free_nodes, grid.on_line(1, np.pi / 2))
         nodes = (on_ring, np.arange(len(bodies(0.0).parts[1].points_of(1))))[own]
         pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(bodies, (pair,), request.choice("pairing"), deltas, measured, "delta_mm")
+        return FacesModel(
+            bodies, (pair,), request.choice("pairing"), deltas, measured, "delta_mm", curved=curved(request)
+        )
 
 
 def _lines(request: Request, n: int, length: float, delta: float) -> np.ndarray:

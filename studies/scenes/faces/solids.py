@@ -89,6 +89,10 @@ class PlacedSolid:
         patches = np.searchsorted(corners, patches)
         return body.mesh.x[corners] @ self.turn.T + self.shift, sparse.csr_matrix(operator), patches
 
+    def held(self, face: int) -> list[sparse.csr_matrix]:
+        """Those of the face itself."""
+        return [self.face(face)[1]]
+
     def areas(self, face: int) -> np.ndarray:
         """Shares (k,) [mm^2] of the points in the face."""
         return areas(self.solid.solid.discretisation.mesh.x, self._patches(face))[self.points_of(face)]

@@ -26,7 +26,7 @@ from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.model import OTHER, PAIRING, SHAPE_OF_FACES, FacesModel, Facing, Meeting, curved, of_second
 from studies.scenes.faces.two_rings import FACING
 from studies.scenes.statics import loaded_shell
 
@@ -48,7 +48,18 @@ class Stack:
     name: str = "stack"
     title: str = "Three rings in a row, pressed together"
     default_mesh: tuple[int, int] = (1, 40)
-    settings: tuple[Setting, ...] = (TRAVELS, THICKNESS, MIDDLE, OTHER, PAIRING, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (
+        TRAVELS,
+        THICKNESS,
+        MIDDLE,
+        OTHER,
+        PAIRING,
+        SHAPE_OF_FACES,
+        RIM_LINES,
+        EPSILON,
+        *ELEMENT,
+        SOLVER,
+    )
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {
         "P_R2_over_EI": "force between the first two rings times R^2/(E I) of the first",
@@ -103,7 +114,9 @@ class Stack:
                 "flat_half_length": centre,
             }
 
-        return FacesModel(bodies, pairs, request.choice("pairing"), deltas, measured, "delta_mm")
+        return FacesModel(
+            bodies, pairs, request.choice("pairing"), deltas, measured, "delta_mm", curved=curved(request)
+        )
 
 
 def _lines(request: Request, count: int) -> np.ndarray:

@@ -26,7 +26,18 @@ from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Set
 from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
 from studies.scenes.data import Row, references
 from studies.scenes.faces.bodies import Bodies, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    SLAVE,
+    SLAVES,
+    FacesModel,
+    Facing,
+    Meeting,
+    curved,
+    of_second,
+)
 from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
 
 RADIUS, WIDTH, E, NU = 100.0, 1.0, 1000.0, 0.3  # mm, mm, MPa
@@ -61,7 +72,7 @@ class TwoCylinders:
     name: str = "two-cylinders"
     title: str = "Two solid cylinders pressed on each other"
     default_mesh: tuple[int, int] = (1, 32)
-    settings: tuple[Setting, ...] = (TRAVELS, STIFFER, OTHER, PAIRING, SLAVE, EPSILON, SOLVER)
+    settings: tuple[Setting, ...] = (TRAVELS, STIFFER, OTHER, PAIRING, SHAPE_OF_FACES, SLAVE, EPSILON, SOLVER)
     references: tuple[Reference, ...] = _references()
     quantities: Mapping[str, str] = {
         "P_over_ER": "force between the cylinders per length, over E R of the first",
@@ -108,7 +119,7 @@ class TwoCylinders:
         nodes = np.arange(len(placed(0.0).parts[own].points_of(1)))
         pairing = request.choice("pairing")
         pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(placed, (pair,), pairing, deltas, measured, "delta_mm")
+        return FacesModel(placed, (pair,), pairing, deltas, measured, "delta_mm", curved=curved(request))
 
 
 def _quarter(request: Request, n: int, young: float, half_width: float) -> TiedSolid:

@@ -24,7 +24,18 @@ from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SLAVE, SLAVES, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    SLAVE,
+    SLAVES,
+    FacesModel,
+    Facing,
+    Meeting,
+    curved,
+    of_second,
+)
 from studies.scenes.statics import loaded_shell
 
 FACING = np.diag([-1.0, 1.0, -1.0])  # half a turn about the second axis
@@ -52,6 +63,7 @@ class TwoRings:
         OTHER_THICKNESS,
         OTHER,
         PAIRING,
+        SHAPE_OF_FACES,
         SLAVE,
         RIM_LINES,
         EPSILON,
@@ -99,7 +111,7 @@ class TwoRings:
 
         pairing = request.choice("pairing")
         pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(bodies, (pair,), pairing, deltas, measured, "delta_mm")
+        return FacesModel(bodies, (pair,), pairing, deltas, measured, "delta_mm", curved=curved(request))
 
 
 def _ring(request: Request, h: float, count: int) -> ShellModel:

@@ -143,9 +143,9 @@ def test_a_quantity_that_two_stages_read_is_that_of_the_last_load() -> None:
     assert force.above == pytest.approx((high - low) / 0.002, rel=1e-4)
 
 
-@pytest.mark.parametrize("pairing", ["nodes", "mortar"])
-def test_the_force_between_two_rings_by_differences(pairing: str) -> None:
-    given = {"pairing": pairing, "delta_mm": "20,50", "lines": "rim", "tolerance": "1e-12"}
+@pytest.mark.parametrize(("pairing", "faces"), [("nodes", "facets"), ("mortar", "facets"), ("mortar", "curved")])
+def test_the_force_between_two_rings_by_differences(pairing: str, faces: str) -> None:
+    given = {"pairing": pairing, "faces": faces, "delta_mm": "20,50", "lines": "rim", "tolerance": "1e-12"}
     (force,) = (each for each in of("two-rings", given, "1x10", "h_mm") if each.quantity == "P_H2_over_EI")
     thick, step = 1.0, 1e-4
     ends = [solved("two-rings", "1x10", tuple((given | {"h_mm": repr(thick + by)}).items()))[1] for by in (-step, step)]

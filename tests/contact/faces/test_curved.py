@@ -1,0 +1,119 @@
+"""Faces that are curved between their points: heights over patches, gaps and their derivatives, balance, the judge."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact.balances import pair_balance
+from contact.faces.bulges import Bulges, blend
+from contact.faces.pair import Pair, between
+from contact.faces.sampling import PAIRINGS
+from support.problems.contact_problems import linear_mechanics
+from support.problems.nets import pair
+from support.problems.sheets import sheet
+
+ROUNDING = 1e-13
+STEP = 3e-6
+BY_DIFFERENCES = 3e-8  # of the size: central ones with that step
+ALIKE = 1e-12
+RADIUS = 5.0
+HELD = np.diag([0.0, 1.0, 1.0])
+each_pairing = pytest.mark.parametrize("pairing", PAIRINGS)
+
+
+def curved(pairing: str, side: float = 1.2, mirrored: bool = False) -> Pair:
+    """The two sheets, curved; mirrored: supports hold the first rim of both across it."""
+    one, patches = pair(pairing, side=side, noise=0.02), sheet(3, 4, 1.0, 0.1, 0.1, up=False)[1]
+    free = np.tile(np.eye(3), (len(one.reference), 1, 1))
+    if mirrored:
+        free[:5] = free[20:24] = HELD
+    bulges = Bulges.of(one.reference, patches, free), Bulges.of(one.reference, one.master, free)
+    return replace(one, slave=patches, bulges=bulges)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@each_pairing
+def test_rows_and_curvature_are_derivatives(pairing: str, mirrored: bool) -> None:
+    """Above patches, above edges and above corners, with planes of symmetry and without."""
+    rng = np.random.default_rng(2)
+    one = curved(pairing, side=0.9, mirrored=mirrored)
+    assert len(one.mirrors) == 9 * mirrored
+    u = 0.01 * rng.normal(size=one.operator.shape[1])
+    at, force = one.at(u), rng.uniform(0.5, 1.0, len(one.weights))
+    assert {0, 1, 2} == set(at.near.free.sum(axis=1).tolist())
+    assert np.max(np.abs(at.gap - replace(one, bulges=None).at(u).gap)) > 1e-3
+    ways = rng.normal(size=(8, len(u)))
+    sides = [(one.at(u + STEP * way), one.at(u - STEP * way)) for way in ways]
+    rows = np.array([(more.gap - less.gap) / (2 * STEP) for more, less in sides]).T
+    bent = np.array([(more.rows.T @ force - less.rows.T @ force) / (2 * STEP) for more, less in sides]).T
+    np.testing.assert_allclose(at.rows @ ways.T, rows, rtol=0, atol=BY_DIFFERENCES)
+    np.testing.assert_allclose(at.curvature(force) @ ways.T, bent, rtol=0, atol=BY_DIFFERENCES * np.max(np.abs(bent)))
+
+
+def test_second_derivatives_of_the_blend() -> None:
+    rng = np.random.default_rng(0)
+    xi, way = rng.uniform(-1, 1, (2, 20, 2))
+    (more, more_by, _), (less, less_by, _) = blend(xi + STEP * way), blend(xi - STEP * way)
+    _, first, second = blend(xi)
+    np.testing.assert_allclose(np.einsum("pea,pa->pe", first, way), (more - less) / (2 * STEP), atol=1e-9)
+    np.testing.assert_allclose(np.einsum("peab,pb->pea", second, way), (more_by - less_by) / (2 * STEP), atol=1e-9)
+
+
+@pytest.mark.parametrize(("mirrored", "axes"), [(False, 3), (True, 1)])
+@each_pairing
+def test_forces_balance(pairing: str, mirrored: bool, axes: int) -> None:
+    """A plane of symmetry carries moments, but not that about its normal, and no force."""
+    rng = np.random.default_rng(3)
+    one = curved(pairing, mirrored=mirrored)
+    u, nodal = 0.02 * rng.normal(size=one.operator.shape[1]), rng.uniform(0.5, 1.0, len(one.weights))
+    forces, x = one.forces(u, nodal), one.positions(u)
+    moment = np.cross(x, forces).sum(axis=0)
+    np.testing.assert_allclose(forces.sum(axis=0), 0, atol=ROUNDING)
+    np.testing.assert_allclose(forces[:20].sum(axis=0), one.resultant(u, nodal), atol=ROUNDING)
+    np.testing.assert_allclose(moment[:axes], 0, atol=ROUNDING)
+    assert (np.max(np.abs(moment)) > 1e-4) == mirrored
+    found = pair_balance(between(linear_mechanics(np.eye(len(u)), np.zeros(len(u))), one), u, nodal / one.weights)
+    assert max(each for each in found if each is not None) <= ROUNDING
+
+
+@each_pairing
+def test_the_judge_measures_the_same_gaps(pairing: str) -> None:
+    """Normals, heights and feet of perpendiculars by other ways."""
+    one = curved(pairing, side=0.9)
+    u = 0.02 * np.random.default_rng(5).normal(size=one.operator.shape[1])
+    np.testing.assert_allclose(one.measured(u), one.at(u).gap, rtol=0, atol=ALIKE)
+
+
+def test_heights_of_a_sphere_are_right_to_the_third_order() -> None:
+    """Those of distorted patches are right to a few per cent."""
+    errors = [_worst_height(count, 0.0) for count in (8, 16, 32)]
+    assert np.min(np.log2(np.divide(errors[:-1], errors[1:]))) > 3.7
+    height = (2 / 32) ** 2 / (4 * RADIUS)
+    assert errors[-1] <= 1e-4 * height
+    assert _worst_height(32, 0.15) <= 0.02 * height
+
+
+def _worst_height(count: int, distorted: float) -> float:
+    """Of the points in the middle of patches of a sphere, away from rims."""
+    points, patches = sheet(count, count, 1.0, 0.0, 0.0, up=True)
+    inner = np.max(np.abs(points[:, :2]), axis=1) < 1
+    points[inner, :2] += distorted / count * np.random.default_rng(1).uniform(-1, 1, (inner.sum(), 2))
+    points[:, 2] = np.sqrt(RADIUS**2 - np.sum(points[:, :2] ** 2, axis=1))
+    heights = Bulges.of(points, patches, np.tile(np.eye(3), (len(points), 1, 1))).heights(points).reshape(-1, 4)
+    whole = inner[patches].all(axis=1)
+    found = heights[whole] @ blend(np.zeros((1, 2)))[0][0]
+    return float(np.max(np.abs(found - (RADIUS - np.linalg.norm(points[patches[whole]].mean(axis=1), axis=1)))))
+
+
+def test_a_crease_and_a_flat_face_have_no_heights() -> None:
+    """A roof of two plane sides, and a plane of patches of any shape."""
+    points, patches = sheet(4, 3, 1.0, 0.0, 0.0, up=True)
+    points[:, :2] += 0.1 * np.random.default_rng(1).normal(size=(len(points), 2))
+    free = np.tile(np.eye(3), (len(points), 1, 1))
+    assert np.max(np.abs(Bulges.of(points, patches, free).heights(points))) <= ROUNDING
+    roof, patches = sheet(4, 3, 1.0, 0.0, 0.0, up=True)
+    roof[:, 2] = -0.6 * np.abs(roof[:, 0])
+    assert np.max(np.abs(Bulges.of(roof, patches, free).heights(roof))) <= ROUNDING
