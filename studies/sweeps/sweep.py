@@ -243,7 +243,7 @@ def _followed(asked: Sweep, place: Place, request: Request, grids: Sequence[Neig
     starts, whence, near = None, REST, grids[-1].of(place, request)
     if near:
         starts, whence = predicted(near, request), " and ".join(asked.named(each.place) for each in near)
-    elif paths:
+    elif paths and paths[-1].model is not None:
         starts, whence = partial(starts_of, paths[-1]), COARSER
     result = solve(asked.scene, request, starts=starts)
     if starts is not None and result.verdict != CONVERGED and not result.unsupported:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from studies.ask.request import Request
@@ -29,6 +30,7 @@ GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly
 NOISE = 1e-7  # of the largest quantity in a unit: what is smaller is 0
 POINT_LOAD = "it grows by {:.2g} % with every halving of the elements under a point load"
 NO_GRIDS = "not known: grids of half and a quarter of the elements need {} or more"
+SAME = "not known: the unknowns do not follow the mesh"
 FAILED = "not known: no path to the last load on {}"
 
 
@@ -106,7 +108,11 @@ def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
 def state_error(scene: Scene, result: Result, asked: Sequence[Request], grids: Sequence[Sketch]) -> None:
     """What the paths on coarser grids, coarse to fine, of those asked for, say of the error; into a solved result."""
     if result.verdict in SOLVED:
-        _state(result, grids, _too_few(scene, asked, grids))
+        too_few = _too_few(scene, asked, grids)
+        unknowns = [*(each.unknowns for each in grids), result.counters["dofs"]]
+        if not too_few and any(fine <= coarse for coarse, fine in pairwise(unknowns)):
+            too_few = SAME
+        _state(result, grids, too_few)
 
 
 def coarser_grids(scene: Scene, request: Request) -> list[Request]:

@@ -23,6 +23,7 @@ import numpy as np
 
 from contact.continuation.candidates import Start, Starts, none_known
 from contact.continuation.critical_points import State
+from contact.continuation.load_stepping import SMALLEST
 from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
 from formulations.geometry.transfer import Transfer
@@ -47,7 +48,8 @@ MOSTLY = 0.5  # of the nodes around, in contact
 class Sketch:
     """A path on a coarser grid: the requested points, what is read off them, and the CPU time.
 
-    model, visits: none where only the values are kept.  loads: a row a requested load, or the last point of a curve.
+    model, visits: none where only the values are kept; no model of what is not one shell.
+    loads: a row a requested load, or the last point of a curve.
     quantities: the headline values.  strayed: the largest distance of a state from its start on a coarser grid, over
     its step; 0 where no step had one.
     """
@@ -99,6 +101,7 @@ def solve_from(
     scene: Scene, request: Request, known: Sketch | None, progress: Callable[[str], None] = lambda text: None
 ) -> Result:
     """The result on the grid of the request, its path started from a known one; from rest where that is not stable."""
+    known = known if known is not None and known.model is not None else None
     result = solve(scene, request, progress, None if known is None else partial(starts_of, known))
     if known is None or result.verdict == CONVERGED or result.unsupported:
         return result
@@ -131,14 +134,13 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
     model = scene.build(request)
     tolerance = max(loose, request.number("tolerance"))
     visits, loads, quantities = list[Visited](), list[dict[str, Any]](), dict[str, float]()
-    if not isinstance(model, ShellSceneModel):
-        return None
+    shell = model if isinstance(model, ShellSceneModel) else None  # from others nothing is carried: they are values
     try:
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
     except ValueError:  # a parameter that it cannot have: who solves says so
         return None
-    given = Given(no_starts if starts is None else starts(model))
-    for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=CUT, starts=given.to):
+    given, smallest = Given(no_starts if starts is None else starts(model)), CUT if shell else SMALLEST
+    for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=smallest, starts=given.to):
         if not visited.converged:
             return None
         visits.append(visited)
@@ -153,7 +155,7 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
         return None
     strayed = max(map(given.strayed, visits))
     seconds = time.process_time() - start
-    return Sketch(request, model.n_unknowns, model, visits, loads, quantities, seconds, strayed)
+    return Sketch(request, model.n_unknowns, shell, visits, loads, quantities, seconds, strayed)
 
 
 @dataclass(frozen=True, eq=False)

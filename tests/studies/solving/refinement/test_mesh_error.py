@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
 from studies.ask.request import Request
 from studies.ask.scene import Scene
 from studies.cli import main
+from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.complete import complete
+from studies.scenes.contact.ring import RADIUS
 from studies.solving.refinement import mesh_error
 from studies.solving.refinement.limits import Seen, order_shown
 from studies.solving.refinement.mesh_error import COLD, HALF_SIZE, TABLE, coarser_grids, solve_with_error
@@ -103,6 +106,25 @@ def test_a_coarser_grid_that_does_not_carry_the_load_is_named(monkeypatch: pytes
     result = stated("ring", "1x64")
     assert not result.errors
     assert "the error of the mesh is not known: no path to the last load on 1x16" in result.notes
+
+
+def test_two_bodies_have_an_interval_that_is_true() -> None:
+    """Nothing is carried from their coarser grids: they say of the limit alone."""
+    result = stated("two-rings", "1x64", {"delta_mm": "50"})
+    low, high = (result.errors["P_R2_over_EI"][end] for end in ("low", "high"))
+    assert low < flattened_ring(1 - 50 / RADIUS)[0] < high
+    assert high - low < 0.2 * low
+
+
+def test_grids_that_do_not_follow_the_mesh_state_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    def alike(scene: Scene, request: Request, coarser=None):
+        found = sketch(scene, request, coarser)
+        return found and replace(found, unknowns=1000)
+
+    monkeypatch.setattr(mesh_error, "sketch", alike)
+    result = stated("ring", "1x64")
+    assert not result.errors
+    assert "the error of the mesh is not known: the unknowns do not follow the mesh" in result.notes
 
 
 def test_a_deflection_under_a_point_load_has_no_limit() -> None:

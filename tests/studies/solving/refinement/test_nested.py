@@ -100,7 +100,17 @@ def test_a_path_that_a_start_leads_elsewhere_is_followed_from_rest(monkeypatch: 
 
 def test_what_does_not_get_there_is_no_start() -> None:
     assert sketch(*complete("tyre", {"delta_mm": "40"}, "8x8")) is None
-    assert sketch(*complete("crushed-ring-solid", {})) is None
+
+
+def test_what_is_not_one_shell_is_no_start_but_has_values() -> None:
+    asked = complete("two-cylinders", {"delta_mm": "0.01"}, "1x4")
+    known = sketch(*asked)
+    assert known is not None
+    assert known.model is None
+    scene, request = complete("two-cylinders", {"delta_mm": "0.01"}, "1x8")
+    from_it, from_rest = solve_from(scene, request, known), solve(scene, request)
+    assert from_it.quantities == from_rest.quantities
+    assert from_it.counters["newton_iterations"] == from_rest.counters["newton_iterations"]
 
 
 def test_a_curve_is_followed_for_what_it_says_of_the_limit() -> None:
