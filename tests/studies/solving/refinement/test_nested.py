@@ -103,11 +103,11 @@ def test_what_does_not_get_there_is_no_start() -> None:
 
 
 def test_what_is_not_one_shell_is_no_start_but_has_values() -> None:
-    asked = complete("two-cylinders", {"delta_mm": "0.01"}, "1x4")
+    asked = complete("two-cylinders", {"delta_mm": "0.01"}, "1x8")
     known = sketch(*asked)
     assert known is not None
     assert known.model is None
-    scene, request = complete("two-cylinders", {"delta_mm": "0.01"}, "1x8")
+    scene, request = complete("two-cylinders", {"delta_mm": "0.01"}, "1x12")
     from_it, from_rest = solve_from(scene, request, known), solve(scene, request)
     assert from_it.quantities == from_rest.quantities
     assert from_it.counters["newton_iterations"] == from_rest.counters["newton_iterations"]
