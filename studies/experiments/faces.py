@@ -20,8 +20,10 @@ from studies.experiments import Row, tabulated
 from studies.scenes.closed_forms.contact import flattened_ring, pressed_cylinders
 from studies.scenes.complete import Cell, complete
 from studies.scenes.contact.ring import RADIUS
+from studies.scenes.data import reference_rows
 from studies.scenes.faces import crossed_tubes, half_spheres, ironing, two_cylinders
 from studies.scenes.faces.model import SHAPES, SLAVES
+from studies.scenes.tyre.scene import ISOTROPIC
 from studies.scenes.walk import walk
 from studies.solving.friction_stages import Stages
 from studies.solving.result import Result
@@ -62,6 +64,13 @@ def _cylinders(ratio: float) -> dict[str, float]:
     return {"P_over_ER": over, "peak_over_hertz": 1.0, "half_width_over_hertz": 1.0}
 
 
+def _tyre(delta: float) -> dict[str, float]:
+    """The isotropic tyre on a rigid plane, by an independent program with solids."""
+    rows = reference_rows("isotropic_tyre_3d_solid.csv")
+    return {"force_N": next(row["force_N_ngsolve"] for row in rows if row["delta_mm"] == delta)}
+
+
+TYRE_MESHES = ("14x14", "28x28", "56x56")
 RING_MESHES, SOLID_MESHES, PATCH_MESHES = ("1x20", "1x40", "1x80"), ("1x8", "1x16", "1x32"), ("2x2", "4x4", "8x8")
 PROBLEMS: dict[str, Problem] = {
     "two rings": Problem("two-rings", {"delta_mm": "50"}, RING_MESHES, _rings(), 3e-4),
@@ -86,6 +95,9 @@ PROBLEMS: dict[str, Problem] = {
         {"dent_Eh_over_F": crossed_tubes.of_a_point("two")},
         1e-3,
         options={"measure": "linear"},
+    ),
+    "tyre on a stiff plate": Problem(
+        "tyre-on-plate", {**ISOTROPIC, "E_plate_MPa": "1e8", "delta_mm": "20"}, TYRE_MESHES, _tyre(20.0), 3e-3
     ),
     "patch test, flat": Problem("face-patch", {}, PATCH_MESHES, {"pressure_error": 0.0}, 0.0),
     "patch test, curved, on facets": Problem(
@@ -146,6 +158,8 @@ CASES: dict[str, tuple[str, str, Mapping[str, str]]] = {
     "patch test, curved": ("face-patch", "4x4", {"shape": "curved"}),
     "solid cylinders": ("two-cylinders", "1x8", {"delta_mm": "0.01,0.025"}),
     "solid ring on a layer": ("ring-on-layer", "1x12", {}),
+    "tyre on a plate": ("tyre-on-plate", "14x14", {"delta_mm": "5,10"}),
+    "tyre on a coated drum": ("tyre-on-drum", "14x14", {"delta_mm": "5,10"}),
     "plate dragged, mu = 0.3": ("face-patch", "4x4", {"drag_mm": "0.05,1,-1", "mu": "0.3"}),
     "two rings, mu = 0.3": ("two-rings", "1x16", {"delta_mm": "10,50", "mu": "0.3"}),
 }

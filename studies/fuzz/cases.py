@@ -29,8 +29,15 @@ from studies.scenes.benchmarks.quads import OnQuads
 SCENE, FRICTION = "scene", "friction"  # kinds of a number that stands for a request
 KINDS = {SCENE: 0.2, FRICTION: 0.15, "posed": 0.15, "matrices": 0.5}  # by what a case costs
 SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders", "ring-on-layer", "ironing")
-OFTEN = {"panel": 8, "tyre": 10, **dict.fromkeys(SOLIDS, 1)}  # for their settings, or for their cost
-RUBBED = {"panel": 10.0, "tyre": 8.0, "crushed-ring-solid": 0.3, "tyre-solid": 0.5}  # with friction; the others 1
+GROUNDS = ("tyre-on-plate", "tyre-on-drum")
+OFTEN = {"panel": 8, "tyre": 10, **dict.fromkeys((*SOLIDS, *GROUNDS), 1)}  # for their settings, or for their cost
+RUBBED = {
+    "panel": 10.0,
+    "tyre": 8.0,
+    "crushed-ring-solid": 0.3,
+    "tyre-solid": 0.5,
+    **dict.fromkeys(GROUNDS, 0.5),
+}  # with friction; the others 1
 WITH_CONTACT = 4  # the others, as often as a scene without
 CHANGED = (0, 1, 2, 3, 4, 6, 8)  # how many settings leave their default
 REPAIRED = 0.93  # share of refused requests that give settings back until they are taken
@@ -39,7 +46,7 @@ LARGEST = {SCENE: 6, FRICTION: 4}  # elements along a side, of what may have as 
 LONG = 0.12  # share of grids with many elements along one side and one or two across
 SLIVERS = {1: {SCENE: (32, 64, 128), FRICTION: (16, 32)}, 2: {SCENE: (16, 32), FRICTION: (16,)}}  # by those across
 TOGETHER = ({"E_MPa", "nu"},)  # keys that a scene with all of them wants both or neither
-EVEN = ("tyre", "tyre-solid")  # meshes of even numbers, six at least
+EVEN = ("tyre", "tyre-solid", *GROUNDS)  # meshes of even numbers, six at least
 
 MUS = {  # share, powers of ten of its span
     "usual": (0.6, (-1.7, 0.2)),
@@ -51,7 +58,7 @@ MUS = {  # share, powers of ten of its span
 WAYS = {"there": 0.15, "back": 0.25, "beyond": 0.25, "on": 0.1, "wandering": 0.25}
 SIZES = {"drag_mm": (-4.0, 1.0), "turn_deg": (-3.0, 1.7)}  # powers of ten of the first stop
 LARGER = {"tyre": 1.0}  # powers of ten by which the drags of a scene are longer
-PRESSED = {"tyre": (-0.5, 1.3), "tyre-solid": (-0.5, 1.3)}  # powers of ten of a travel, where the default is many
+PRESSED = dict.fromkeys(EVEN, (-0.5, 1.3))  # powers of ten of a travel, where the default is many
 DRAGGED, TURNED, ASLANT = 0.75, 0.5, 0.5
 
 

@@ -49,6 +49,7 @@ CLIMBED = {  # the scenes that declare ladders of each family, as they come in t
         "stack",
         "face-patch",
         "crossed-tubes",
+        "tyre-on-plate",
     ),
     TYRE: ("tyre",),
 }

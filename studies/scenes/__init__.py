@@ -59,6 +59,8 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "two-cylinders": "studies.scenes.faces.two_cylinders",
     "ironing": "studies.scenes.faces.ironing",
     "ring-on-layer": "studies.scenes.faces.ring_on_layer",
+    "tyre-on-plate": "studies.scenes.faces.tyre_on_plate",
+    "tyre-on-drum": "studies.scenes.faces.tyre_on_drum",
     "roller": "studies.scenes.contact.roller",
     "panel": "studies.scenes.contact.panel",
     "pressed-panel": "studies.scenes.contact.pressed_panel",

@@ -42,6 +42,9 @@ WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults,
     "face-patch": ({"mesh": (8, 8)}, {"given": {"mu": 0.3}}),  # on coarser ones 0.75 and 0.825 are as many, too
     "crossed-tubes": ({"given": {"layers": "many"}},),
     "ring-on-layer": ({"given": {"nu_layer": 0.3, "delta_mm": "1"}},),  # a contact that is small beside the ring
+    **dict.fromkeys(  # on 14x14 0.75 and 0.825 of the elements are as many
+        ("tyre-on-plate", "tyre-on-drum"), ({"mesh": (28, 14), "given": {"E_MPa": 20.0, "nu": 0.45}},)
+    ),
     "panel": (
         {"mesh": (6, 6)},
         {"given": {"E_ratio": 10.0, "inflation": 1.0}},

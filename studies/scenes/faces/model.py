@@ -119,7 +119,7 @@ class FacesModel:
     dragged_at(d): all bodies after the path, one of them dragged along the other by d, with stops at ``drags`` [mm].
     lying: what is before the other face touches it without pressure at rest.
     curved: whether faces are curved between their points, or facets.  shown: where its fields are, at the last
-    target unless given.
+    target unless given.  before (n,): the state at the start of the path, at rest unless given.
     """
 
     bodies_at: Callable[[float], Bodies]
@@ -133,6 +133,7 @@ class FacesModel:
     shown: float | None = None
     dragged_at: Callable[[float], Bodies] | None = None
     drags: Sequence[float] = ()
+    before: np.ndarray | None = None
 
     @cached_property
     def shell(self) -> ShellModel:
@@ -185,6 +186,8 @@ class FacesModel:
         if previous is not None:
             return self.problem_at, previous
         rest = ContactSolution.at_rest(self.n_unknowns, len(self.pair_of_candidate))
+        if self.before is not None:
+            rest = replace(rest, u=self.before)
         if not self.lying:
             return self.problem_at, rest
         touching = [pair.at(rest.u).gap <= TOUCHING * pair.size for pair in self.pairs_at(0.0)]

@@ -118,10 +118,10 @@ class TyreModel(ShellSceneModel, PressedTyre):
         part = distorted(part, request)
         shell = inflated_shell(request, part)
         alike = isinstance(part.grid, TensorGrid) and request.model != "full"  # all columns of elements are one
-        column = _column(request, part, shell) if alike else None
+        column = column_over(request, part, shell) if alike else None
         area = "mid" if settings["pressure_area"] == "mid" else "outer"
         nodes, candidates = _candidates(shell, part, area, coupled=settings["coupling"] == "consistent")
-        wall = Wall(part, nodes, lambda u: _faces(shell, u))
+        wall = Wall(part, nodes, lambda u: faces_of(shell, u))
         arc, here = arc_of(request), foundation(settings)
         by_pressure = settings["rim"] == "pressure"
         pressed = (shell, wall, candidates, deltas, here, shell, part, nodes)
@@ -175,13 +175,13 @@ def _candidates(shell: ShellModel, part: Part, area: str, *, coupled: bool) -> t
     )
 
 
-def _faces(shell: ShellModel, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def faces_of(shell: ShellModel, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Deformed inner and outer face of the grid."""
     (inner, outer), (du, dv) = shell.discretisation.positions(), shell.discretisation.cartesian(u)
     return inner + du, outer + dv
 
 
-def _column(request: Request, part: Part, shell: ShellModel) -> Column:
+def column_over(request: Request, part: Part, shell: ShellModel) -> Column:
     """Inflation of one column with the mirror plane of the part, if it has one, and how it is lifted to the part."""
     one = inflated_shell(request, column_of(part))
     assert isinstance(part.grid, TensorGrid)
@@ -211,7 +211,7 @@ class InflatedTyre(ShellSceneModel, PressedTyre):
         first = 2 * (np.arange(part.grid.n_nodes) // part.shape[1])  # the node that each turns into, by -phi
 
         def turned(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            inner, outer = (_turned(x[first], part.angles[:, 1]) for x in _faces(shell, u))
+            inner, outer = (_turned(x[first], part.angles[:, 1]) for x in faces_of(shell, u))
             return inner, outer
 
         nothing = Candidates(np.zeros((0, 3)), sparse.csr_matrix((0, shell.discretisation.n_free)), np.zeros(0))

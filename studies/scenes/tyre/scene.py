@@ -98,6 +98,18 @@ SETTINGS = (
 )
 
 
+def with_wall(settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Add the area of the load, and the plies of the paper unless isotropic; raises UsageError on a mixture."""
+    settings = {"pressure_area": AREA_OF[str(settings["load"])], **settings}
+    isotropic = [key for key in ("E_MPa", "nu") if key in settings]
+    given = [key for key in ORTHOTROPIC if key in settings]
+    if not isotropic:
+        return {**settings, **{key: settings.get(key, value) for key, value in ORTHOTROPIC.items()}}
+    if len(isotropic) == 1 or given:
+        raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(ORTHOTROPIC)}")
+    return dict(settings)
+
+
 def _references() -> tuple[Reference, ...]:
     paper: At = {"delta_mm": 20.0, "E_L_MPa": 510.45, "gamma_deg": 52.0, "load": "dead", "pressure_area": "mid"}
     as_here: At = {**paper, "p0_MPa": 0.15, "section": "constant-s33"}
@@ -156,15 +168,8 @@ class Tyre:
     sizes: TyreSizes | None = None
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Add the area of the load, and the plies of the paper unless isotropic; raises UsageError on a mixture."""
-        settings = {"pressure_area": AREA_OF[str(settings["load"])], **foundations.complete(settings)}
-        isotropic = [key for key in ("E_MPa", "nu") if key in settings]
-        given = [key for key in ORTHOTROPIC if key in settings]
-        if not isotropic:
-            return {**settings, **{key: settings.get(key, value) for key, value in ORTHOTROPIC.items()}}
-        if len(isotropic) == 1 or given:
-            raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(ORTHOTROPIC)}")
-        return settings
+        """Add the measures of the foundation and what the wall leaves open; raises UsageError on a mixture."""
+        return with_wall(foundations.complete(settings))
 
     def settle(self, request: Request) -> Request:
         """The smallest valid model, or the one asked for; raises UsageError when that is not valid."""

@@ -37,6 +37,10 @@ CELLS = {
     "two-cylinders, mu": "1x8 E_ratio=10 mu=0.2",
     "ring-on-layer": "1x12 delta_mm=35",
     "ring-on-layer, mu": "1x12 delta_mm=20,35 mu=0.2",
+    "tyre-on-plate": "14x14 delta_mm=5,10",
+    "tyre-on-plate, mu": "14x14 delta_mm=5 mu=0.3",
+    "tyre-on-drum": "14x14 delta_mm=5,10 through=1",
+    "tyre-on-drum, averaged": "14x14 delta_mm=5,10 through=1 pairing=mortar slave=second",
 }
 BY_ROUNDING = {"two-cylinders, mu": 1e-9}  # all that its forces are known to
 CYCLES = {  # what becomes of it then, rounding decides: it fails and says why, or steps are cut until it does not

@@ -33,6 +33,8 @@ MESHES = {  # smaller than the default one
     "two-cylinders": "1x8",
     "ironing": "1x24 depth_mm=0.5 slide_mm=0.2",
     "ring-on-layer": "1x12 delta_mm=35",
+    "tyre-on-plate": "14x14 delta_mm=10",
+    "tyre-on-drum": "14x14 delta_mm=10",
 }
 TOLERANCES = {"manufactured-contact": "1e-11"}  # its forces are ten times as wrong as its balance, which is 1e-9
 SETTINGS = (

@@ -74,7 +74,7 @@ def test_contact_is_a_property_of_the_scene() -> None:
     strips = {"plate-contact", "strip-contact", "heavy-strip", "walled-column"}
     pieces = {"panel", "pressed-panel", "manufactured-contact", *strips}
     shells = {"two-rings", "pinched-ring", "stack", "half-spheres", "face-patch", "crossed-tubes"}
-    pairs = {*shells, "two-cylinders", "ring-on-layer", "ironing"}
+    pairs = {*shells, "two-cylinders", "ring-on-layer", "tyre-on-plate", "tyre-on-drum", "ironing"}
     assert {"tyre", "tyre-solid", *rings, *pieces, *pairs} == touching
     for name in SCENES:
         assert ("epsilon" in complete(name, {})[1].settings) == (name in touching)

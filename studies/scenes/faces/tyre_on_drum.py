@@ -1,0 +1,111 @@
+"""The tyre pressed on a drum with a coat of rubber: a shell against a solid that is curved the other way.
+
+The axes are parallel. By default the drum of a test rig, 854 mm in radius, with a lagging of 10 mm of rubber as soft as
+a tread. The drum is rigid, the coat is bonded to it and is modelled under the patch and some of its thickness around.
+On a stiff coat the tyre is that on the rigid drum. A coat that is thin beside the patch is a bed of springs, p = M w/t,
+see :mod:`studies.scenes.faces.ring_on_layer`: the rigid drum with the law of a finite epsilon = M/t.
+Nodes of the tyre sink one by one into a coat softer than 1 MPa/mm and finer than the tyre: it wants slave=second.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from formulations.geometry.surfaces import cylinder
+from formulations.section.laminate import Laminate, Ply
+from formulations.section.laws import LAWS
+from formulations.solid.ties import TiedSolid
+from formulations.solid_mesh import SolidMesh
+from studies.ask.request import Request
+from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.scenes.data import references
+from studies.scenes.faces import pressed_tyre
+from studies.scenes.faces.bodies import Side
+from studies.scenes.faces.model import OTHER, Meeting, of_second
+from studies.scenes.faces.pressed_tyre import Inflated, OnGround, lines, reach
+from studies.scenes.faces.ring_on_layer import LAW, LAYER, POISSON, THROUGH, YOUNG
+from studies.scenes.faces.solids import PlacedSolid
+
+TURN = np.diag([-1.0, -1.0, 1.0])  # half a turn about the axis: a2 = 0 looks at the tyre
+BEYOND = 1.2  # half length of the coat over that of the patch of a stiff tyre
+AROUND = 2.0  # thicknesses of the coat beside the patch
+COARSER = 50  # %: quadratic elements of a body that hardly yields
+RADIUS = Setting("drum_radius_mm", 854.0, "radius of the drum with its coat", low=100, high=1e5)
+COAT = (
+    replace(LAYER, default=10.0),
+    replace(YOUNG, default=5.0),
+    replace(POISSON, default=0.49),
+    *(THROUGH, LAW),
+)
+
+
+RIGID: Mapping[str, float | str] = {"E_layer_MPa": 1e4, "delta_mm": 20.0, "E_MPa": 20.0, "nu": 0.45, "load": "follower"}
+LIMIT = references(
+    "refined", "isotropic tyre on the rigid drum, 84x80 and 112x112", 2e-3, [(RIGID, {"force_N": 1192.27})]
+)
+
+
+class TyreOnDrum(OnGround):
+    """The mesh is that of the whole tyre; a1 of the coat along the axis, a2 around it."""
+
+    name: str = "tyre-on-drum"
+    title: str = "Tyre pressed on a drum coated with rubber"
+    settings: tuple[Setting, ...] = (
+        *(RADIUS, *COAT),
+        *(replace(each, default=COARSER) if each is OTHER else each for each in pressed_tyre.SETTINGS),
+    )
+    references: tuple[Reference, ...] = LIMIT
+    quantities: Mapping[str, str] = {
+        **pressed_tyre.QUANTITIES,
+        "indentation_mm": "largest depth to which the face of the coat is pressed in",
+    }
+
+    def build(self, request: Request) -> SceneModel:
+        """The tyre is the first body."""
+        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        tyre, coat, radius = Inflated.on(request), _coat(request), request.number("drum_radius_mm")
+        corners = np.unique(coat.patches)
+        outwards = coat.solid.discretisation.mesh.x[corners] * [1, 1, 0] / radius
+
+        def reading(meeting: Meeting) -> dict[str, float]:
+            depth = -np.sum(coat.expand(meeting.u[len(tyre.u) :])[corners] * outwards, axis=1)
+            return {"indentation_mm": float(np.max(depth))}
+
+        return pressed_tyre.pressed(
+            request,
+            tyre,
+            lambda shift: PlacedSolid(coat, TURN, shift),
+            radius,
+            (Side(1, 1), np.arange(len(corners))),
+            reading,
+        )
+
+
+def _coat(request: Request) -> TiedSolid:
+    t, radius = request.number("layer_mm"), request.number("drum_radius_mm")
+    if not t < radius:
+        raise UsageError(f"layer_mm must be below drum_radius_mm = {radius:g}, got {t:g}")
+    wide, long = reach(request, radius)
+    half = wide + AROUND * t, min((BEYOND * long + AROUND * t) / radius, math.pi / 2)
+    across, around = (
+        lines(request, of_second(count, request), end, end, down=down)
+        for end, count, down in zip(half, request.mesh, (False, True), strict=True)
+    )
+    laminate = Laminate((Ply.isotropic(request.number("E_layer_MPa"), request.number("nu_layer"), t),), -t)
+    mesh = SolidMesh.build(cylinder(radius), across, around, laminate, per_ply=int(request.number("through")))
+    fixed = np.zeros((len(mesh.x), 3), bool)
+    fixed[np.unique(mesh.inner)] = True
+    if request.model == "quarter":
+        fixed[mesh.on(0, 0.0), 2] = True
+        fixed[mesh.on(1, 0.0), 1] = True
+    try:
+        return TiedSolid.build(mesh, laminate, fixed, mesh.outer, law=LAWS[request.choice("layer_law")])
+    except ValueError as error:
+        raise UsageError(f"mesh {request.mesh_text}: {error}") from None
+
+
+SCENES: tuple[Scene, ...] = (TyreOnDrum(),)
