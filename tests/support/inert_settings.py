@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import chain
 from types import MappingProxyType
 from typing import Any
 
@@ -176,7 +177,7 @@ def effects(
         if setting.kind == "choice":
             rows += found
         else:
-            rows.append(_first_accepted(list(found)))
+            rows.append(_first_accepted(found))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -184,8 +185,10 @@ def _others(setting: Setting, request: Request) -> Iterator[object]:
     return moved(setting, request.settings.get(setting.key))
 
 
-def _first_accepted(rows: list[tuple[str, str, object, str]]) -> tuple[str, str, object, str]:
-    return next((row for row in rows if not row[-1].startswith(REFUSED)), rows[0])
+def _first_accepted(rows: Iterator[tuple[str, str, object, str]]) -> tuple[str, str, object, str]:
+    """Of values to be tried in order; the first one of all where every one is refused."""
+    first = next(rows)
+    return next((row for row in chain([first], rows) if not row[-1].startswith(REFUSED)), first)
 
 
 def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
