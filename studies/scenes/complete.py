@@ -126,4 +126,8 @@ def _mesh(mesh: str | Sequence[int] | None, scene: Scene) -> tuple[int, int]:
     n1, n2 = (int(part) for part in parts)
     if min(n1, n2) < 1 or n1 * n2 > LARGEST_MESH:
         raise UsageError(f"mesh {text!r} must have at least 1 and in all at most {LARGEST_MESH} elements")
+    usual1, usual2 = scene.default_mesh
+    if (usual1 == 1 == n2 and min(usual2, n1) > 1) or (usual2 == 1 == n1 and min(usual1, n2) > 1):
+        usual = f"by default {usual1}x{usual2}: is {n2}x{n1} meant?"
+        raise UsageError(f"mesh {text!r} has one element along {scene.name}, {usual}")
     return n1, n2

@@ -225,6 +225,10 @@ WRONG = {
     "unknown key": (["solve", "tyre", "--set", "colour=red"], "gamma_deg"),
     "not KEY=VALUE": (["solve", "tyre", "--set", "gamma_deg"], "KEY=VALUE"),
     "mesh text": (["solve", "tyre", "--mesh", "fine"], "N1xN2"),
+    "mesh the other way round": (
+        ["solve", "two-rings", "--mesh", "16x1"],
+        "mesh '16x1' has one element along two-rings, by default 1x64: is 1x16 meant?",
+    ),
     "negative mesh": (["solve", "tyre", "--mesh", "-8x8"], "mesh '-8x8' must be N1xN2 with two whole numbers"),
     "negative error": (
         ["solve", "tyre", "--error", "-1%"],
