@@ -81,30 +81,30 @@ def pair_balance(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -
     """Resultant of the forces of two faces on each other over their sum, and their moment over that times their size.
 
     Both are zero where the forces come from a gap that no rigid motion of both changes. A plane of symmetry that it
-    knows of stays where it is, and carries moments but for that about its normal, the one looked at. Of several
-    pairs that of the worst one, each by itself. None before a foundation.
+    knows of stays where it is, and carries moments but for that about its normal, the one looked at; planes that cross
+    carry all, and there is none. Of several pairs that of the worst one, each by itself. None before a foundation.
     """
     if problem.faces is None:
         return None, None
     nodal = problem.nodal_forces(pressure)
     found = [_of_pair(faces, u, nodal[own]) for faces, own in problem.faces.parts]
-    force, moment = np.max(found, axis=0)
-    return float(force), float(moment)
+    moments = [moment for _, moment in found if moment is not None]
+    return float(np.max([force for force, _ in found])), float(np.max(moments)) if moments else None
 
 
-def _of_pair(faces: Faces, u: np.ndarray, nodal: np.ndarray) -> tuple[float, float]:
+def _of_pair(faces: Faces, u: np.ndarray, nodal: np.ndarray) -> tuple[float, float | None]:
     forces, x = faces.forces(u, nodal), faces.positions(u)
     arm = x - x.mean(axis=0)
     size = float(np.sum(np.linalg.norm(forces, axis=1))) or 1.0
     length = float(np.max(np.linalg.norm(arm, axis=1), initial=0.0)) or 1.0
-    moment = _left_by(faces.mirrors) @ np.cross(arm, forces).sum(axis=0)
-    return float(np.linalg.norm(forces.sum(axis=0))) / size, float(np.linalg.norm(moment)) / (size * length)
+    left, moment = _left_by(faces.mirrors), np.cross(arm, forces).sum(axis=0)
+    turned = None if left is None else float(np.linalg.norm(left @ moment)) / (size * length)
+    return float(np.linalg.norm(forces.sum(axis=0))) / size, turned
 
 
-def _left_by(mirrors: np.ndarray) -> np.ndarray:
-    """The projection (3, 3) on the axes that rotate planes with the normals (r, 3) into themselves."""
+def _left_by(mirrors: np.ndarray) -> np.ndarray | None:
+    """The projection (3, 3) on the axes that rotate planes with the normals (r, 3) into themselves, if any."""
     if not len(mirrors):
         return np.eye(3)
     sizes, axes = np.linalg.eigh(mirrors.T @ mirrors)
-    alone = sizes[1] <= SAME * sizes[2]
-    return np.asarray(alone * np.outer(axes[:, 2], axes[:, 2]))
+    return np.outer(axes[:, 2], axes[:, 2]) if sizes[1] <= SAME * sizes[2] else None

@@ -43,7 +43,8 @@ class Verdict:
     potential.  force: |sum of the forces of the foundation + all others on the body| over the largest [-]; None where
     the problem does not tell the others.  energy_rounding, force_rounding: what rounding explains of each.
     pair_force, pair_moment: resultant and moment of what two faces do to each other, over their size [-]; None where
-    there is a foundation. They are those of rounding or wrong: no load excuses them.
+    there is a foundation, or planes of symmetry that carry all moments. They are those of rounding or wrong: no load
+    excuses them.
     push: |G^T W p| over the largest force [-]; where it is slight, equilibrium is judged by it, see
     :meth:`needed`.
     length [mm], pressure [MPa]: a large gap, see :func:`contact.scales.length`, and the largest pressure. The bounds of

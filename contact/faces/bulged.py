@@ -38,11 +38,12 @@ from contact.faces.search import Nearest
 class Bulged:
     """At positions x (k, 3) of both faces; place (p, 3): patch of the slave, -1 for none, and eta, of each point.
 
-    apart V (p, k) and corners (p, c) with their shares (p, c) of the slave's points, as of :class:`Paired`.
+    bulges: of the patches of the slave, and after them of those of the master (b, 4).
+    apart V (p, k): v = dx_s - dX at a fixed xi.
     """
 
-    slave: Bulges
-    master: Bulges
+    bulges: Bulges
+    master: np.ndarray
     place: np.ndarray
     x: np.ndarray
     near: Nearest
@@ -51,21 +52,19 @@ class Bulged:
     @cached_property
     def height(self) -> np.ndarray:
         """b (p,) [mm]."""
-        return np.asarray(self._over[0] @ self._k + self._under @ self.slave.heights(self.x))
+        return np.asarray(self._phi @ self._k)
 
     @property
     def tilt(self) -> np.ndarray:
         """Between the normal of the facet and that of the curved face (p, 3), per unit length of the former."""
-        c = np.einsum("pab,pb->pa", self._A, np.stack([each @ self._k for each in self._over[1]], axis=1))
+        c = np.einsum("pab,pb->pa", self._A, np.stack([each @ self._k for each in self._over], axis=1))
         return np.asarray(np.einsum("pca,pa->pc", self.near.a, c))
 
     @cached_property
     def rows(self) -> sparse.csr_matrix:
         """db (p, 3k)."""
-        moved = sum(
-            sparse.diags_array(each @ self._k) @ dxi for each, dxi in zip(self._over[1], self._dxi, strict=True)
-        )
-        return sparse.csr_matrix(moved + self._over[0] @ self._dk + self._under @ self.slave.slopes(self.x))
+        moved = sum(sparse.diags_array(each @ self._k) @ dxi for each, dxi in zip(self._over, self._dxi, strict=True))
+        return sparse.csr_matrix(moved + self._phi @ self._dk)
 
     def curvature(
         self, force: np.ndarray, kept: np.ndarray, shares: np.ndarray, group: np.ndarray, corners: np.ndarray
@@ -77,30 +76,36 @@ class Bulged:
         middle = force[kept, None, None] * self._middle(kept)
         found = summed(self._local(kept, shares), middle, group, corners, len(self.x))
         weight = sparse.diags_array(force)
-        mixed = sum(dxi.T @ weight @ each for each, dxi in zip(self._over[1], self._dxi, strict=True)) @ self._dk
-        over = self.master.curvature(self.x, self._over[0].T @ force)
-        under = self.slave.curvature(self.x, self._under.T @ force)
-        return sparse.csr_matrix(found + mixed + mixed.T + over + under)
+        mixed = sum(dxi.T @ weight @ each for each, dxi in zip(self._over, self._dxi, strict=True)) @ self._dk
+        return sparse.csr_matrix(found + mixed + mixed.T + self.bulges.curvature(self.x, self._phi.T @ force))
 
     @cached_property
     def _k(self) -> np.ndarray:
-        return self.master.heights(self.x)
+        return self.bulges.heights(self.x)
 
     @cached_property
     def _dk(self) -> sparse.csr_matrix:
-        return self.master.slopes(self.x)
+        return self.bulges.slopes(self.x)
 
     @cached_property
-    def _over(self) -> tuple[sparse.csr_matrix, list[sparse.csr_matrix]]:
-        """phi and phi_,a at xi (p, 4q) on the edges of the master."""
-        phi, first, _ = blend(self.near.xi)
-        count = len(self.master.patches)
-        return spread(phi, self.near.quad, count), [spread(first[:, :, a], self.near.quad, count) for a in (0, 1)]
+    def _phi(self) -> sparse.csr_matrix:
+        """phi at xi on the edges of the master and at eta on those of the slave (p, 4q)."""
+        under = spread(blend(self.place[:, 1:])[0], self.place[:, 0].astype(np.intp), self._count)
+        return sparse.csr_matrix(under + spread(blend(self.near.xi)[0], self._quad, self._count))
 
     @cached_property
-    def _under(self) -> sparse.csr_matrix:
-        """phi at eta on those of the slave."""
-        return spread(blend(self.place[:, 1:])[0], self.place[:, 0].astype(np.intp), len(self.slave.patches))
+    def _over(self) -> list[sparse.csr_matrix]:
+        """phi_,a at xi (p, 4q)."""
+        return [spread(each, self._quad, self._count) for each in np.moveaxis(blend(self.near.xi)[1], 2, 0)]
+
+    @property
+    def _count(self) -> int:
+        return len(self.bulges.patches)
+
+    @property
+    def _quad(self) -> np.ndarray:
+        """The patches of the master (p,) among all."""
+        return self._count - len(self.master) + self.near.quad
 
     @cached_property
     def _A(self) -> np.ndarray:
@@ -115,14 +120,14 @@ class Bulged:
     @cached_property
     def _twisted(self) -> np.ndarray:
         """X_,12 (p, 3)."""
-        return np.tensordot(twist(), self.x[self.master.patches[self.near.quad]], (0, 1))
+        return np.tensordot(twist(), self.x[self.master[self.near.quad]], (0, 1))
 
     @cached_property
     def _dxi(self) -> list[sparse.csr_matrix]:
         """dxi_a (p, 3k)."""
         near = self.near
         _, slope = shape(near.xi)
-        columns, ends = self.master.patches[near.quad].ravel(), 4 * np.arange(len(near.gap) + 1)
+        columns, ends = self.master[near.quad].ravel(), 4 * np.arange(len(near.gap) + 1)
         found = []
         for own in np.moveaxis(self._A, 1, 0):
             values = np.einsum("pb,plb->pl", near.gap[:, None] * own, slope)
@@ -148,7 +153,7 @@ class Bulged:
         near, A, t = self.near, self._A[kept], self._twisted[kept]
         a, n, g = near.a[kept], near.direction[kept], near.gap[kept]
         _, first, second = blend(near.xi[kept])
-        k = self._k.reshape(-1, 4)[near.quad[kept]]
+        k = self._k.reshape(-1, 4)[self._quad[kept]]
         c = np.einsum("pab,peb,pe->pa", A, first, k)
         basis = np.eye(10)
         v, w, s = basis[:3], basis[3:9].reshape(2, 3, 10), basis[9]

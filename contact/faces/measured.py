@@ -26,14 +26,20 @@ def distances(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.nda
     return _signed(off, normal)
 
 
-def curved_distances(x: np.ndarray, positions: np.ndarray, own: Edges, its: Edges, place: np.ndarray) -> np.ndarray:
-    """Those (p,) of the curved faces, from points of the slave at ``place`` (p, 3), its patch, or -1, and xi there."""
-    off, normal, at = feet(x, positions, its.patches)
-    return _signed(off, normal) - _raised(positions, its, at) - _raised(positions, own, place)
+def curved_distances(
+    x: np.ndarray, positions: np.ndarray, quads: np.ndarray, both: Edges, place: np.ndarray
+) -> np.ndarray:
+    """Those (p,) of the curved faces, from points of the slave at ``place`` (p, 3), its patch, or -1, and xi there.
+
+    both: of the slave and, after it, of the face itself.
+    """
+    off, normal, at = feet(x, positions, quads)
+    at[:, 0] += len(both.patches) - len(quads)
+    return _signed(off, normal) - _raised(positions, both, np.concatenate([at, place])).reshape(2, -1).sum(axis=0)
 
 
 class Edges(Protocol):
-    """What says how curved a face is, :class:`contact.faces.bulges.Bulges`."""
+    """What says how curved faces are, :class:`contact.faces.bulges.Bulges`."""
 
     @property
     def patches(self) -> np.ndarray:

@@ -50,7 +50,7 @@ class Pair:
     master (b, 4): patches by their points, turned so that a_1 x a_2 points out of the wall.
     sampling: where the slave is looked at.  slave (a, 4): its patches, for the judge alone, who looks at what passes
     through them; none where it does not.  smooth: whether there is no friction, whatever the coefficient of others.
-    bulges: of the slave and of the master, where they are curved and not facets.
+    bulges: of the patches of the slave and, after them, of the master, where they are curved and not facets.
     """
 
     reference: np.ndarray
@@ -59,7 +59,7 @@ class Pair:
     sampling: Sampling
     slave: np.ndarray = field(default_factory=lambda: np.zeros((0, 4), np.intp))
     smooth: bool = False
-    bulges: tuple[Bulges, Bulges] | None = None
+    bulges: Bulges | None = None
 
     @property
     def weights(self) -> np.ndarray:
@@ -90,13 +90,13 @@ class Pair:
         if self.bulges is None:
             found = distances(points, x, self.master)
         else:
-            found = curved_distances(points, x, *self.bulges, self.sampling.place)
+            found = curved_distances(points, x, self.master, self.bulges, self.sampling.place)
         return np.asarray(self.sampling.average @ found)
 
     @property
     def mirrors(self) -> np.ndarray:
         """Unit normals (r, 3) of the planes of symmetry that the normals of curved faces lie in."""
-        return np.concatenate([np.zeros((0, 3)), *(each.across for each in self.bulges or ())])
+        return np.zeros((0, 3)) if self.bulges is None else self.bulges.across
 
     @property
     def nodes(self) -> np.ndarray:
@@ -152,7 +152,7 @@ class Paired:
         """What bulges take off the gaps of the points."""
         if self.pair.bulges is None:
             return None
-        return Bulged(*self.pair.bulges, self.pair.sampling.place, self.x, self.near, self._apart)
+        return Bulged(self.pair.bulges, self.pair.master, self.pair.sampling.place, self.x, self.near, self._apart)
 
     @cached_property
     def _apart(self) -> sparse.csr_matrix:

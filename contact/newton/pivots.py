@@ -20,6 +20,10 @@ OWN = 0.1  # of the largest slope of a gap: an unknown of its own with less does
 FAINT = 1e-3  # of it: no pivot
 
 
+class DependentGapsError(SingularMatrixError, ValueError):
+    """Gaps of a set that no unknowns can hold one by one: the saddle-point problem is singular on it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Pivots:
     """The constraints of the set, each solved for the displacement it holds most firmly.
@@ -119,7 +123,7 @@ def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
 
     Candidates against a foundation share no unknown. Where others do, as between faces that both deform, each takes one
     that is its own; where some have none, all are matched, so that the product of the slopes is as large as it can be.
-    Raises ValueError when a gap has no unknown, or the gaps depend on one another.
+    Raises ValueError when a gap has no unknown, DependentGapsError when the gaps depend on one another.
     Source: Duff, Koster, SIAM J. Matrix Anal. Appl. 20 (1999) 889-901.
     """
     used = np.bincount(rows.indices[rows.data != 0], minlength=rows.shape[1])
@@ -144,7 +148,7 @@ def _by_largest(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
 
 
 def matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
-    """The grip on gaps that share unknowns, of the candidates ``nodes`` (a,); raises ValueError where some depend."""
+    """The grip on gaps that share unknowns, of the candidates ``nodes`` (a,); raises DependentGapsError."""
     most = np.abs(_by_largest(rows, nodes).slope)
     firm = rows.copy()
     firm.data[np.abs(firm.data) < FAINT * np.repeat(most, np.diff(rows.indptr))] = 0.0
@@ -152,7 +156,7 @@ def matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
     columns, numbered = np.unique(firm.indices, return_inverse=True)
     costs = 1.0 + np.log(np.max(np.abs(firm.data))) - np.log(np.abs(firm.data))  # a zero would be no entry
     graph = sparse.csr_matrix((costs, numbered, firm.indptr), shape=(len(nodes), len(columns)))
-    dependent = ValueError(f"the gaps of {len(nodes)} contact candidates depend on one another")
+    dependent = DependentGapsError(f"the gaps of {len(nodes)} contact candidates depend on one another")
     try:
         order, found = min_weight_full_bipartite_matching(graph)
         if len(order) < len(nodes):

@@ -201,7 +201,7 @@ class Bodies:
         if not curved:
             return pair
         free = np.concatenate([sum(map(motions, self.parts[side.body].held(side.face))) for side in (slave, master)])
-        return replace(pair, bulges=(Bulges.of(reference, own, free), Bulges.of(reference, its, free)))
+        return replace(pair, bulges=Bulges.of(reference, np.concatenate([own, its]), free))
 
     def against(self, pair: Pair | Several) -> ContactProblem:
         """The contact problem of the pairs, with all that the judge may see.

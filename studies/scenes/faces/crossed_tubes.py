@@ -149,7 +149,8 @@ class CrossedTubes:
 
         def measured(delta: float, meeting: Meeting) -> dict[str, float]:
             each = zip(tubes, grids, np.split(meeting.u, [tubes[0].discretisation.n_free]), strict=True)
-            dents = [-float(tube.discretisation.at_distance(u, 0.0)[grid.node_at(0, 0), 2]) for tube, grid, u in each]
+            tops = [tube.discretisation.at_distance(u, 0.0)[grid.node_at(0, 0), 2] for tube, grid, u in each]
+            dents = [0.0 - float(top) for top in tops]
             force, total = QUARTERS * abs(float(meeting.resultant[0, 2])), float(meeting.force.sum())
             soft = dents[0] * request.number("E_MPa") * walls[0] / force if force else 0.0
             x, y = meeting.force @ np.abs(meeting.position[:, :2]) / total if total else (0.0, 0.0)

@@ -66,10 +66,10 @@ class Sketch:
     @classmethod
     def of(cls, result: Result) -> Sketch:
         """A path that was solved to its last load, with all that it cost."""
-        assert isinstance(result.model, ShellSceneModel)
+        assert result.model is not None
+        shell = result.model if isinstance(result.model, ShellSceneModel) else None
         loads, seconds = [step.seen for step in result.loads], result.timing["cpu"]
-        unknowns = result.model.n_unknowns
-        return cls(result.request, unknowns, result.model, result.visits, loads, result.quantities, seconds)
+        return cls(result.request, result.model.n_unknowns, shell, result.visits, loads, result.quantities, seconds)
 
     @property
     def values_only(self) -> Sketch:

@@ -200,6 +200,18 @@ def test_singular_mechanics_is_an_outcome(name) -> None:
             assert solution.outcome is Outcome.SINGULAR
 
 
+@each_exact_one
+def test_gaps_that_depend_on_one_another_are_an_outcome(name) -> None:
+    """Two candidates at one place, both pressed in: no force of either by itself, but none on one of them."""
+    data = Quadratic(np.eye(2), np.array([1.0, 0.5]), -np.eye(2)[[0, 0]], np.array([0.1, 0.1]), np.ones(2))
+    solution = solve_from_rest(name, data.problem(), 2)
+    if name == "lcp":
+        assert solution.outcome is Outcome.CONVERGED
+        assert sorted(solution.pressure) == pytest.approx([0.0, 0.9])
+    else:
+        assert solution.outcome is Outcome.SINGULAR
+
+
 def test_nan_is_divergence() -> None:
     for name in EXACT:
         data = Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))

@@ -189,6 +189,12 @@ def test_walls_that_are_not_alike_rub_and_exchanged_as_much() -> None:
         assert two.steps[-1][name] == pytest.approx(one.steps[-1][name], rel=1e-7)
 
 
+def test_tubes_that_do_not_touch_have_no_dents_and_no_signs() -> None:
+    (step,) = solved("4x6", delta_mm="0.01").steps
+    assert step["contact_nodes"] == 0
+    assert [repr(step[name]) for name in ("force_N", "dent_mm", "other_dent_mm")] == ["0.0"] * 3
+
+
 @pytest.mark.parametrize(
     ("settings", "why"),
     [

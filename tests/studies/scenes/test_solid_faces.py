@@ -19,6 +19,7 @@ from studies.scenes.complete import complete
 from studies.scenes.faces.model import FacesModel
 from studies.scenes.faces.ring_on_layer import BED, STIFF
 from studies.scenes.faces.solids import towards_start
+from studies.solving.refinement.grids import near
 from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
@@ -116,6 +117,16 @@ def test_cylinders_on_a_coarse_mesh_have_the_force_of_hertz(tmp_path) -> None:
 def test_bad_input_is_refused_in_one_line(settings: dict[str, str], said: str) -> None:
     with pytest.raises(UsageError, match=said):
         built(settings)
+
+
+def test_half_spheres_of_too_few_elements_are_refused() -> None:
+    """Half of a mesh, for its error, may be too coarse: the next one that is not is taken."""
+    scene, request = complete("half-spheres", {}, "8x1")
+    half = near(scene, request, 0.5)
+    assert half is not None
+    assert half.mesh[0] > 4
+    with pytest.raises(UsageError, match=r"mesh 4x1: .* too coarse"):
+        scene.build(replace(request, mesh=(4, 1)))
 
 
 def test_a_measure_is_refused() -> None:

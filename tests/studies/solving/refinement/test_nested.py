@@ -15,7 +15,7 @@ from studies.scenes.complete import complete
 from studies.scenes.element import tree_over
 from studies.solving.refinement import nested
 from studies.solving.refinement.grids import near
-from studies.solving.refinement.nested import FAR, sketch, solve_from
+from studies.solving.refinement.nested import FAR, Sketch, sketch, solve_from
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
@@ -174,3 +174,11 @@ def test_a_part_from_outside_that_breaks_on_a_coarser_grid_is_named(monkeypatch:
     monkeypatch.setitem(ALGORITHMS, "broken", Broken)
     with pytest.raises(PartError, match="broken"):
         sketch(*complete("ring", {}, "1x16", contact="broken"))
+
+
+def test_a_solved_path_of_two_bodies_has_values_and_no_model_to_start_from() -> None:
+    result = solve(*complete("two-rings", {"delta_mm": "20"}, "1x12"))
+    found = Sketch.of(result)
+    assert found.model is None
+    assert found.unknowns == result.counters["dofs"]
+    assert found.quantities == result.quantities
