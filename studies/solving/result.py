@@ -40,6 +40,7 @@ UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refus
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
+APART = "the faces do not touch at the last load: they are apart, or elements are too large for it"
 SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
 
 
@@ -177,14 +178,16 @@ class Result:
     def notes(self) -> list[str]:
         """What an answer does not show by itself.
 
-        Remarks, a foundation finer than its elements, elements too long, and where the path has passed unstable states.
+        A foundation finer than its elements, faces that do not touch, elements too long, unstable states on the way,
+        remarks.
         """
         if self.end is None:
             return self.remarks
         problem, state = self.end.problem, self.end.point.solution
         told = between_nodes(problem.standing, problem.weights, state.active)
-        elements = _of_elements(self.request, self.loads)
-        return [*([told] if told else []), *elements, *self.on_the_way, *self.remarks]
+        apart = problem.faces is not None and not state.active.any()  # who asks for faces that meet wants them to
+        noted = [*([told] if told else []), *([APART] if apart else []), *_of_elements(self.request, self.loads)]
+        return [*noted, *self.on_the_way, *self.remarks]
 
     @property
     def steps(self) -> list[dict[str, Any]]:

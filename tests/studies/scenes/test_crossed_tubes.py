@@ -18,7 +18,7 @@ from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.faces.crossed_tubes import LENGTH, NU, POINT, RADIUS, E, H
 from studies.scenes.faces.model import FacesModel
 from studies.scenes.walk import walk
-from studies.solving.result import Result
+from studies.solving.result import APART, Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 
@@ -206,3 +206,11 @@ def test_tubes_that_cannot_be_say_why(settings: dict[str, Any], why: str) -> Non
     scene, request = complete("crossed-tubes", settings, "8x12")
     with pytest.raises(UsageError, match=why):
         scene.build(request)
+
+
+def test_faces_that_do_not_touch_are_noted() -> None:
+    """Averaged gaps of coarse elements are open by the square of their size."""
+    result = solve(*complete("crossed-tubes", {"delta_mm": "0.25"}, "4x4"))
+    assert result.quantities["force_N"] == 0
+    assert APART in result.notes
+    assert APART not in solve(*complete("crossed-tubes", {"delta_mm": "0.25", "pairing": "nodes"}, "4x4")).notes
