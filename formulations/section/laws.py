@@ -246,7 +246,9 @@ class NeoHooke:
         second = 0.5 * (trace**2 - np.einsum("...ij,...ij->...", E, E))
         swelling = (2 * trace + 4 * second + 8 * np.linalg.det(E))[..., None]  # J^2 - 1
         swelling = np.where(swelling > -1, swelling, np.nan)
-        inverse = np.linalg.inv(np.where(np.isfinite(swelling[..., None]), np.eye(3) + 2 * E, np.nan))
+        C = np.eye(3) + 2 * E
+        regular = np.isfinite(swelling[..., 0]) & (np.linalg.det(C) != 0)  # strains of 1e8 round it to a singular one
+        inverse = np.linalg.inv(np.where(regular[..., None, None], C, np.nan))
         pressure = 0.5 * self.lam * np.log1p(swelling)  # lam ln J
         flat = inverse[..., _I, _J]
         stress = 2 * self.mu * np.matmul(E, inverse)[..., _I, _J] + pressure * flat

@@ -236,8 +236,10 @@ def attempt(asked: Asked, seed: int) -> Attempt:
 
 
 def _failed(result: Result) -> str:
-    """The failed conditions, and the numbers of the first load that has any."""
+    """The failed conditions, and the numbers of the first load that has any; of a stage without loads the reason."""
     failed = {name for step in result.loads for name in step.certificate["failures"]}
+    if not failed:
+        return result.reason
     told = next(step.certificate for step in result.loads if step.certificate["failures"])
     numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
     return f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())

@@ -238,6 +238,12 @@ def test_no_volume_has_no_stress(name) -> None:
     assert np.all(np.isfinite(tangent[1]))
 
 
+def test_a_strain_whose_digits_hide_the_volume_has_no_stress() -> None:
+    """As an iterate that runs away has: C is singular to the last digit, and nothing is raised."""
+    strain = np.where(np.diff(VOIGT, axis=1)[:, 0] == 0, 1e17, 2e17)
+    assert np.isnan(NeoHooke.of(PLY).response(strain)[0]).all()
+
+
 class Plain:
     """Neo-Hooke's law with the three methods that a law must have."""
 

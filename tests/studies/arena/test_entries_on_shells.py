@@ -30,6 +30,7 @@ MESHES = {  # smaller than the default one
     "tyre-solid": "14x18",
     "pinched-ring": "1x48",
     "crossed-tubes": "8x12",
+    "half-spheres": "20x1",
     "two-cylinders": "1x8",
     "ironing": "1x24 depth_mm=0.5 slide_mm=0.2",
     "ring-on-layer": "1x12 delta_mm=35",
