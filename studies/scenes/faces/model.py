@@ -98,7 +98,7 @@ class Meeting:
     """What a scene may read off a state u (n,): by candidate, at the positions (m, 3) [mm] of their nodes.
 
     pair (m,): the number of theirs.  force (m,) [N], pressure (m,) [MPa], area (m,) [mm^2].
-    resultant (pairs, 3) [N]: of each pair on its slave; the sum of its forces where all have one direction.
+    pairs: those themselves.
     """
 
     u: np.ndarray
@@ -107,7 +107,13 @@ class Meeting:
     force: np.ndarray
     pressure: np.ndarray
     area: np.ndarray
-    resultant: np.ndarray
+    pairs: tuple[Pair, ...]
+
+    @cached_property
+    def resultant(self) -> np.ndarray:
+        """(pairs, 3) [N] of each pair on its slave; the sum of its forces where all have one direction."""
+        each = [own.resultant(self.u, self.force[self.pair == number]) for number, own in enumerate(self.pairs)]
+        return np.array(each)
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,8 +226,7 @@ class FacesModel:
         found = zip(pairs, self.pairs, strict=True)
         position = np.concatenate([pair.positions(state.u)[each.nodes] for pair, each in found])
         forces, pressure = problem.nodal_forces(state.pressure), state.pressure
-        on_slaves = [pair.resultant(state.u, forces[which == number]) for number, pair in enumerate(pairs)]
-        meeting = Meeting(state.u, which, position, forces, pressure, problem.weights, np.array(on_slaves))
+        meeting = Meeting(state.u, which, position, forces, pressure, problem.weights, pairs)
         quantities = dict(self.measure_at(t, meeting))
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
