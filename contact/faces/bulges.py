@@ -8,8 +8,8 @@ the face at both, and between the edges of a patch a blend of theirs::
 
 outwards, right to the third order of the size where patches are nearly alike and nearly parallelograms. Others have a
 share of their height left: that of the middle is too high by n,w . w/2, where w = X_,12 and n,w is what the normal
-turns by along it, and normals are off. They are means over the patches around with the weights of Max, exact on
-spheres, whatever the patches; on a cylinder askew, with points moved by 0.15 of a side, heights are off by up to 0.2::
+turns by along it, and normals have errors. They are means over the patches around with the weights of Max, exact on
+spheres, whatever the patches; on a cylinder askew, with points moved by 0.15 of a side, heights have errors to 0.2::
 
     N_i = sum (X_a - X_i) x (X_b - X_i)/(|X_a - X_i|^2 |X_b - X_i|^2),    n_i = N_i/|N_i|
 

@@ -137,6 +137,14 @@ class Side:
     patches: slice | np.ndarray = field(default_factory=lambda: slice(None))
 
 
+@dataclass(frozen=True)
+class Pairing:
+    """name: of :data:`contact.faces.sampling.PAIRINGS`.  curved: whether faces are between their points, or facets."""
+
+    name: str
+    curved: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Bodies:
     """All bodies as one system: the unknowns one body after the other."""
@@ -172,13 +180,10 @@ class Bodies:
         """The sum of all [N mm]."""
         return sum(one.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
 
-    def pair(
-        self, slave: Side, master: Side, nodes: np.ndarray, pairing: str, *, curved: bool, rest: Pair | None = None
-    ) -> Pair:
+    def pair(self, slave: Side, master: Side, nodes: np.ndarray, pairing: Pairing, rest: Pair | None = None) -> Pair:
         """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch.
 
         rest: the pair at rest, which says where the slave is looked at; by default the bodies are at rest.
-        curved: whether their faces are, between the points of their patches.
         """
         found = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
         (x, moves, quads), _ = found[0]
@@ -193,12 +198,12 @@ class Bodies:
         own = quads[slave.patches]
         if rest is not None:
             return Pair(reference, operator, its, rest.sampling, own, bulges=rest.bulges)
-        if pairing == "nodes":
+        if pairing.name == "nodes":
             sampling = at_nodes(nodes, len(reference), self.parts[slave.body].areas(slave.face)[nodes])
         else:
             sampling = mortar(reference, own, its, nodes)
         pair = Pair(reference, operator, its, sampling, own)
-        if not curved:
+        if not pairing.curved:
             return pair
         free = np.concatenate([sum(map(motions, self.parts[side.body].held(side.face))) for side in (slave, master)])
         return replace(pair, bulges=Bulges.of(reference, np.concatenate([own, its]), free))

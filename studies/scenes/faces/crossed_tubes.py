@@ -41,8 +41,8 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
     of_second,
+    pairing_of,
 )
 from studies.scenes.statics import SHELL_SETTINGS, loaded_shell
 
@@ -160,15 +160,7 @@ class CrossedTubes:
         patches = [np.flatnonzero(np.isin(grid.elements, before(k)).any(axis=1)) for k, grid in enumerate(grids)]
         sides = [Side(k, 1, own_patches) for k, own_patches in enumerate(patches)]
         pair = Facing(sides[own], sides[1 - own], before(own))
-        return FacesModel(
-            bodies,
-            (pair,),
-            request.choice("pairing"),
-            request.numbers("delta_mm"),
-            measured,
-            "delta_mm",
-            curved=curved(request),
-        )
+        return FacesModel(bodies, (pair,), pairing_of(request), request.numbers("delta_mm"), measured, "delta_mm")
 
 
 def _check(request: Request) -> None:

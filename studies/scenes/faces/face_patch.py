@@ -38,8 +38,8 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
     of_second,
+    pairing_of,
 )
 from studies.scenes.statics import loaded_shell
 
@@ -132,11 +132,9 @@ class FacePatch:
             return {"pressure_ratio": mean / pressure, "pressure_error": error}
 
         nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
-        pairing, pressures = request.choice("pairing"), request.numbers("pressure_MPa")
+        pairing, pressures = pairing_of(request), request.numbers("pressure_MPa")
         pair = Facing(Side(own, faces[own]), Side(1 - own, faces[1 - own]), nodes)
-        model = FacesModel(
-            bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True, curved=curved(request)
-        )
+        model = FacesModel(bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True)
         return replace(model, dragged_at=partial(bodies, pressures[-1]), drags=drags)
 
 

@@ -42,8 +42,8 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
     of_second,
+    pairing_of,
 )
 from studies.scenes.faces.rigid import Floor
 from studies.scenes.faces.solids import PlacedSolid, settled_for_solids
@@ -143,10 +143,8 @@ class HalfSpheres:
             of_pair = np.bincount(meeting.pair, meeting.force, minlength=2) * QUARTER
             return {"quarter_N": float(of_pair[1]), "between_N": float(of_pair[0])}
 
-        pairing, deltas = request.choice("pairing"), request.numbers("delta_mm")
-        return FacesModel(
-            bodies, (between, pressed), pairing, deltas, measured, "delta_mm", lying=True, curved=curved(request)
-        )
+        pairing, deltas = pairing_of(request), request.numbers("delta_mm")
+        return FacesModel(bodies, (between, pressed), pairing, deltas, measured, "delta_mm", lying=True)
 
 
 def _half(request: Request, number: int, count: int) -> Body:

@@ -43,7 +43,7 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
+    pairing_of,
 )
 from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
 
@@ -129,9 +129,7 @@ class Ironing:
 
         alike = columns(PlacedSolid((slab, die)[own]))
         pair = Facing(Side(own, 1), Side(1 - own, 1), alike[:, 0], alike=alike)
-        return FacesModel(
-            placed, (pair,), request.choice("pairing"), way.stops, measured, "way_mm", curved=curved(request)
-        )
+        return FacesModel(placed, (pair,), pairing_of(request), way.stops, measured, "way_mm")
 
 
 def reaction(body: TiedSolid, u: np.ndarray, held: np.ndarray) -> np.ndarray:

@@ -22,7 +22,7 @@ from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, Stage
 from studies.output.vtu import write_layers
-from studies.scenes.faces.bodies import Bodies, Body, Placed, Side
+from studies.scenes.faces.bodies import Bodies, Body, Pairing, Placed, Side
 
 PAIRING = Setting.one_of(
     "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
@@ -48,9 +48,9 @@ DRAG = Setting(
 )
 
 
-def curved(request: Request) -> bool:
-    """Whether faces are curved between their points."""
-    return request.choice(SHAPE_OF_FACES.key) == SHAPES[1]
+def pairing_of(request: Request) -> Pairing:
+    """What it asks for."""
+    return Pairing(request.choice(PAIRING.key), request.choice(SHAPE_OF_FACES.key) == SHAPES[1])
 
 
 def of_second(count: int, request: Request) -> int:
@@ -87,9 +87,9 @@ class Facing:
         """Those (m, j) among the points that a file has of the slave."""
         return bodies[self.slave.body].points_of(self.slave.face)[self.whole]
 
-    def at_rest(self, bodies: Bodies, pairing: str, *, curved: bool) -> Pair:
+    def at_rest(self, bodies: Bodies, pairing: Pairing) -> Pair:
         """The pair of bodies that are at rest."""
-        found = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing, curved=curved)
+        found = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing)
         return found if self.alike is None else replace(found, sampling=joined(found.sampling, self.alike.shape[1]))
 
 
@@ -124,18 +124,17 @@ class FacesModel:
     value}.
     dragged_at(d): all bodies after the path, one of them dragged along the other by d, with stops at ``drags`` [mm].
     lying: what is before the other face touches it without pressure at rest.
-    curved: whether faces are curved between their points, or facets.  shown: where its fields are, at the last
-    target unless given.  before (n,): the state at the start of the path, at rest unless given.
+    shown: where its fields are, at the last target unless given.
+    before (n,): the state at the start of the path, at rest unless given.
     """
 
     bodies_at: Callable[[float], Bodies]
     pairs: tuple[Facing, ...]
-    pairing: str
+    pairing: Pairing
     targets: Sequence[float]
     measure_at: Callable[[float, Meeting], Mapping[str, float]]
     key: str
     lying: bool = False
-    curved: bool = False
     shown: float | None = None
     dragged_at: Callable[[float], Bodies] | None = None
     drags: Sequence[float] = ()
@@ -152,7 +151,7 @@ class FacesModel:
     @property
     def said(self) -> str:
         """Which faces meet, and how."""
-        return f"{'; '.join(each.said for each in self.pairs)}, {self.pairing}"
+        return f"{'; '.join(each.said for each in self.pairs)}, {self.pairing.name}"
 
     @cached_property
     def pair_of_candidate(self) -> np.ndarray:
@@ -203,14 +202,14 @@ class FacesModel:
     def _at_rest(self) -> tuple[Pair, ...]:
         """They say where the slaves are looked at all along the path, and how curved faces hang together."""
         bodies = self.bodies_at(0.0)
-        return tuple(each.at_rest(bodies, self.pairing, curved=self.curved) for each in self.pairs)
+        return tuple(each.at_rest(bodies, self.pairing) for each in self.pairs)
 
     def pairs_at(self, t: float) -> tuple[Pair, ...]:
         """The pairs at a point of the path."""
         bodies, found = self.bodies_at(t), zip(self.pairs, self._at_rest, strict=True)
         return tuple(
             replace(
-                bodies.pair(each.slave, each.master, each.nodes, self.pairing, curved=self.curved, rest=rest),
+                bodies.pair(each.slave, each.master, each.nodes, self.pairing, rest),
                 smooth=each.smooth,
             )
             for each, rest in found

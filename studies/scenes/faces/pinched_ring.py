@@ -24,7 +24,7 @@ from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.ring import RADIUS, WIDTH, E
 from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SHAPE_OF_FACES, FacesModel, Facing, curved, of_second
+from studies.scenes.faces.model import OTHER, PAIRING, SHAPE_OF_FACES, FacesModel, Facing, of_second, pairing_of
 from studies.scenes.statics import edge_forces, loaded_shell
 
 SIDE = np.pi / 2
@@ -110,11 +110,10 @@ class PinchedRing:
         return FacesModel(
             lambda t: Bodies((Placed(shell.scaled(t)),)),
             (pair,),
-            request.choice("pairing"),
+            pairing_of(request),
             loads,
             lambda t, meeting: read(meeting.force, meeting.u),
             "F_R2_over_EI",
-            curved=curved(request),
         )
 
 

@@ -37,7 +37,7 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
+    pairing_of,
 )
 from studies.scenes.faces.solids import towards_start
 from studies.scenes.tyre.grid_lines import GRADING, tyre_lines
@@ -199,8 +199,8 @@ def pressed(
     pair = Facing(sides[own], sides[1 - own], candidates)
     at_rest = np.zeros(int(bodies(0.0).starts[-1]))
     at_rest[: len(tyre.u)] = tyre.u
-    model = FacesModel(bodies, (pair,), request.choice("pairing"), deltas, measured, "delta_mm", before=at_rest)
-    return replace(model, curved=curved(request))
+    model = FacesModel(bodies, (pair,), pairing_of(request), deltas, measured, "delta_mm", before=at_rest)
+    return replace(model)
 
 
 def _line(x: np.ndarray, axis: int) -> np.ndarray:

@@ -41,8 +41,8 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
     of_second,
+    pairing_of,
 )
 from studies.scenes.faces.solids import PlacedSolid, towards_start
 from studies.scenes.statics import loaded_shell
@@ -145,9 +145,7 @@ class RingOnLayer:
         on_ring = np.setdiff1d(grid.free_nodes, grid.on_line(1, np.pi / 2))
         nodes = (on_ring, np.arange(len(bodies(0.0).parts[1].points_of(1))))[own]
         pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(
-            bodies, (pair,), request.choice("pairing"), deltas, measured, "delta_mm", curved=curved(request)
-        )
+        return FacesModel(bodies, (pair,), pairing_of(request), deltas, measured, "delta_mm")
 
 
 def _lines(request: Request, n: int, length: float, delta: float) -> np.ndarray:

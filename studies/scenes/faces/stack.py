@@ -26,7 +26,16 @@ from studies.scenes.contact.ring import DELTAS, RADIUS, THICKNESS, THIN, TRAVELS
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SHAPE_OF_FACES, FacesModel, Facing, Meeting, curved, of_second
+from studies.scenes.faces.model import (
+    OTHER,
+    PAIRING,
+    SHAPE_OF_FACES,
+    FacesModel,
+    Facing,
+    Meeting,
+    of_second,
+    pairing_of,
+)
 from studies.scenes.faces.two_rings import FACING
 from studies.scenes.statics import loaded_shell
 
@@ -114,9 +123,7 @@ class Stack:
                 "flat_half_length": centre,
             }
 
-        return FacesModel(
-            bodies, pairs, request.choice("pairing"), deltas, measured, "delta_mm", curved=curved(request)
-        )
+        return FacesModel(bodies, pairs, pairing_of(request), deltas, measured, "delta_mm")
 
 
 def _lines(request: Request, count: int) -> np.ndarray:

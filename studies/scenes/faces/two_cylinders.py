@@ -35,8 +35,8 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
     of_second,
+    pairing_of,
 )
 from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
 
@@ -117,9 +117,9 @@ class TwoCylinders:
             }
 
         nodes = np.arange(len(placed(0.0).parts[own].points_of(1)))
-        pairing = request.choice("pairing")
+        pairing = pairing_of(request)
         pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(placed, (pair,), pairing, deltas, measured, "delta_mm", curved=curved(request))
+        return FacesModel(placed, (pair,), pairing, deltas, measured, "delta_mm")
 
 
 def _quarter(request: Request, n: int, young: float, half_width: float) -> TiedSolid:

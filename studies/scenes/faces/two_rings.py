@@ -33,8 +33,8 @@ from studies.scenes.faces.model import (
     FacesModel,
     Facing,
     Meeting,
-    curved,
     of_second,
+    pairing_of,
 )
 from studies.scenes.statics import loaded_shell
 
@@ -109,9 +109,9 @@ class TwoRings:
             height = 2 * (1 - delta / RADIUS)
             return {"P_R2_over_EI": load, "P_H2_over_EI": load * height**2, "flat_half_length": centre}
 
-        pairing = request.choice("pairing")
+        pairing = pairing_of(request)
         pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(bodies, (pair,), pairing, deltas, measured, "delta_mm", curved=curved(request))
+        return FacesModel(bodies, (pair,), pairing, deltas, measured, "delta_mm")
 
 
 def _ring(request: Request, h: float, count: int) -> ShellModel:

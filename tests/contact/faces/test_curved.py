@@ -79,7 +79,7 @@ def test_forces_balance(pairing: str, mirrored: bool, axes: int) -> None:
     assert max(each for each in found if each is not None) <= ROUNDING
 
 
-def test_of_planes_of_symmetry_that_cross_no_moment_is_told() -> None:
+def test_planes_of_symmetry_that_cross_leave_no_moment_to_judge() -> None:
     """Not that it is zero."""
     one = curved("mortar", mirrored=True)
     assert one.bulges is not None
