@@ -41,8 +41,8 @@ def faces_page(store: Store) -> Part:
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
     told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
     told["failed"] = _short(run[~run["outcome"].isin(SOLVED)])
-    rows = {"costs": list(_costs(cost)), "spheres": list(_spheres(spheres))}
-    return TEXT("page", {"faces.svg": errors(found)}, **told, **rows, **_ironed(ironed))
+    told |= {"costs": list(_costs(cost)), "spheres": list(_spheres(spheres)), **_ironed(ironed)}
+    return TEXT("page", {"faces.svg": errors(found)}, **told)
 
 
 def _short(rows: pd.DataFrame) -> pd.DataFrame:
