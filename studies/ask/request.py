@@ -8,15 +8,29 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from difflib import get_close_matches
 from types import UnionType
 from typing import Any, Self
 
 Value = float | int | str | tuple[float, ...]
 Leaves = tuple[tuple[int, int, int], ...]
+FEW = 12  # names that a line may list
+ALIKE = 0.6  # ratio of equal letters, from which on a name may be what was meant
 
 
 class UsageError(ValueError):
     """A wrong request; its message is the one line the user reads."""
+
+
+def names_for(wrong: str, names: Collection[str], where: str) -> str:
+    """The names there are, for the line that refuses a wrong one: few of them all, of many those that read like it.
+
+    where: the command that lists all.
+    """
+    if len(names) <= FEW:
+        return ", ".join(names)
+    alike = ", ".join(get_close_matches(wrong, names, 5, ALIKE))
+    return f"{len(names)}, see {where}" + (f"; did you mean {alike}?" if alike else "")
 
 
 class PartError(Exception):

@@ -15,7 +15,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
-from studies.ask.request import text_of
+from studies.ask.request import names_for, text_of
 from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError, settings_beside
 from studies.ask.settings import parameters_of
 from studies.output.shown import Shown
@@ -68,7 +68,8 @@ def describe(name: str) -> Description:
         return _described(name, "measure", _of_measure(MEASURES[name]), ())
     if name in ALGORITHMS:
         return _described(name, "algorithm", _of_algorithm(ALGORITHMS[name]()), parameters_of(name))
-    raise UsageError(f"{name!r} must be one of {', '.join((*SCENES, *MEASURES, *ALGORITHMS))}")
+    known = names_for(name, (*SCENES, *MEASURES, *ALGORITHMS), "footprint list")
+    raise UsageError(f"{name!r} must be one of {known}")
 
 
 def meaning_of(name: str) -> str:

@@ -172,7 +172,7 @@ def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
     from studies.solving.refinement.error_control import parse_error
     from studies.solving.refinement.grids import first_grid
 
-    wanted = parse_error(options.error)
+    wanted, _ = parse_error(options.error), bound_of(options)  # refused before the first grid, which may be solved for
     return *first_grid(options.scene, given, options.mesh, **how), wanted
 
 

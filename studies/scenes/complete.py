@@ -10,7 +10,7 @@ from typing import Any
 from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.ask.request import Request, Settings, Value
+from studies.ask.request import Request, Settings, Value, names_for
 from studies.ask.scene import (
     EPSILON,
     CompletingScene,
@@ -65,13 +65,16 @@ def complete(
     """
     scene = SCENES.get(scene_name)
     if scene is None:
-        raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
+        raise UsageError(
+            f"scene {scene_name!r} must be one of {names_for(scene_name, SCENES, 'footprint list scenes')}"
+        )
     known = {setting.key: setting for setting in (*scene.settings, *settings_beside(scene))}
     if has_contact(scene):
         known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
     for key in given:
         if key not in known:
-            raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
+            has = names_for(key, known, f"footprint show {scene_name}")
+            raise UsageError(f"{scene_name} has no setting {key!r}; it has {has}")
     chosen = completed({key: known[key].parse(value) for key, value in given.items()})
     if rubbing(chosen):
         known = _with_friction(known, given, options.get("contact", Request.contact))

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.ask.request import Request, UsageError
+from studies.ask.request import Request, UsageError, names_for
 from studies.ask.scene import has_contact, settings_beside
 from studies.ask.settings import Setting, settings_of
 from studies.output.atomic import as_text, plain, write_json
@@ -76,7 +76,8 @@ def ranges_of(
         known = {setting.key: setting for setting in (*entry.settings, *settings_beside(entry), *own)}
     for key in over:
         if key not in known:
-            raise UsageError(f"{scene} has no setting {key!r}; it has {', '.join(known)}")
+            has = names_for(key, known, f"footprint show {scene}")
+            raise UsageError(f"{scene} has no setting {key!r}; it has {has}")
         if key in given:
             raise UsageError(f"{key} = {given[key]} is given, and swept over: it can be one of both")
     found = tuple(Range.of(known[key], wanted) for key, wanted in over.items())

@@ -65,6 +65,8 @@ def test_what_does_not_converge_is_kept() -> None:
     ("scene", "asked", "says"),
     [
         ("bicycle", {}, "scene 'bicycle' must be one of"),
+        ("tire", {}, r"did you mean tyre\?$"),
+        ("tyre", {"delta": 3}, r"see footprint show tyre; did you mean delta_mm\?$"),
         ("tyre", {"colour": 1}, "tyre has no setting 'colour'"),
         ("tyre", {"delta_mm": [10, 5]}, "increasing numbers"),
         ("tyre", {"delta_mm": [5, None]}, "increasing numbers"),

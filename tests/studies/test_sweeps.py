@@ -68,7 +68,7 @@ def table(out: Path) -> pd.DataFrame:
         (["panel", "--over", "shape=1:2:3"], "shape is not one number: one of cylinder, sphere, plate"),
         (["tyre", "--over", "delta_mm=1:2:3"], "delta_mm is not one number: increasing numbers in [0, 100]"),
         (["tyre", "--over", "plies=1:4:4"], "plies is not one number: a whole number in [1, 64]"),
-        (["panel", "--over", "nix=0:1:3"], "panel has no setting 'nix'; it has shape, "),
+        (["panel", "--over", "nix=0:1:3"], "panel has no setting 'nix'; it has "),
         (["nix", "--over", "nu=0:1:3"], "scene 'nix' must be one of "),
         (["panel", "--over", "nu=0:0.3:3", "--set", "nu=0.2"], "nu = 0.2 is given, and swept over"),
         (["panel", "--over", "nu=0:0.3:101", "--over", "E_ratio=1:2:100"], "10100 members: a sweep has at most 10000"),

@@ -75,6 +75,7 @@ def test_of_solids_nothing_is_foreseen() -> None:
         (["--memory-limit", "1e30"], r"memory-limit 1e\+30 must be at most 1e\+09"),
         (["--time-limit", "soon"], r"time-limit 'soon' must be a number of seconds above 0, as 5s"),
         (["--time-limit", "5", "--error", "1%"], r"--budget bounds the time of --error: give no --time-limit"),
+        (["--error", "1%", "--budget", "-5s"], r"budget '-5s' must be a number of seconds above 0, as 5s"),
     ],
 )
 def test_more_than_a_limit_is_one_line_and_nothing_is_solved(
