@@ -3,8 +3,9 @@
 The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then walls
 with more surfaces on the same grids, until more would change nothing: what those have is the truth, and the fewest that
 are enough are the wall of all that follows; where their grids do not tell within the error, errors count from the wall
-that was asked for, and the answer says so. Then measures, algorithms on a grid that is enough, options of the element,
-models, each with a share of what is left; last the cheapest of all that is enough, as its command line asks for it.
+that was asked for, and the answer says so. Then measures, how two faces meet, algorithms on a grid that is enough,
+options of the element, models, each with a share of what is left; last the cheapest of all that is enough, as its
+command line asks for it.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from studies.ask.request import Request, UsageError
-from studies.ask.scene import Scene, ShellSceneModel, has_contact
+from studies.ask.request import Request
+from studies.ask.scene import Scene, has_contact
 from studies.solving.choice import Choice, Offer, offers_of, recommended
 from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
 from studies.solving.refinement.grids import element_size, first_grid, near, on_one_grid
@@ -23,6 +24,7 @@ from studies.solving.refinement.records import no_limit
 from studies.solving.trials import FROM_REST, Clock, Question, race
 from studies.solving.variants import (
     ELEMENT,
+    FACES,
     FAILURES,
     MEASURE,
     MODEL,
@@ -47,7 +49,7 @@ from studies.solving.verdict import (
 )
 
 ALGORITHM = "algorithm"
-SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
+SHARES = {MEASURE: 0.6, FACES: 0.5, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
 OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
 OF_WALLS = 0.3  # what two faces miss, where a few grids show it
 BUDGET = 60.0
@@ -71,13 +73,10 @@ def choose(
 
     given, mesh: settings, and the coarsest grid.  budget: seconds of wall time.  quantity: by default the force, or the
     first that the scene has references for.  options: contact, newton, model, steps.
-    Raises UsageError as :func:`studies.scenes.complete.complete` does, for a quantity that the scene does not have, and
-    for a scene that is not one shell: its paths are not carried from grid to grid.
+    Raises UsageError as :func:`studies.scenes.complete.complete` does, and for a quantity that the scene does not have.
     """
     clock = Clock(CHOOSING * budget)
     scene, request = first_grid(name, given, mesh, measure=REFERENCE, **options)
-    if not isinstance(scene.build(request), ShellSceneModel):
-        raise UsageError(f"{name} is not one shell, of which alone variants are compared: footprint solve has --error")
     scene = on_one_grid(scene, request)  # of all variants
     lines = {key: value for key, value in request.settings.items() if key == "grading"}
     question = Question(name, scene, {**lines, **given}, options, error)

@@ -1,9 +1,10 @@
 """What may be varied on a scene, and a variant on the grids of the reference, coarse to fine.
 
 A variant is the request of the reference with one thing changed, on the same mesh: its strain measure, the surfaces
-through its wall, an option of the element as the scene declares them, its model. Each path starts from the one on the
-grid before. Contact algorithms are no variants: they give the same values, and are tried
-(:mod:`studies.solving.trials`). What is enough is not decided here (:mod:`studies.solving.verdict`).
+through its wall, how two faces meet, an option of the element as the scene declares them, its model. Each path starts
+from the one on the grid before, where it is that of one shell. Contact algorithms are no variants: they give the same
+values, and are tried (:mod:`studies.solving.trials`). What is enough is not decided here
+(:mod:`studies.solving.verdict`).
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from studies.ask.scene import CompletingScene, Scene, SettlingScene
 from studies.scenes.element import BENDING, COARSE, ON_MESHES, OPTIONS, PRESETS
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch
 
-MEASURE, SURFACES, ELEMENT, MODEL = "measure", "surfaces", "element", "model"
+MEASURE, SURFACES, FACES, ELEMENT, MODEL = "measure", "surfaces", "faces", "element", "model"
+OF_FACES = ("pairing", "slave", "faces")  # settings that say how two faces meet
 REFERENCE = "exact"  # the measure that neglects nothing
 FEWEST = 4  # grids, each with twice the unknowns of the last, that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
@@ -47,6 +49,11 @@ def variants(scene: Scene, reference: Request, given: Collection[str] = ()) -> I
     for name in MEASURES:
         if name != reference.measure:
             yield _checked(scene, Variant(MEASURE, name, replace(reference, measure=name), {"measure": name}))
+    for setting in scene.settings:
+        for choice in setting.choices if setting.key in OF_FACES else ():
+            if choice != reference.settings[setting.key]:
+                said = {setting.key: str(choice)}
+                yield _checked(scene, Variant(FACES, f"{setting.key}={choice}", _with(reference, said), settings=said))
     yield from (_checked(scene, each) for each in _elements(scene, reference, given))
     if isinstance(scene, SettlingScene):
         yield from _models(scene, reference)
@@ -124,7 +131,7 @@ def _checked(scene: Scene, variant: Variant) -> Variant:
     try:
         if isinstance(scene, CompletingScene):
             scene.complete(variant.request.settings)
-        scene.build(variant.request)
+        scene.build(scene.settle(variant.request) if isinstance(scene, SettlingScene) else variant.request)
     except UsageError as error:
         return replace(variant, refused=str(error))
     return variant

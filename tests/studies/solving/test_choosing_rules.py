@@ -7,9 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from studies.ask.request import UsageError
 from studies.scenes.complete import complete
-from studies.solving.choose import choose
 from studies.solving.refinement.limits import GROWING, Estimate, Seen, estimate_of
 from studies.solving.solve import Interrupted, solve
 from studies.solving.trials import Clock, Question, until
@@ -238,7 +236,15 @@ def test_the_command_of_a_variant_asks_for_what_was_judged(given: dict[str, str]
             assert question.asked("4x4", each.options, each.settings)[1] == each.request, each.name
 
 
-@pytest.mark.parametrize("name", ["two-rings", "crushed-ring-solid"])
-def test_what_is_not_one_shell_is_refused(name: str) -> None:
-    with pytest.raises(UsageError, match=f"{name} is not one shell"):
-        choose(name, {}, 0.01)
+def test_of_two_bodies_every_way_for_their_faces_to_meet_is_a_variant() -> None:
+    scene, reference = complete("two-rings", {"slave": "second"}, "1x8")
+    named = {each.name: each.request for each in variants(scene, reference) if each.axis == "faces"}
+    assert set(named) == {"pairing=nodes", "faces=curved", "slave=first"}
+    assert all(request.key(("mesh",)) != reference.key(("mesh",)) for request in named.values())
+
+
+def test_of_a_solid_no_measure_applies() -> None:
+    scene, reference = complete("crushed-ring-solid", {}, "1x6")
+    every = list(variants(scene, reference))
+    assert {each.axis for each in every} == {"measure"}
+    assert all("a solid has none" in each.refused for each in every)
