@@ -3,8 +3,6 @@
 No algorithm may enter here.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.problem import ContactProblem, Faces, Linearised

@@ -1,7 +1,5 @@
 """The catalogue of contact algorithms; a new one is one file and one line here."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.algorithms.augmented_lagrangian import AugmentedLagrangian

@@ -13,8 +13,6 @@ Source: Nocedal, Wright, Numerical Optimization (2006), theorem 16.3, of the eig
 contact set enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

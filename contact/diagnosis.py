@@ -18,8 +18,6 @@ Where several fit, the first is named; where none fits, the violated conditions 
 looks like a unit, and an equilibrium that is only wrong at closed nodes like stale pressures.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import lsqr

@@ -4,8 +4,6 @@ Each kind is counted where it is done, so that nothing is left out: not what the
 as ``time.process_time`` is, by whoever wants to know, and by nothing that is solved.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 
 FACTORISATIONS, SOLUTIONS, COLUMNS = "factorisations", "triangular_solutions", "condensed_columns"

@@ -4,8 +4,6 @@ Its default is that of the field with its key. Whoever offers the parameters to 
 command line and no text of a setting may enter here.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 The judge has bounds of its own (:mod:`contact.verify`) and imports none of these. No algorithm may enter here.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from contact.problem import Linearised

@@ -4,8 +4,6 @@ What it excuses as rounding is its own to say: algorithms have theirs in :mod:`c
 What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnosis`.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any

@@ -16,8 +16,6 @@ All are relative, so that no unit is a special one. With a finite epsilon the co
 is of g + f/(w epsilon) and s + t/(w epsilon) instead of g and s. No algorithm may enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

@@ -14,16 +14,15 @@ from scipy import sparse
 
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.conditions.hanging import Hangers
+from formulations.element.on_grid import Walls, at_faces, geometry_on, wall_on
 from formulations.element.quad_geometry import QuadGeometry
-from formulations.element.quad_sampling import NodalFaces
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry, shape_functions
-from formulations.geometry.grid import CORNERS, Grid, QuadGrid
+from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
-from formulations.geometry.surfaces import Surface, laminate_axes, normal
+from formulations.geometry.surfaces import Surface, normal
 from formulations.section.laminate import Laminate
 from formulations.section.sampling import BETWEEN_FACES, Sampling
-from formulations.section.walls import Walls
 from formulations.strains.quantities import FULL, N_V, Kinematics
 
 if TYPE_CHECKING:
@@ -91,17 +90,17 @@ class Discretisation:
             dofs = np.hstack([dofs, fixed.size + places[grid.elements].swapaxes(1, 2).reshape(len(dofs), -1)])
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty(dofs.shape), np.empty((*dofs.shape, dofs.shape[1])))
-        geometry = _geometry(surface, grid, laminate, kinematics, interpolation, walls)
-        wall = None if sampling is None else _wall(surface, grid, laminate, sampling, geometry, walls)
+        geometry = geometry_on(surface, grid, laminate, kinematics, interpolation, walls)
+        wall = None if sampling is None else wall_on(surface, grid, laminate, sampling, geometry, walls)
         parts = (surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
         return cls(*parts, ordered, hangers, walls, wall)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
         interpolation = self.geometry.interpolation
-        geometry = _geometry(self.surface, self.grid, self.laminate, kinematics, interpolation, self.walls)
+        geometry = geometry_on(self.surface, self.grid, self.laminate, kinematics, interpolation, self.walls)
         parts = (self.surface, self.grid, self.laminate)
-        wall = self.wall and _wall(*parts, self.wall.sampling, geometry, self.walls)
+        wall = self.wall and wall_on(*parts, self.wall.sampling, geometry, self.walls)
         return replace(self, geometry=geometry, wall=wall)
 
     def stiffness(self, section: str) -> np.ndarray:
@@ -232,7 +231,7 @@ class Discretisation:
         """Cartesian reference positions (N, 3) of the inner and of the outer face."""
         a1, a2 = self.grid.nodes.T
         x, e3 = self.surface.position(a1, a2), normal(self.surface, a1, a2)
-        d = _at_faces(self.laminate, self.walls, self.grid)
+        d = at_faces(self.laminate, self.walls, self.grid)
         return x + d[..., :1] * e3, x + d[..., 1:] * e3
 
     def gauss_frames(self) -> np.ndarray:
@@ -263,54 +262,3 @@ class Discretisation:
             return mass
         shares = self.grid.hanging.shares
         return sparse.csr_matrix(shares.T @ mass @ shares)
-
-
-def _at_faces(laminate: Laminate, walls: Walls | None, grid: Grid) -> np.ndarray:
-    """Distances (N or 1, 2) of both faces of the nodes from the reference surface."""
-    d = np.array([[laminate.d_minus, laminate.d_plus]])
-    return d if walls is None else d / laminate.thickness * walls.at_nodes(grid.elements, grid.n_nodes)[:, None]
-
-
-def _geometry(
-    surface: Surface,
-    grid: Grid,
-    laminate: Laminate,
-    kinematics: Kinematics,
-    interpolation: str,
-    walls: Walls | None,
-) -> ElementGeometry:
-    if interpolation != "quads":
-        return ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
-    if grid.hanging is not None:
-        raise ValueError("quadrilaterals have no hanging nodes: cut every one of them")
-    return QuadGeometry.of(_nodal_faces(surface, grid, laminate, walls), kinematics)
-
-
-def _wall(
-    surface: Surface,
-    grid: Grid,
-    laminate: Laminate,
-    sampling: Sampling,
-    geometry: ElementGeometry,
-    walls: Walls | None,
-) -> WallGeometry:
-    from formulations.element.walls.geometry import WallGeometry  # loaded with surfaces inside the wall alone
-    from formulations.element.walls.quad_wall import QuadWall
-
-    if not isinstance(geometry, QuadGeometry):
-        return WallGeometry.of(surface, grid, sampling, geometry)
-    if walls is not None:
-        raise ValueError("surfaces inside the wall need the same wall everywhere")
-    return QuadWall.of_faces(_nodal_faces(surface, grid, laminate, None), sampling, geometry.kinematics)
-
-
-def _nodal_faces(surface: Surface, grid: Grid, laminate: Laminate, walls: Walls | None) -> NodalFaces:
-    at = np.moveaxis(grid.points(CORNERS), -1, 0)
-    of_node = _at_faces(laminate, walls, grid)
-    if walls is None:
-        d = of_node = np.broadcast_to(of_node, (*grid.elements.shape, 2))
-    else:
-        of_node = of_node[grid.elements]
-        d = np.array([laminate.d_minus, laminate.d_plus]) / laminate.thickness * walls.thickness[..., None]
-    axes = surface.frame(*at), laminate_axes(surface, *at)
-    return NodalFaces(surface.position(*at), normal(surface, *at), *axes, d, of_node)

@@ -22,8 +22,6 @@ Sources: Wriggers, Reese, CMAME 135 (1996) 201-209; Armero, IJNME 49 (2000) 1-40
 mixed elements under compression. No contact and no count of eigenvalues may enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -31,7 +29,7 @@ from functools import cached_property, partial
 import numpy as np
 from scipy import sparse
 
-from formulations.element.modes import N_M
+from formulations.element.mixed import N_M
 from formulations.element.quad_sampling import mid_lines
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS
 from formulations.geometry.grid import CORNERS, Grid

@@ -4,8 +4,6 @@ A product of matrices (m, k) and (k, n) takes 2 m k n, each number added to a sp
 frames and the sizes of residuals are left out: they are a few in a hundred.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 
 ASSEMBLY = "assembly"

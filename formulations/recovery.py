@@ -12,8 +12,6 @@ curved element that moves rigidly feels a strain of the order of its length squa
 shows it. No contact and no scene may enter here.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from formulations.geometry.grid import TensorGrid

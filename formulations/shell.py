@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
@@ -20,13 +21,16 @@ from formulations.element.mixed import MixedElement
 from formulations.element.modal import ModalElement, Stiffness
 from formulations.element.quad_element import QuadElement
 from formulations.element.quad_geometry import QuadGeometry
-from formulations.element.series import ElementSeries
-from formulations.element.strain_operator import N_DOF, shape_functions
+from formulations.element.strain_operator import N_DOF
 from formulations.loads.pressure import Couples, Pressure
-from formulations.section.laminate import PLANE, SECTIONS, strain_rotation
+from formulations.section.laminate import SECTIONS
 from formulations.section.laws import LINEAR
+from formulations.shell_readings import ShellReadings, along, less
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
+
+if TYPE_CHECKING:
+    from formulations.element.series import ElementSeries
 
 NEWTONS = ("plain", "mixed")
 BENDINGS = ("chord", "arc")
@@ -48,7 +52,7 @@ class Linearisation:
 
 
 @dataclass(frozen=True, eq=False)
-class ShellModel:
+class ShellModel(ShellReadings):
     """A loaded shell.
 
     forces (n,): dead nodal forces on the free displacements, in the local frames [N].  initial (11,): resultants H0 of
@@ -160,12 +164,12 @@ class ShellModel:
         internal, outside = shell.gather(force), self._outside(shell, external)
         inside = internal if self.prescribed is None else shell.nodal(force)
         if shell.hangers is not None:
-            shell.hangers.stiffen(tangent, v, shell.on_nodes(_less(force, self._loads(external))))
+            shell.hangers.stiffen(tangent, v, shell.on_nodes(less(force, self._loads(external))))
         return Linearisation(
             residual=internal - outside,
             tangent=shell.assemble(tangent),
             scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
-            remember=lambda du: None if B is None else H + element.change(shell.geometry, _along(B, shell, du), slopes),
+            remember=lambda du: None if B is None else H + element.change(shell.geometry, along(B, shell, du), slopes),
         )
 
     @property
@@ -185,6 +189,8 @@ class ShellModel:
         """The recurrence of power series at the free displacements u (n,); raises ValueError where it is none."""
         if self.quadratic is not None:
             raise ValueError(self.quadratic)
+        from formulations.element.series import ElementSeries  # loaded with power series alone
+
         shell = self.discretisation
         assert isinstance(self._element, MixedElement)
         return ShellSeries(shell, ElementSeries(self._element, shell.geometry, self._element_vectors(u), order))
@@ -201,9 +207,6 @@ class ShellModel:
             outside = outside + self.forces
         return outside if external is None else outside + shell.gather(external)
 
-    def _at(self, u: np.ndarray) -> Discretisation:
-        return self.discretisation.at(self.displacements(u))
-
     def energy(self, u: np.ndarray) -> float:
         """Strain energy minus the work of the dead loads [N mm]; the potential when D is symmetric and H0 zero."""
         strain_energy = self._element.energy(self.discretisation.geometry, self._element_vectors(u))
@@ -216,111 +219,6 @@ class ShellModel:
         symmetric = self.discretisation.wall is not None or _symmetric(self.discretisation.stiffness(self.section))
         follows = self.couples is not None or (self.pressure is not None and self.pressure.follower)
         return symmetric and not follows and (self.initial is None or not np.any(self.initial))
-
-    def resultants(self, u: np.ndarray) -> np.ndarray:
-        """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.modes.MODES`.
-
-        With surfaces inside the wall (E, 15 T), in that of :mod:`formulations.element.walls.modes`.
-        """
-        return self._element.resultants(self.mode_strains(u))
-
-    def mode_strains(self, u: np.ndarray) -> np.ndarray:
-        """Mode strains E (E, 22), or (E, 15 T) as :meth:`resultants`."""
-        return self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
-
-    def gauss_strains(self, u: np.ndarray) -> np.ndarray:
-        """Strains (E, 4, 11) of the modes at the Gauss points, in the axes of the laminate."""
-        return self._element.at_gauss(self.discretisation.geometry, self.mode_strains(u))
-
-    def strains_at(self, u: np.ndarray, xi: np.ndarray) -> np.ndarray:
-        """Strains (E, p, 11) of the modes at points xi (p, 2) of the reference square: bilinear, as the modes are."""
-        through_gauss, _ = shape_functions(np.sqrt(3.0) * xi)
-        return np.einsum("pg,egi->epi", through_gauss, self.gauss_strains(u))
-
-    def mean_strains(self, u: np.ndarray) -> np.ndarray:
-        """Means E (E, 11) over the elements, in the axes of the laminate."""
-        return self._element.mean_strains(self.discretisation.geometry, self.mode_strains(u))
-
-    def mean_resultants(self, u: np.ndarray) -> np.ndarray:
-        """Means H (E, 11) [N/mm] over the elements, in the axes of the laminate."""
-        return self._element.mean_resultants(self.discretisation.geometry, self.mode_strains(u))
-
-    def wall_stresses(self, u: np.ndarray, taken: np.ndarray) -> np.ndarray:
-        """Mean S (E, plies, k, 6) [MPa]: 11, 22, 12, 13, 23, 33 along the coordinates, with surfaces inside the wall.
-
-        taken (plies, k, T): the places, see :meth:`formulations.section.sampling.Sampling.taken`.
-        """
-        from formulations.element.walls.sampling_element import SamplingElement
-
-        assert isinstance(self._element, SamplingElement)
-        return self._element.stresses(self.mode_strains(u), taken)
-
-    def ply_stresses(self, u: np.ndarray) -> np.ndarray:
-        """Mean S_LL, S_TT, S_LT [MPa] along and across the fibres on both sides of each ply, (E, plies, 2, 3)."""
-        shell = self.discretisation
-        if shell.wall is None:
-            return shell.stresses(self.mean_strains(u), self.section)
-        sides = np.array([shell.wall.sampling.taken(k, np.array(d)) for k, d in enumerate(shell.wall.sampling.ends)])
-        S = self.wall_stresses(u, sides)[..., :3]
-        turns = [np.linalg.inv(strain_rotation(ply.angle)[PLANE, PLANE]) for ply in shell.laminate.plies]
-        return np.einsum("epsi,pij->epsj", S, np.array(turns))
-
-    def displacements(self, u: np.ndarray) -> np.ndarray:
-        """All face displacements (N, 6), the prescribed ones included."""
-        return self.discretisation.expand(u, self.prescribed)
-
-    def nodal_displacements(self, u: np.ndarray) -> np.ndarray:
-        """The same, (N, 6 and more): those of surfaces inside the wall follow those of the faces."""
-        shell = self.discretisation
-        if shell.wall is None:
-            return self.displacements(u)
-        faces, inside = np.split(shell.map.everywhere(u, self.prescribed), [shell.map.n_faces])
-        return np.hstack([each.reshape(shell.grid.n_nodes, -1) for each in (faces, inside)])
-
-    def reactions(self, u: np.ndarray) -> np.ndarray:
-        """Forces (N, 6) of the supports on the shell in equilibrium at u [N], in the local frames; 0 where free.
-
-        A hinge midway between the faces acts on both alike. Nodal forces put on a support itself are not counted.
-        """
-        force, external = self.element_forces(u)
-        return self._reactions(self._at(u), _less(force, self._loads(external)))
-
-    def _reactions(self, shell: Discretisation, total: np.ndarray) -> np.ndarray:
-        nodal = shell.nodal(total)
-        on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
-        return np.where(shell.map.held, nodal, np.where(shell.map.hinged, on_hinges, 0.0))
-
-    def outside_force(self, u: np.ndarray) -> np.ndarray:
-        """Resultant (3,) of loads and supports on the shell at u [N], Cartesian. Dead forces on a hinge do not count.
-
-        In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
-        """
-        return self._outside_and_spurious(u)[0]
-
-    def spurious_force(self, u: np.ndarray) -> np.ndarray:
-        """What the internal forces of all elements add up to (3,) [N], Cartesian.
-
-        Nothing where the interpolation can translate the shell without strain: "isoparametric", or on a plate. Where
-        components along a curved surface are interpolated it can not, and the sum falls with the square of the mesh.
-        """
-        return self._outside_and_spurious(u)[1]
-
-    def left_to_foundation(self, u: np.ndarray) -> np.ndarray:
-        """:meth:`outside_force` - :meth:`spurious_force`, (3,) [N]: what a foundation balances."""
-        return np.subtract(*self._outside_and_spurious(u))
-
-    def _outside_and_spurious(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        force, external = self.element_forces(u)
-        loads, shell = self._loads(external), self._at(u)
-        nodal = shell.nodal(loads) + self._reactions(shell, _less(force, loads))
-        if self.forces is not None:
-            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.map.placed(self.forces))
-        return self._resultant(nodal), self._resultant(shell.nodal(force))
-
-    def _resultant(self, nodal: np.ndarray) -> np.ndarray:
-        """Cartesian sum (3,) of forces (N, 6) in the local frames."""
-        frame = self.discretisation.surface.frame(*self.discretisation.grid.nodes.T)
-        return np.einsum("nif,nij->j", nodal.reshape(-1, 3, 2), frame)
 
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Element forces (E, 24), external ones that follow (or None), tangents (E, 24, 24), until the next call."""
@@ -366,9 +264,6 @@ class ShellModel:
         shell = self._at(u)
         return work, shell.gather(force), shell.gather(gradient)
 
-    def _loads(self, external: np.ndarray | None) -> np.ndarray:
-        return self._dead if external is None else _less(self._dead, -external)
-
     def _dead_contributions(self) -> np.ndarray:
         """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""
         geometry = self.discretisation.geometry
@@ -376,14 +271,6 @@ class ShellModel:
         if self.pressure is not None and not self.pressure.follower:
             constant[:, :N_DOF] += self.pressure.dead_force(geometry)
         return constant
-
-    def strain_change(self, u: np.ndarray, du: np.ndarray) -> np.ndarray:
-        """B(u) du (E, 22): the change of the mode strains along the free displacements du, to first order."""
-        B = self._element.mode_gradient(self.discretisation.geometry, self._element_vectors(u))
-        return _along(B, self._at(u), du)
-
-    def _element_vectors(self, u: np.ndarray) -> np.ndarray:
-        return self.discretisation.of_elements(u, self.prescribed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -399,19 +286,5 @@ class ShellSeries:
         return shell.gather(self.elements.add(shell.moved(du)))
 
 
-def _less(force: np.ndarray, loads: np.ndarray) -> np.ndarray:
-    """Forces on elements without loads, which may be of their faces alone, (E, 24)."""
-    if force.shape == loads.shape:
-        return np.asarray(force - loads)
-    left = force.copy()
-    left[:, : loads.shape[1]] -= loads
-    return left
-
-
 def _symmetric(D: np.ndarray) -> bool:
     return bool(np.max(np.abs(D - D.swapaxes(-1, -2))) <= 1e-12 * np.max(np.abs(D)))
-
-
-def _along(B: np.ndarray, shell: Discretisation, du: np.ndarray) -> np.ndarray:
-    """B dv (E, 22) of the displacements that the free ones du bring."""
-    return np.matmul(B, shell.moved(du)[..., None])[..., 0]

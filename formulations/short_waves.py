@@ -11,8 +11,6 @@ length of its own, and what a grid makes of it (where it buckles, and at what lo
 Source: Ogden, Non-linear Elastic Deformations (1984), section 6.2; Rice, Proc. 14th IUTAM Congr. (1976) 207-220.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

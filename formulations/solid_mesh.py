@@ -108,6 +108,13 @@ class SolidMesh:
         """Nodes with a_{axis+1} = value."""
         return np.flatnonzero(np.isclose(self.parameter[:, axis], value, atol=1e-9))
 
+    def supports(self, *held: tuple[np.ndarray | slice, int | slice]) -> np.ndarray:
+        """(N, 3) bool: what is held of the nodes, (nodes, component) of each, all of either by a slice."""
+        fixed = np.zeros(self.x.shape, bool)
+        for nodes, component in held:
+            fixed[nodes, component] = True
+        return fixed
+
     def jacobian_determinants(self) -> np.ndarray:
         """det dx/dxi (E, 27) [mm^3] at the Gauss points, of the sign of ``orientation`` in sound elements."""
         return np.linalg.det(np.einsum("gnd,enx->egdx", CUBE.slope, self.x[self.elements]))

@@ -5,8 +5,6 @@ outer loop ends where an exact algorithm would, without springs: the forces are 
 force makes it no minimum, and no proof of convergence is known.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar

@@ -7,8 +7,6 @@ steps on the states of the answer put friction on the disc itself; without, a st
 which the judge refuses.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar

@@ -4,8 +4,6 @@ With friction t = -w epsilon s is pulled back radially to the disc of radius mu 
 is elastic, and an anchor of the next step is that much behind.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import ClassVar
 

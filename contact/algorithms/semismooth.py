@@ -9,8 +9,6 @@ mu = 0 gives the iterates of contact alone but for its answer to cycles.
 Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar

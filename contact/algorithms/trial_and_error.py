@@ -9,8 +9,6 @@ sticks or slips as Alart and Curnier's function says. A second cycle ends the so
 of the naive set, which is the one without that answer.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import ClassVar
 

@@ -15,14 +15,12 @@ Sources: Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898; Coffey, Kelley, 
 Where there is no potential the same steps are taken and the end is judged all the same. No scene may enter here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
 
-from contact.answered import answered
+from contact.algorithms.base import answered
 from contact.continuation.critical_points import spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, Stability, stability
 from contact.newton.solves import Tally

@@ -1,4 +1,4 @@
-"""Where a step of a path sets out from, and the candidates that it can bring into contact.
+"""Where a step of a path sets out from, the candidates that it can bring into contact, and what an attempt was worth.
 
 A start may be the state at the same parameter on another grid, which is near. It changes how many iterations a state
 takes, and neither the problem nor what a path remembers: slips are counted from the last state of the path itself.
@@ -13,11 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.answered import answered
+from contact.algorithms.base import answered
 from contact.continuation.critical_points import State
 from contact.coulomb import Friction
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearised
+
+EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,3 +151,47 @@ def _spread(
     if friction is not None and problem.coulomb is not None and problem.coulomb.sliding is not None:
         friction = friction.of_all(chosen, problem.coulomb.sliding.places(part.u))
     return replace(part, pressure=pressure, active=active, counters=counters, history=history, friction=friction)
+
+
+@dataclass(frozen=True)
+class Good:
+    """The steps that were accepted on a path: their number and their factorisations."""
+
+    steps: int = 0
+    factorisations: float = 0.0
+
+    @property
+    def each(self) -> float:
+        """Factorisations of a good step: their mean, but no fewer than those of one that counts as easy."""
+        return max(self.factorisations / max(self.steps, 1), EASY_ITERATIONS)
+
+    def after(self, solution: ContactSolution) -> Good:
+        """With one step more."""
+        return Good(self.steps + 1, self.factorisations + factorisations(solution))
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A step to ``parameter``: what the algorithm makes of it, and why that is no state of the path, if it is none.
+
+    beyond: more negative eigenvalues than the path has had.  moved: |du| of the step.
+    """
+
+    parameter: float
+    solution: ContactSolution
+    failure: Event | None
+    beyond: int = 0
+    moved: float = 0.0
+
+
+def factorisations(solution: ContactSolution) -> float:
+    """All that it took."""
+    return solution.counters.get("factorisations", 0.0)
+
+
+def why(failed: ContactSolution) -> Event:
+    """The outcome, with what the algorithm itself has said of it."""
+    said = failed.history[-1].get("event") if failed.history else None
+    if said is None:
+        return Event(EventKind.FAILED, failed.outcome.value)
+    return Event(EventKind.FAILED | said.kind, f"{failed.outcome.value} ({said})")

@@ -23,8 +23,6 @@ Analysis (2010), chapter 5; piecewise smooth paths: Kojima, Saigal, Math. Progra
 may enter here.
 """
 
-from __future__ import annotations
-
 import enum
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Load steps with friction that are never cut: anchors of slips go in and come out. No scene may enter here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 

@@ -10,7 +10,18 @@ from typing import Any
 import numpy as np
 from scipy.linalg import norm
 
-from contact.continuation.candidates import Start, Starts, after_in_vain, none_known, solve_within_reach
+from contact.continuation.candidates import (
+    EASY_ITERATIONS,
+    Attempt,
+    Good,
+    Start,
+    Starts,
+    after_in_vain,
+    factorisations,
+    none_known,
+    solve_within_reach,
+    why,
+)
 from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
 from contact.continuation.pressed_curve import hasty
 from contact.continuation.turning_points import by_arc_length
@@ -18,7 +29,6 @@ from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import crossings
 
-EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 SMALLEST = 2.0**-10  # of the step asked for
 PATIENCE = 3  # attempts on the way to a target may fail before a path that has a travel is followed by arc length
 FIRST_ARC = 0.125  # of the step that has failed last
@@ -92,37 +102,6 @@ def follow(
         at, solution, good = target, point.solution, stepper.good
 
 
-@dataclass(frozen=True)
-class Good:
-    """The steps that were accepted on a path: their number and their factorisations."""
-
-    steps: int = 0
-    factorisations: float = 0.0
-
-    @property
-    def each(self) -> float:
-        """Factorisations of a good step: their mean, but no fewer than those of one that counts as easy."""
-        return max(self.factorisations / max(self.steps, 1), EASY_ITERATIONS)
-
-    def after(self, solution: ContactSolution) -> Good:
-        """With one step more."""
-        return Good(self.steps + 1, self.factorisations + _factorisations(solution))
-
-
-@dataclass(frozen=True, eq=False)
-class Attempt:
-    """A step to ``parameter``: what the algorithm makes of it, and why that is no state of the path, if it is none.
-
-    beyond: more negative eigenvalues than the path has had.  moved: |du| of the step.
-    """
-
-    parameter: float
-    solution: ContactSolution
-    failure: Event | None
-    beyond: int = 0
-    moved: float = 0.0
-
-
 @dataclass(frozen=True, eq=False)
 class Stepper:
     """Steps of adapted size to ``target``; each attempt is accepted or rejected, which gives the next stepper.
@@ -193,7 +172,7 @@ class Stepper:
     def _tried(self, trial: float, problem: ContactProblem, found: ContactSolution) -> Attempt:
         """What has been found at a parameter, and why it is no state of the path, if it is none."""
         before, state = self.states[-1]
-        failure = None if found.outcome.converged else _why(found)
+        failure = None if found.outcome.converged else why(found)
         if failure is None and problem.standing is not None:  # where it was is only then looked at
             through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
             failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
@@ -227,7 +206,7 @@ class Stepper:
             return replace(self._spent(attempt, None), outcome=Outcome.REFUSED)
         if self.failures + 1 >= PATIENCE and self.target > self.reached and self.problem_at(self.reached).travel:
             return self._by_arc_length(attempt, failure)
-        vain = self.vain + (0.0 if attempt.solution.outcome.converged else _factorisations(attempt.solution))
+        vain = self.vain + (0.0 if attempt.solution.outcome.converged else factorisations(attempt.solution))
         shorter = self.vain > 0 or attempt.solution.friction is None  # with friction a first failure is as dear as many
         spent = self.bounded and shorter and vain + BRIEF > self.allowed  # the next attempt would be beyond it
         width = attempt.parameter - self.reached
@@ -303,15 +282,3 @@ class Stepper:
         if event is not None:
             rows[-1]["event"] = event
         return replace(self, counters=counters, history=(*self.history, *rows), cause=found.outcome)
-
-
-def _factorisations(solution: ContactSolution) -> float:
-    return solution.counters.get("factorisations", 0.0)
-
-
-def _why(failed: ContactSolution) -> Event:
-    """The outcome, with what the algorithm itself has said of it."""
-    said = failed.history[-1].get("event") if failed.history else None
-    if said is None:
-        return Event(EventKind.FAILED, failed.outcome.value)
-    return Event(EventKind.FAILED | said.kind, f"{failed.outcome.value} ({said})")

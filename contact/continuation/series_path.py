@@ -5,8 +5,6 @@ corrects only a recorded point that is not in balance. Requested loads and limit
 state at any load passed is an evaluation. No contact and no element may enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 

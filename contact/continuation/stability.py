@@ -17,8 +17,6 @@ Sources: Hill, J. Mech. Phys. Solids 6 (1958) 236-249; Bazant, Cedolin, Stabilit
 No algorithm, no path and no sentence of a scene may enter here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any

@@ -1,7 +1,5 @@
 """Where a path of moving foundations turns back: its first limit point by arc length, and the mode there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Matrices of many small blocks at the points of faces. No geometry enters here."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import sparse
 

@@ -20,8 +20,6 @@ that of the curved face. Where the slave has the larger patches its points lie o
 the master has, Newton's method may cycle.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,7 +27,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.faces.blocks import along, inverse, summed
-from contact.faces.bulges import Bulges, blend, spread
+from contact.faces.bulges import Bulges, Heights, blend, spread
 from contact.faces.patches import shape, twist
 from contact.faces.search import Nearest
 
@@ -52,19 +50,21 @@ class Bulged:
     @cached_property
     def height(self) -> np.ndarray:
         """b (p,) [mm]."""
-        return np.asarray(self._phi @ self._k)
+        return np.asarray(self._phi @ self._heights.k)
 
     @property
     def tilt(self) -> np.ndarray:
         """Between the normal of the facet and that of the curved face (p, 3), per unit length of the former."""
-        c = np.einsum("pab,pb->pa", self._A, np.stack([each @ self._k for each in self._over], axis=1))
+        c = np.einsum("pab,pb->pa", self._A, np.stack([each @ self._heights.k for each in self._over], axis=1))
         return np.asarray(np.einsum("pca,pa->pc", self.near.a, c))
 
     @cached_property
     def rows(self) -> sparse.csr_matrix:
         """db (p, 3k)."""
-        moved = sum(sparse.diags_array(each @ self._k) @ dxi for each, dxi in zip(self._over, self._dxi, strict=True))
-        return sparse.csr_matrix(moved + self._phi @ self._dk)
+        moved = sum(
+            sparse.diags_array(each @ self._heights.k) @ dxi for each, dxi in zip(self._over, self._dxi, strict=True)
+        )
+        return sparse.csr_matrix(moved + self._phi @ self._heights.slopes)
 
     def curvature(
         self, force: np.ndarray, kept: np.ndarray, shares: np.ndarray, group: np.ndarray, corners: np.ndarray
@@ -76,16 +76,15 @@ class Bulged:
         middle = force[kept, None, None] * self._middle(kept)
         found = summed(self._local(kept, shares), middle, group, corners, len(self.x))
         weight = sparse.diags_array(force)
-        mixed = sum(dxi.T @ weight @ each for each, dxi in zip(self._over, self._dxi, strict=True)) @ self._dk
-        return sparse.csr_matrix(found + mixed + mixed.T + self.bulges.curvature(self.x, self._phi.T @ force))
+        mixed = (
+            sum(dxi.T @ weight @ each for each, dxi in zip(self._over, self._dxi, strict=True)) @ self._heights.slopes
+        )
+        return sparse.csr_matrix(found + mixed + mixed.T + self._heights.curvature(self._phi.T @ force))
 
     @cached_property
-    def _k(self) -> np.ndarray:
-        return self.bulges.heights(self.x)
-
-    @cached_property
-    def _dk(self) -> sparse.csr_matrix:
-        return self.bulges.slopes(self.x)
+    def _heights(self) -> Heights:
+        """Those of all edges, where the points are."""
+        return self.bulges.at(self.x)
 
     @cached_property
     def _phi(self) -> sparse.csr_matrix:
@@ -153,7 +152,7 @@ class Bulged:
         near, A, t = self.near, self._A[kept], self._twisted[kept]
         a, n, g = near.a[kept], near.direction[kept], near.gap[kept]
         _, first, second = blend(near.xi[kept])
-        k = self._k.reshape(-1, 4)[self._quad[kept]]
+        k = self._heights.k.reshape(-1, 4)[self._quad[kept]]
         c = np.einsum("pab,peb,pe->pa", A, first, k)
         basis = np.eye(10)
         v, w, s = basis[:3], basis[3:9].reshape(2, 3, 10), basis[9]

@@ -23,6 +23,7 @@ Menezes, Alves, IJNME 106 (2016) 633-660.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -91,83 +92,105 @@ class Bulges:
         alike = one_sided[0] == one_sided[1]
         return cls(patches, np.stack([~each / (1.0 + alike) for each in one_sided]), ways, across)
 
-    def heights(self, x: np.ndarray) -> np.ndarray:
-        """k (4q,) [mm] of the edges, at points x (k, 3)."""
-        i, j, d = self._edges(x)
-        n = self._normals(x)[0]
-        low, high = self.share[..., None]
-        return np.asarray(np.einsum("qec,qec->qe", d, high * n[j] - low * n[i])).ravel()
+    def at(self, x: np.ndarray) -> Heights:
+        """Where the points x (k, 3) are."""
+        return Heights(self, x)
 
-    def slopes(self, x: np.ndarray) -> sparse.csr_matrix:
+
+@dataclass(frozen=True, eq=False)
+class Heights:
+    """Those of bulges at points x (k, 3), and their derivatives; normals are met once for all of them."""
+
+    of: Bulges
+    x: np.ndarray
+
+    @cached_property
+    def k(self) -> np.ndarray:
+        """k (4q,) [mm] of the edges."""
+        _, _, d = self._edges
+        return np.asarray(np.einsum("qec,qec->qe", d, self._apart)).ravel()
+
+    @cached_property
+    def slopes(self) -> sparse.csr_matrix:
         """dk (4q, 3k) by the points."""
-        i, j, d = self._edges(x)
-        n, _, _, dn = self._turns(x)
-        low, high = self.share[..., None]
-        apart, k = (high * n[j] - low * n[i]).reshape(-1, 3), len(x)
+        i, j, d = self._edges
+        low, high = self.of.share[..., None]
+        apart, k, (_, dn) = self._apart.reshape(-1, 3), len(self.x), self._turns
         i, j = i.ravel(), j.ravel()
         ends = _rows(j, (high * d).reshape(-1, 3), k) - _rows(i, (low * d).reshape(-1, 3), k)
         return sparse.csr_matrix(_rows(j, apart, k) - _rows(i, apart, k) + ends @ dn)
 
-    def curvature(self, x: np.ndarray, weights: np.ndarray) -> sparse.csr_matrix:
+    def curvature(self, weights: np.ndarray) -> sparse.csr_matrix:
         """sum_e w_e d2k_e (3k, 3k), weights w (4q,).
 
         With c_i = sum over the edges at i of -+ w (X_j - X_i) times its share it is that of sum_i c_i . n_i.
         """
-        i, j, _ = self._edges(x)
-        n, size, dN, dn = self._turns(x)
-        k, w = len(x), weights.reshape(i.shape)
-        at_i, at_j = (w * self.share).reshape(2, -1)
+        (i, j, _), (n, size), (dN, dn) = self._edges, self._normals, self._turns
+        k, w = len(self.x), weights.reshape(i.shape)
+        at_i, at_j = (w * self.of.share).reshape(2, -1)
         values, ends = np.concatenate([at_j, -at_j, -at_i, at_i]), [each.ravel() for each in (j, i)]
         rows, columns = np.concatenate(ends[:1] * 2 + ends[1:] * 2), np.concatenate(ends * 2)
         tied = sparse.csr_matrix((values, (rows, columns)), shape=(k, k))
         dc = sparse.csr_matrix(sparse.kron(tied, np.eye(3), format="csr"))
-        c = tied @ x
-        along, W = np.einsum("kc,kc->k", c, n)[:, None, None], self.ways
+        c = tied @ self.x
+        along, W = np.einsum("kc,kc->k", c, n)[:, None, None], self.of.ways
         both = c[:, :, None] * n[:, None, :]
         turned = both + np.swapaxes(both, 1, 2) + along * (np.eye(3) - 3 * n[:, :, None] * n[:, None, :])
         H = _blocks(-W @ turned @ W / size[:, None, None] ** 2)
         g = np.einsum("kab,kb->ka", W, c - along[:, 0] * n) / size[:, None]
         crossed = sparse.csr_matrix(dc.T @ dn)
-        return sparse.csr_matrix(crossed + crossed.T + dN.T @ H @ dN + self._corners_bent(x, g))
+        return sparse.csr_matrix(crossed + crossed.T + dN.T @ H @ dN + self._corners_bent(g))
 
-    def _edges(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        i, j = self.patches[:, ENDS[:, 0]], self.patches[:, ENDS[:, 1]]
-        return i, j, x[j] - x[i]
+    @cached_property
+    def _edges(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Points (q, 4) at both ends, and from the first to the second (q, 4, 3)."""
+        i, j = self.of.patches[:, ENDS[:, 0]], self.of.patches[:, ENDS[:, 1]]
+        return i, j, self.x[j] - self.x[i]
 
-    def _around(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    @property
+    def _apart(self) -> np.ndarray:
+        """By what the normals at the ends differ (q, 4, 3), by their shares."""
+        (i, j, _), (n, _), (low, high) = self._edges, self._normals, self.of.share[..., None]
+        return np.asarray(high * n[j] - low * n[i])
+
+    @cached_property
+    def _around(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """A corner of a patch, the next and the last one (4q, 3), and the edges to those (4q, 3) each."""
-        own = np.stack([np.roll(self.patches, -shift, axis=1).ravel() for shift in (0, 1, -1)], axis=1)
+        x = self.x
+        own = np.stack([np.roll(self.of.patches, -shift, axis=1).ravel() for shift in (0, 1, -1)], axis=1)
         return own, x[own[:, 1]] - x[own[:, 0]], x[own[:, 2]] - x[own[:, 0]]
 
-    def _normals(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    @cached_property
+    def _normals(self) -> tuple[np.ndarray, np.ndarray]:
         """n (k, 3), zero where no patch is, and |N| (k,), 1 there."""
-        nodes, a, b = self._around(x)
+        nodes, a, b = self._around
         one = np.cross(a, b) / (_square(a) * _square(b))[:, None]
-        whole = np.stack([np.bincount(nodes[:, 0], each, minlength=len(x)) for each in one.T], axis=1)
-        whole = np.einsum("kab,kb->ka", self.ways, whole)
+        whole = np.stack([np.bincount(nodes[:, 0], each, minlength=len(self.x)) for each in one.T], axis=1)
+        whole = np.einsum("kab,kb->ka", self.of.ways, whole)
         size = np.linalg.norm(whole, axis=1)
         size[size == 0] = 1.0
         return whole / size[:, None], size
 
-    def _turns(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, sparse.csr_matrix, sparse.csr_matrix]:
-        """n (k, 3), |N| (k,), dN (3k, 3k) without the ways, and dn (3k, 3k)."""
-        n, size = self._normals(x)
-        nodes, a, b = self._around(x)
+    @cached_property
+    def _turns(self) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+        """dN (3k, 3k) without the ways, and dn (3k, 3k)."""
+        n, size = self._normals
+        nodes, a, b = self._around
         by_edges = np.stack([_slope(np.broadcast_to(row, a.shape), a, b) for row in np.eye(3)], axis=1)
-        dN = assembled(nodes[:, :1], nodes, by_edges @ APART, len(x))
-        flat = (np.eye(3) - n[:, :, None] * n[:, None, :]) @ self.ways / size[:, None, None]
-        return n, size, dN, sparse.csr_matrix(_blocks(flat) @ dN)
+        dN = assembled(nodes[:, :1], nodes, by_edges @ APART, len(self.x))
+        flat = (np.eye(3) - n[:, :, None] * n[:, None, :]) @ self.of.ways / size[:, None, None]
+        return dN, sparse.csr_matrix(_blocks(flat) @ dN)
 
-    def _corners_bent(self, x: np.ndarray, g: np.ndarray) -> sparse.csr_matrix:
+    def _corners_bent(self, g: np.ndarray) -> sparse.csr_matrix:
         """sum_i g_i . d2N_i (3k, 3k), g (k, 3) held, exact to the last digit."""
-        nodes, a, b = self._around(x)
+        nodes, a, b = self._around
         edges, own = np.concatenate([a, b], axis=1), g[nodes[:, 0]]
         bent = np.zeros((len(nodes), 6, 6))
         for m in range(6):
             aside = edges.astype(complex)
             aside[:, m] += IMAGINARY * 1j
             bent[:, m] = _slope(own, aside[:, :3], aside[:, 3:]).imag / IMAGINARY
-        return assembled(nodes, nodes, APART.T @ bent @ APART, len(x))
+        return assembled(nodes, nodes, APART.T @ bent @ APART, len(self.x))
 
 
 APART = np.kron(np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]), np.eye(3))  # both edges by the three corners
@@ -221,7 +244,7 @@ def _mirrors(
     free = np.arange(3) >= held[:, None]
     ways = np.einsum("kai,ki,kbi->kab", axes, free, axes)
     every = np.broadcast_to(np.eye(3), ways.shape)
-    n, _ = Bulges(patches, np.zeros((2, 0)), every, np.zeros((0, 3)))._normals(x)
+    n, _ = Bulges(patches, np.zeros((2, 0)), every, np.zeros((0, 3))).at(x)._normals
     kept = np.linalg.norm(np.einsum("kab,kb->ka", ways, n), axis=1) > np.cos(CREASE)
     in_plane = np.linalg.norm(np.einsum("seab,eb->sea", ways[ends], way), axis=2) > np.cos(CREASE)
     mirror = ((held[ends] == 2) | (held[ends] == 1) & in_plane).all(axis=0)

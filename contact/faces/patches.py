@@ -4,8 +4,6 @@ X(xi) = sum_l N_l(xi) X_l with corners (4, 3) in the order (-1, -1), (1, -1), (1
 body whose face they make.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])

@@ -4,8 +4,6 @@ The closest point of the patch with the nearest middle leaves few others: those 
 lies along its patch, and is as flat as that. Nothing is missed: no point of a patch is nearer than its box.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import chain
 

@@ -5,15 +5,13 @@ that is off the facet by h meets it beside the plane, by h times the sine of the
 plane of symmetry slides in it, over the edge in which the face meets it.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import sparse
 
 NO_WAY = 1e-7  # of the others: a way that supports leave nothing of; its square is above the rounding of a product
 IN_PLANE = 1e-9  # of the size of a patch: a corner that is no farther from a plane lies in it
 EDGES = [[0, 3], [1, 2], [0, 1], [3, 2]]  # corners of a patch at xi_1 = -1 and 1, and at xi_2 = -1 and 1
-ENDS = np.array(EDGES + [[c, c] for c in range(4)])  # edges before corners
+PLACES = np.array(EDGES + [[c, c] for c in range(4)])  # edges before corners
 
 
 def motions(moves: sparse.csr_matrix) -> np.ndarray:
@@ -47,7 +45,7 @@ def ends_in_planes(
     size = np.max(np.ptp(x[corners], axis=1), axis=1)[:, None]
     out, every = np.einsum("pca,plcd,pda->pl", P, gram[corners], P), np.trace(gram[corners], axis1=2, axis2=3)
     inside = (off <= IN_PLANE * size) & (out <= NO_WAY**2 * every)
-    found = inside[:, ENDS].all(axis=2)
+    found = inside[:, PLACES].all(axis=2)
     found[held != 2, len(EDGES) :] = False
     which = np.flatnonzero(found.any(axis=1) & (held > 0) & (held < 3))
-    return which, ENDS[np.argmax(found[which], axis=1)]
+    return which, PLACES[np.argmax(found[which], axis=1)]

@@ -10,8 +10,6 @@ What else is in it, guesses and solutions, is not read.
 Source: Acary, Brémond, Huber, RT-444, INRIA (2014); Acary, Brémond, Huber, Lect. Notes Appl. Comput. Mech. 82 (2018).
 """
 
-from __future__ import annotations
-
 import importlib
 from pathlib import Path
 from typing import Any

@@ -9,8 +9,6 @@ forces, so that K may leave motions free that the contacts hold. Where contacts 
 the increment of least size is taken, which stays near to those that were given.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -8,8 +8,6 @@ of 1/sqrt(epsilon w). Clarabel, through cvxpy, finds the set, from no set at all
 convex, it is the only one that does. Its linear systems are solved by SciPy's SuperLU, without our fronts and checks.
 """
 
-from __future__ import annotations
-
 import contextlib
 import warnings
 from collections.abc import Sequence
@@ -22,11 +20,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import SuperLU, splu
 
 from contact.interchange.linearised_step import FrozenStep
-from contact.solvers.sparse import (
-    asymmetry,
-    negative_pivots,
-    symmetric,
-)
+from contact.solvers.sparse import asymmetry, negative_pivots, symmetric
 
 TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
 EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding

@@ -15,8 +15,6 @@ symmetric where W or M is, regular where M is, never definite, and a contact tha
 and slips are the u themselves. A state that holds redundant contacts is singular in it: their forces are several.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy import sparse
 

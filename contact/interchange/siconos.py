@@ -17,8 +17,6 @@ Another W = Q B Q^T, Q an orthonormal basis of its columns and its rows alike, h
 second direction has a spring of its own on every contact, which nothing pulls.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

@@ -10,8 +10,6 @@ Any other state asks for inputs of the candidates in another one, which are a sm
 are found when they are asked for, from the same factors. What states ask for does not enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cached_property
 

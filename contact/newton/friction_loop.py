@@ -4,8 +4,6 @@ They are settled by exact steps alone, or begin with those of a programme of the
 steps then make the linearised problem keep.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import reduce
 from operator import add

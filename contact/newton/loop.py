@@ -6,8 +6,6 @@ not grow with the mesh, because no node waits for the next linearisation to leav
 Source: Josephy, MRC Report 1965, University of Wisconsin (1979); for its use as a globalisation, measured here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

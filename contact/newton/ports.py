@@ -1,7 +1,5 @@
 """What is asked of a contact set in a tangent, whether its forces are unknowns or not. No set is chosen here."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

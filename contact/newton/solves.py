@@ -3,8 +3,6 @@
 No set is chosen and no convergence is tested here.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

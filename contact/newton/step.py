@@ -3,8 +3,6 @@
 Which nodes belong to the set is the algorithm's business and must not enter here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -5,8 +5,6 @@ the set it ends with, so that rounding does not build up.
 Source of all three: Cottle, Pang, Stone, The Linear Complementarity Problem (1992), chapter 4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

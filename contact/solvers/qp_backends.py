@@ -8,8 +8,6 @@ fills x with 2.1e9, and daqp claims success with NaN; proxqp never returns from 
 proxqp and piqp "solve" a saddle point; the multipliers of OSQP and daqp have the other sign.
 """
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 from collections.abc import Callable

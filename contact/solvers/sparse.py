@@ -9,8 +9,6 @@ where the values are not symmetric. PARDISO (extra ``mkl``) finds its own order,
 switched off: left on, it can return a residual of 1e37 in silence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import Any, Literal, Protocol

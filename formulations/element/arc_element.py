@@ -25,9 +25,8 @@ from typing import Self
 
 import numpy as np
 
-from formulations.element.mixed import MixedElement
+from formulations.element.mixed import MODE_WEIGHTS, N_M, MixedElement
 from formulations.element.modal import ALL, Stiffness
-from formulations.element.modes import MODE_WEIGHTS, N_M
 from formulations.element.strain_operator import ON_LINES, ElementGeometry
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import N_E

@@ -32,12 +32,39 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
-from formulations.element.modes import E33_MODES, MODE_ROWS, MODE_WEIGHTS, MODES, N_M, ON_GAUSS
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
 from formulations.operations import product
 from formulations.strains.measure import StrainFunction, StrainMeasure, strain_and_gradient, through_thickness
 from formulations.strains.quantities import E33, N_BETA, N_E, N_Q, N_V
+
+# Strain rows carried by each mode xi1^r1 xi2^r2 (the 2004 paper, eqs 10-13), in the order of the 22 mode strains.
+MODES = {
+    (0, 0): tuple(range(N_E)),
+    (0, 1): (0, 1, 6, 7, 10),
+    (1, 0): (2, 3, 8, 9, 10),
+    (1, 1): (10,),
+}
+MODE_ROWS = [(mode, row) for mode, rows in MODES.items() for row in rows]
+MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), _ in MODE_ROWS])
+N_M = len(MODE_WEIGHTS)
+E33_MODES = [m for m, (_, row) in enumerate(MODE_ROWS) if row == E33]
+
+
+def mode_index(mode: tuple[int, int], row: int) -> int:
+    """Place of a strain on a mode among the 22."""
+    return MODE_ROWS.index((mode, row))
+
+
+def _on_gauss() -> np.ndarray:
+    """(4, 22, 11): the strains at the Gauss points that belong to the modes."""
+    at_gauss = np.zeros((N_GAUSS, N_M, N_E))
+    for m, ((r1, r2), row) in enumerate(MODE_ROWS):
+        at_gauss[:, m, row] = GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2
+    return at_gauss
+
+
+ON_GAUSS = _on_gauss()
 
 N_SAMPLES = N_GAUSS * N_E
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1

@@ -5,8 +5,6 @@ the modes), and knows of each chunk: what the displacements bring there, B = dE/
 geometric stiffness of resultants. No mode, no law and no place where strains are taken may enter here.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -36,9 +36,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.element.mixed import THICKNESS_STRAINS, MixedElement
+from formulations.element.mixed import E33_MODES, MODE_WEIGHTS, N_M, THICKNESS_STRAINS, MixedElement, mode_index
 from formulations.element.modal import ALL, Samples
-from formulations.element.modes import E33_MODES, MODE_WEIGHTS, N_M, mode_index
 from formulations.element.quad_geometry import ACROSS, TAKEN, QuadGeometry
 from formulations.element.quad_sampling import N_SIDES
 from formulations.element.quad_stiffness import UnitStiffness

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from formulations.element.modes import E33_MODES, MODE_ROWS, N_M
+from formulations.element.mixed import E33_MODES, MODE_ROWS, N_M
 from formulations.element.quad_sampling import (
     N_SIDES,
     NodalFaces,

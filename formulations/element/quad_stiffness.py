@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from formulations.element.modes import E33_MODES, MODE_ROWS
+from formulations.element.mixed import E33_MODES, MODE_ROWS
 from formulations.element.quad_geometry import PLANE, TAKEN, QuadGeometry
 from formulations.element.quad_sampling import N_SIDES, SIDE_CORNERS
 from formulations.element.strain_operator import N_DOF, N_GAUSS

@@ -12,12 +12,9 @@ discrete equilibrium itself. Source: Cochelin, Potier-Ferry, Int. J. Numer. Meth
 no load and no equation to solve may enter here.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
-from formulations.element.mixed import MixedElement
-from formulations.element.modes import MODE_WEIGHTS, N_M
+from formulations.element.mixed import MODE_WEIGHTS, N_M, MixedElement
 from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
 from formulations.operations import product, spend
 from formulations.strains.measure import QuadraticMeasure

@@ -4,8 +4,6 @@ Nodes on an edge of the grid, or on the seam of a closed one, stay on it; its co
 element enters here.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

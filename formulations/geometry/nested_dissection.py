@@ -6,8 +6,6 @@ O(n log n) entries in O(n^1.5) operations.
 Source: George, SIAM J. Numer. Anal. 10 (1973) 345-363.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -6,8 +6,6 @@ to a node inside it has the component of an arc, whose normals at both ends of c
 at a corner of a single element along both of its edges. Source: Max, Journal of Graphics Tools 4 (1999) 1-6.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from formulations.geometry.quad_cuts import edges_of, rim_tangents

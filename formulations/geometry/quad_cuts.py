@@ -12,8 +12,6 @@ Meshes of all n have their nodes on one surface.
 Source: Coons, MIT Project MAC TR-41 (1967); Farin, Curves and Surfaces for CAGD (1990), ch. 20.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

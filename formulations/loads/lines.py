@@ -4,8 +4,6 @@ Lines may be curved and unequally divided. Forces are data, (N, 6) in the local 
 :mod:`formulations.loads.pressure`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

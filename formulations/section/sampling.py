@@ -21,7 +21,7 @@ from itertools import pairwise
 import numpy as np
 
 from formulations.section.laminate import Laminate
-from formulations.section.laws import bulk_stiffness
+from formulations.section.material import bulk_stiffness
 
 BETWEEN_FACES = "2"
 SURFACES = (BETWEEN_FACES, "3", "5", "7", "2/ply", "3/ply", "4/ply")

@@ -18,7 +18,8 @@ from formulations.element.sparsity import Pattern
 from formulations.loads.pressure import Pressure
 from formulations.operations import product, spend
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import VOIGT, Law, StVenantKirchhoff, tensor
+from formulations.section.laws import StVenantKirchhoff
+from formulations.section.material import VOIGT, Law, tensor
 from formulations.shell import Linearisation
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
 

@@ -18,7 +18,8 @@ from scipy import sparse
 from scipy.spatial.transform import Rotation
 
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import Law, StVenantKirchhoff
+from formulations.section.laws import StVenantKirchhoff
+from formulations.section.material import Law
 from formulations.shell import Linearisation
 from formulations.solid.body import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh

@@ -4,8 +4,6 @@ A new quadratic measure is one more table and one more name in :data:`MEASURES`.
 zeta_a/zbar_a, which belongs to the geometry. Sources that were not at hand when a table was written say "recalled".
 """
 
-from __future__ import annotations
-
 import math
 
 from formulations.strains.elongation import ElongationMeasure

@@ -4,8 +4,6 @@ It shows that the protocol asks for no table of constants. Functions of the Gree
 under every rigid motion with them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 No particular measure may enter here; they live in :mod:`formulations.strains.catalogue`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction

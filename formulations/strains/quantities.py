@@ -14,8 +14,6 @@ Divided once by zeta_a = 1 + k_a d (the stretch of the face): l = lam/zeta, w = 
 Source: Grigolyuk, Kulikov, Plotnikova (2004), eq. 3.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.algorithms.base import require_friction
-from contact.answered import answered
+from contact.algorithms.base import answered, require_friction
 from contact.catalogue import ALGORITHMS
 from contact.coulomb import State
 from contact.interchange import friction_oracle, oracle

@@ -1,11 +1,17 @@
-"""What a scene declares beside its settings: values to compare with, ladders of meshes, its picture, its limit."""
+"""What a scene declares: values to compare with, ladders of meshes, its picture, its limit, and all that together."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from studies.ask.request import Settings
+from studies.ask.request import Request, Settings
+from studies.ask.settings import Setting
+
+if TYPE_CHECKING:
+    from studies.ask.scene import SceneModel
 
 ROTATIONS, SNAP, LINEAR = "large rotations", "snap through", "linear shells"  # the families, whose pictures they are in
 CLOSED, CONTACT, TYRE = "closed forms", "contact", "tyre"
@@ -107,3 +113,21 @@ class ShellLimit:
 def thickness_over(length: float, thickness: float | str) -> Callable[[Settings], float]:
     """A wall of some thickness, or of one that is a setting, over a length."""
     return lambda settings: (settings.number(thickness) if isinstance(thickness, str) else thickness) / length
+
+
+class Declared(ABC):
+    """A scene of ours: what it declares of itself, and what most scenes declare alike."""
+
+    name: str
+    title: str
+    default_mesh: tuple[int, int]
+    settings: tuple[Setting, ...]
+    references: tuple[Reference, ...] = ()
+    quantities: Mapping[str, str]
+    ladders: tuple[Ladder, ...] = ()
+    sheet: Sheet = Sheet()
+    shell_limit: ShellLimit | None = None
+
+    @abstractmethod
+    def build(self, request: Request) -> SceneModel:
+        """Check what ranges alone cannot and build; raises UsageError."""

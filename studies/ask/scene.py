@@ -19,10 +19,16 @@ from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.ask.declarations import BENCHMARKS, Ladder, Sheet
-from studies.ask.declarations import Reference as Reference  # what the file of a scene needs beside this
-from studies.ask.request import Request, Value
+from studies.ask.declarations import BENCHMARKS
+from studies.ask.declarations import CONTACT as CONTACT  # what the file of a scene needs beside this
+from studies.ask.declarations import Declared as Declared
+from studies.ask.declarations import Ladder as Ladder
+from studies.ask.declarations import Reference as Reference
+from studies.ask.declarations import Sheet as Sheet
+from studies.ask.declarations import ShellLimit as ShellLimit
+from studies.ask.request import Request as Request
 from studies.ask.request import UsageError as UsageError
+from studies.ask.request import Value
 from studies.ask.settings import EPSILON as EPSILON
 from studies.ask.settings import MU, SLIDING, TOLERANCE
 from studies.ask.settings import SOLVER as SOLVER

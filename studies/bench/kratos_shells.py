@@ -5,8 +5,6 @@ load steps from which Newton arrives, found by attempts that are not counted. It
 its sides (MITC4) and enhances the membrane.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -234,10 +232,7 @@ def _newton(part: Any, solver: Any) -> Any:
     strategy = kratos.ResidualBasedNewtonRaphsonStrategy(
         *(part, scheme, settled, builder, ITERATIONS, reactions, new_unknowns, moving)
     )
-    strategy.SetEchoLevel(0)
-    strategy.Initialize()
-    strategy.Check()
-    return strategy
+    return _ready(strategy)
 
 
 def _once(part: Any, solver: Any) -> Any:
@@ -245,7 +240,12 @@ def _once(part: Any, solver: Any) -> Any:
     scheme = kratos.ResidualBasedIncrementalUpdateStaticScheme()
     builder = kratos.ResidualBasedBlockBuilderAndSolver(solver)
     reactions, new_unknowns, size_of_step, moving = False, False, False, False
-    strategy = kratos.ResidualBasedLinearStrategy(part, scheme, builder, reactions, new_unknowns, size_of_step, moving)
+    return _ready(
+        kratos.ResidualBasedLinearStrategy(part, scheme, builder, reactions, new_unknowns, size_of_step, moving)
+    )
+
+
+def _ready(strategy: Any) -> Any:
     strategy.SetEchoLevel(0)
     strategy.Initialize()
     strategy.Check()

@@ -4,8 +4,6 @@ Everything is one energy (St. Venant-Kirchhoff, follower pressure, penalty of th
 symmetric and Newton minimises. NGSolve: J. Schoeberl, TU Wien, https://ngsolve.org.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

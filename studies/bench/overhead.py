@@ -1,7 +1,5 @@
 """``footprint bench overhead``: what running a cell costs beside solving it, and what reading a large store costs."""
 
-from __future__ import annotations
-
 import statistics
 import tempfile
 from collections.abc import Iterator

@@ -6,8 +6,6 @@ that what the machine does meanwhile meets all. Seconds are stated in units of o
 paper's tyre on 42x40 (9840 unknowns) in the same rounds, too. A program that is not installed is left out by name.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence

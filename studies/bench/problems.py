@@ -1,7 +1,5 @@
 """What every program solves: problems with references that are not ours, a line of work and precision, one solve."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

@@ -7,8 +7,6 @@ difference is due to this rule, our own solid under the same rule shows. How a d
 belongs to :mod:`studies.exchange`; no value that a program has found may be kept in a source.
 """
 
-from __future__ import annotations
-
 import re
 import shutil
 import subprocess
@@ -75,21 +73,23 @@ class Case:
         return self.scene or self.name
 
 
-def version() -> str:
-    """Of the program that is installed, "ccx 2.20"; raises UsageError where there is none."""
+def _command() -> str:
     command = shutil.which(COMMAND)
     if command is None:
         raise UsageError(ABSENT)
-    told = subprocess.run([command, "-v"], capture_output=True, text=True, check=False, timeout=60).stdout
+    return command
+
+
+def version() -> str:
+    """Of the program that is installed, "ccx 2.20"; raises UsageError where there is none."""
+    told = subprocess.run([_command(), "-v"], capture_output=True, text=True, check=False, timeout=60).stdout
     found = re.search(r"Version (\S+)", told)
     return f"{COMMAND} {found[1] if found else 'unknown'}"
 
 
 def found_by(lines: Iterable[str], problem: Problem) -> list[Found]:
     """What it finds for a deck, step by step; raises UsageError where it does not come to the end."""
-    command = shutil.which(COMMAND)
-    if command is None:
-        raise UsageError(ABSENT)
+    command = _command()
     with tempfile.TemporaryDirectory(prefix="footprint-") as place:
         folder = Path(place)
         (folder / "scene.inp").write_text("\n".join(lines) + "\n", encoding="ascii")

@@ -2,8 +2,6 @@
 other programs and a slower clock, meets both, and their ratio is left.
 """
 
-from __future__ import annotations
-
 import resource
 import statistics
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence

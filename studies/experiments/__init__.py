@@ -1,7 +1,5 @@
 """Experiments, each of which makes a table: makers yield their rows, and are called for the table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from functools import wraps
 from typing import Any, ParamSpec

@@ -7,8 +7,6 @@ grid, and touches no boundary that has been met, may be missed; a boundary that 
 because a block is looked at again whenever a neighbour finds another class on their common border.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Every formulation is compared in the limit of its grids, with the uncertainty of
 in :mod:`studies.solving.choose`; which sentence follows is not known here.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -7,8 +7,6 @@ The shells are small, skew laminates on a torus or an irregular plate; only the 
 problems with a solution.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

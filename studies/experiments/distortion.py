@@ -4,8 +4,6 @@ Each row is one solve. Nodes are moved as :mod:`formulations.geometry.distortion
 element on the grid as it is, so that the difference is the distortion's alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 

@@ -5,8 +5,6 @@ may grow without bound. ``displacement`` eliminates it, K + epsilon G^T W G, as 
 method does: the matrix loses its condition, and the pressure, epsilon times a gap, the digits of the gap.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -9,8 +9,6 @@ The price of an answer is its CPU time over that of the cheapest grid, solved fr
 its own error and those of all finer ones of its family are within what was asked. That grid is not known beforehand.
 """
 
-from __future__ import annotations
-
 import csv
 import math
 import time

@@ -6,8 +6,6 @@ way that is found, and not one behind it. What is found is compared with somethi
 setting has made: a closed form where there is one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

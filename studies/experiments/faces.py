@@ -4,8 +4,6 @@ Every problem is solved by both pairings with either body as slave, on meshes th
 by is the bias of the pairing. References are closed forms, or the same body on a rigid plane.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import product

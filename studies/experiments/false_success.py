@@ -3,8 +3,6 @@
 The collection is of published problems, and of last steps of shells in contact, linearised where they set out from.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ Trapezoidal locking proper (in-plane trapezoids bent about their own plane) cann
 relative, nodal directors that fan out along the element, is in every curved problem here.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -3,8 +3,6 @@
 Each row is one solve of a scene of :mod:`studies.scenes.manufactured`; orders are fitted to them elsewhere.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain, product

@@ -7,8 +7,6 @@ gilbert-jch/hnm4lcp. An unknown is a "displacement", a bound a candidate, its mu
 The table of cycles has some of them by the textbook's swaps and by our algorithms.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

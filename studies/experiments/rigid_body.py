@@ -4,8 +4,6 @@ No mesh and no element: a rigid motion of the two faces is sent through the disp
 surface, derivatives of its components by 8th-order differences.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache

@@ -6,8 +6,6 @@ Newton's iteration. Free, it is held by one edge and may follow without strain; 
 and the second one is pulled and bent first: its energy is to stay. After code_aster's ZZZZ364A, with a shell.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product

@@ -7,8 +7,6 @@ nearly the same. Loads go from small strain to more than a shell's law is made f
 strain with one sign as with the other.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -157,9 +155,7 @@ def scene_points(
 def tube(law: str, pressures: tuple[float, ...] = (0.002, 0.005, 0.01, 0.02)) -> Iterator[Point]:
     """A tube of h/R = 0.1 in plane strain under inner pressure [E]; the growth of its outer radius [R]."""
     mesh, laminate = _wall(cylinder(1.0), np.array([0.0, 0.1]), np.linspace(0, np.pi / 2, 5), 0.1)
-    fixed = np.zeros((len(mesh.x), 3), bool)
-    fixed[:, 2] = True
-    fixed[mesh.on(1, 0.0), 1] = fixed[mesh.on(1, np.pi / 2), 0] = True
+    fixed = mesh.supports((slice(None), 2), (mesh.on(1, 0.0), 1), (mesh.on(1, np.pi / 2), 0))
     body = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[law])
     loaded = SolidModel(body, Pressure(1.0, follower=True, area="face"))
     side = np.intersect1d(mesh.on(1, 0.0), mesh.on(2, 0.05))
@@ -170,9 +166,7 @@ def strip(thickness: float, law: str, loads: tuple[float, ...] = (0.5, 1.0, 2.0,
     """A strip of length 10 clamped at one end, sheared at the other [E I/L^2], plane strain; its deflection [L]."""
     length = 10.0
     mesh, laminate = _wall(Plate(), np.linspace(0, length, 61), np.array([0.0, 1.0]), thickness)
-    fixed = np.zeros((len(mesh.x), 3), bool)
-    fixed[:, 1] = True
-    fixed[mesh.on(0, 0.0)] = True
+    fixed = mesh.supports((slice(None), 1), (mesh.on(0, 0.0), slice(None)))
     body, tip = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[law]), mesh.on(0, length)
     forces = np.zeros((len(mesh.x), 3))
     forces[tip, 2] = thickness**3 / (12 * (1 - NU**2)) / length**2 / len(tip)

@@ -5,8 +5,6 @@ whole together with its supports, its load and its foundation, which must not ma
 and candidates renumbered. Whatever the way, an answer is read off in the places, numbers and units of the first one.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

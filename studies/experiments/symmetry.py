@@ -13,8 +13,6 @@ several states a solver then finds is a matter of its steps. Such angles are tol
 eigenvalues. The maximum is searched for in one dimension among the stable ones, around the largest value on the grid.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

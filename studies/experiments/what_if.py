@@ -13,8 +13,6 @@ by every combination of a grid, which knows of no derivative. The spread of the 
 quarter of it is the mesh at the rim of the patch, and optima move from mesh to mesh (measured on 28x26 to 84x80).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -6,8 +6,6 @@ larger. Uniform, patch and adapted grids have no part in it; the last limit of a
 by definition, which says nothing of its error.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -37,8 +37,7 @@ FRICTION = (  # what only a cell with friction executes
 INSIDE_A_WALL = (  # what only a shell with surfaces between its faces executes, and a solid
     *(
         "formulations.element.walls.*",
-        "formulations.section.laws",
-        "formulations.section.sampling",
+        *(f"formulations.section.{name}" for name in ("laws", "material", "sampling")),
         "formulations.wall_stresses",
     ),
 )

@@ -1,7 +1,5 @@
 """The catalogue of scenes: one file a scene, one line here. A module is loaded when one of its scenes is asked for."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterator, Mapping, MutableMapping
 

@@ -1,7 +1,5 @@
 """From what a user says, or a cell of a campaign, to a request: every default filled in, every value checked."""
 
-from __future__ import annotations
-
 import importlib.util
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -16,8 +16,7 @@ from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactAlgorithm, Linearise, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import Begun, CurveStage, Setting, Stage, UsageError
+from studies.ask.scene import Begun, CurveStage, Request, Setting, Stage, UsageError
 from studies.scenes.statics import LOAD_FRACTIONS, Loads, Reading, StaticModel
 
 CURVE_FRACTIONS = replace(LOAD_FRACTIONS, default=(1.0,), help="load fractions to hit; the last ends the curve")

@@ -1,7 +1,5 @@
 """What the shells of scenes are discretised with: options of the element as settings, grids, walls, supports."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 

@@ -5,8 +5,6 @@ parallel to that of the tyre, and so is a cleat. Other shells have other directi
 foundation asked for are refused.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

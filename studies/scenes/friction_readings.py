@@ -1,7 +1,5 @@
 """What is read off a state with friction: resultants, and a table of the candidates that touch. Nothing is solved."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

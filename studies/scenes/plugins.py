@@ -4,8 +4,6 @@ A file puts its parts into the catalogues when it is imported, a line each, as o
 names one part; its name is that of the part. What a part computes does not enter here.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 import traceback
@@ -15,7 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
-from contact.answered import ContractError
+from contact.algorithms.base import ContractError
 from contact.catalogue import ALGORITHMS
 from formulations.section.laws import LAWS
 from formulations.strains.catalogue import MEASURES

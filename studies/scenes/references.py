@@ -1,7 +1,5 @@
 """The references of a scene that hold for a request, at a load."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Container, Iterator, Mapping
 from typing import Any

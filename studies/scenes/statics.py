@@ -17,8 +17,7 @@ from formulations.loads.lines import edge_lengths
 from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Begun, Observation, Setting, ShellSceneModel, Stage
+from studies.ask.scene import SOLVER, Begun, Observation, Request, Setting, ShellSceneModel, Stage
 from studies.scenes.element import ELEMENT, bending_of, law_of
 
 REPORTED = "fractions of the published load to report"

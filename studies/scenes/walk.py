@@ -3,8 +3,6 @@
 What is recorded of a point, judged or concluded does not enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial

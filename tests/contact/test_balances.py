@@ -1,7 +1,5 @@
 """Balances of energy and force: closed on sound answers, open when a force, a potential or a support is wrong."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -139,7 +137,7 @@ def pressed(name: str, n: int = 6, **options):
     def problem(load: float) -> ContactProblem:
         loaded = shell.scaled(load)
         against_drum = against(loaded.linearise, candidates, drum)
-        return replace(against_drum, energy=loaded.energy, others=loaded.outside_force)
+        return replace(against_drum, energy=loaded.energy, others=lambda u: loaded.outside_and_spurious(u)[0])
 
     rest = ContactSolution.at_rest(part.n_free, len(free))
     (point,) = follow(problem, 0.0, [1.0], ALGORITHMS["semismooth"](), rest, steps=4)
@@ -169,9 +167,11 @@ def test_a_missing_support_or_load_leaves_a_force() -> None:
     reactions = shell.reactions(answer.u)
     assert np.abs(reactions).max() > OPEN
     held = np.argmax(np.abs(reactions[:, 4]))
-    lost = replace(problem, others=lambda u: shell.outside_force(u) - reactions[held, 4] * np.array([0.6, 0.0, 0.8]))
+    lost = replace(
+        problem, others=lambda u: shell.outside_and_spurious(u)[0] - reactions[held, 4] * np.array([0.6, 0.0, 0.8])
+    )
     assert judge(lost, answer.u, answer.pressure).failures() == ["force"]
-    lighter = replace(problem, others=shell.scaled(0.9).outside_force)
+    lighter = replace(problem, others=lambda u: shell.scaled(0.9).outside_and_spurious(u)[0])
     assert judge(lighter, answer.u, answer.pressure).force > OPEN
 
 
@@ -192,7 +192,9 @@ def test_the_papers_interpolation_does_not_translate_a_curved_shell() -> None:
         verdict = judge(problem, answer.u, answer.pressure)
         assert verdict.energy <= CLOSED
         assert verdict.failures() == ["force"]
-        told = replace(problem, others=lambda u, shell=shell: shell.outside_force(u) - shell.spurious_force(u))
+        told = replace(
+            problem, others=lambda u, shell=shell: shell.outside_and_spurious(u)[0] - shell.outside_and_spurious(u)[1]
+        )
         assert judge(told, answer.u, answer.pressure).force <= CLOSED + 10 * verdict.equilibrium
         size = np.sum(np.abs(problem.nodal_forces(answer.pressure)))
         found.append(verdict.force * max(problem.linearise(answer.u, None).scale, size))

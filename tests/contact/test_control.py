@@ -1,7 +1,5 @@
 """Control by work: a truss that snaps and a string that is pushed onto an obstacle, whose loads are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

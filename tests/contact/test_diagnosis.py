@@ -1,7 +1,5 @@
 """Eight planted corruptions are caught and named, on chain, membrane and shells; what fits none is not given a name."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Scales of a contact problem, against their formulas written out; and travels far below the size of a body."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

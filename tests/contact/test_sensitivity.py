@@ -1,7 +1,5 @@
 """Rates of a solution with a parameter: against closed forms on both sides, and against solutions beside it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Contact through the shell element without a scene: patch test on a plane, string and membrane over obstacles."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

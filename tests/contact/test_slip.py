@@ -1,7 +1,5 @@
 """The slip on a foundation that moves: a joint motion of body and foundation is none, and its derivative is right."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy import sparse

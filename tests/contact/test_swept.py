@@ -1,7 +1,5 @@
 """Passages through foundations: against roots of line and ball, dense points, and on paths of random obstacles."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from itertools import pairwise

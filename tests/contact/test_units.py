@@ -1,7 +1,5 @@
 """Units change nothing: every algorithm and the judge, where a mm is 1e12 units or 1e-12, and so a MPa."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """The judge: a clean answer passes, every way of spoiling it is caught and named."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The judge of friction: the right answer passes, every wrong one is refused by the name of what it breaks."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import product

@@ -1,7 +1,5 @@
 """What the strains of recovered displacements say of the error of an element."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from formulations.recovery import PARTS, energy_products

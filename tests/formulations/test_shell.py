@@ -1,7 +1,5 @@
 """The shell: potential, residual and tangent for every option, supports, scaling, mixed and plain Newton."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve

@@ -1,7 +1,5 @@
 """The acoustic tensor of a shell against closed forms, second differences of its energy, and what grids make of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

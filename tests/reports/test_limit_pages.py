@@ -17,7 +17,7 @@ from reports.reading import SCHEMA
 from reports.store import Store
 from studies.analysis import uncertainty
 from studies.experiments.extremes import CLASSES
-from studies.experiments.shell_limits.ladder import DEFAULT
+from studies.experiments.shell_limits.bodies import DEFAULT
 from studies.output import atomic
 from support.stores.walls import made_up_walls
 

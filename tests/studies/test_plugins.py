@@ -259,7 +259,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.section.laws import LAWS, Principal, lame_constants
+from formulations.section.laws import LAWS
+from formulations.section.material import lame_constants
+from formulations.section.material import Principal
 
 
 @dataclass(frozen=True)

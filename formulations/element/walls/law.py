@@ -27,7 +27,8 @@ from formulations.element.walls.lengths import Counted, CountedStiffness
 from formulations.element.walls.modes import FACTORS, N_OF_SURFACE, N_ROWS, ROWS
 from formulations.operations import product, spend
 from formulations.section.laminate import strain_rotation
-from formulations.section.laws import LAWS, LINEAR, Divided, Law, isotropic
+from formulations.section.laws import LAWS, LINEAR
+from formulations.section.material import Divided, Law, isotropic
 from formulations.section.sampling import IN_VOIGT, Points, Sampling, lagrange
 
 

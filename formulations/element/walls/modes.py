@@ -4,14 +4,12 @@ The strains of every surface lie on modes xi1^r1 xi2^r2, mode by mode, then surf
 
     00: all six     01: E11, 2E13, 2E23, E33     10: E22, 2E13, 2E23, E33     11: E33
 
-Those are the modes of :mod:`formulations.element.modes` and, of 2E23 on 01 and 2E13 on 10, what differs from the mean
+Those are the modes of :mod:`formulations.element.mixed` and, of 2E23 on 01 and 2E13 on 10, what differs from the mean
 through the wall. The mean would lock in bending; without the rest nothing but E_aa, which costs little where elements
 are long and surfaces close, would resist directors that alternate from node to node and from surface to surface.
 
 No measure, no law and no displacement may enter here.
 """
-
-from __future__ import annotations
 
 from itertools import pairwise
 

@@ -30,8 +30,6 @@ is ln(N1/N0)/(0.6 mu) and the numbers of elements are those of the strip.
 Source: the equation of the capstan (Euler, Eytelwein); the rest follows by integration.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

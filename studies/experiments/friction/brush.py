@@ -24,8 +24,6 @@ the arc length sigma of the drag d::
 Before it sticks, u = d. A step of the path is an implicit Euler step of that, of first order in its length.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

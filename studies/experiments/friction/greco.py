@@ -19,8 +19,6 @@ node is pulled and none penetrates, or none: existence ends at a large coefficie
 Source: Code_Aster SSNV128; Feijoo, Barbosa, Zouain.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product

@@ -10,8 +10,6 @@ sliding may drive itself, and there are up to three. A definite K always leaves 
 Source: Klarbring, Ingenieur-Archiv 60 (1990) 529-541.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 

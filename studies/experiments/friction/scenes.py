@@ -5,8 +5,6 @@ The algorithms solve every scene with contact in the same load steps: do they ag
 exact law, epsilon = inf, but for that of springs, which has none: its error is shown.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any

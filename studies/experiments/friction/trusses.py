@@ -14,8 +14,6 @@ which is left in the bars, and vanishes with the steps. Every solve starts from 
 it was, all nodes on the upper plate are s off it, and are let slide at first.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

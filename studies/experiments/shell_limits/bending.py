@@ -4,8 +4,6 @@ Bending puts shear into the wall, and strains that are hyperbolic in a curved on
 linear through the thickness, is stiffer than the body.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import partial
 

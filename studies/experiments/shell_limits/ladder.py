@@ -9,8 +9,6 @@ mesh within :data:`GOOD` of the body's own limit: building, assembling and solvi
 A new case is a pair of functions and one entry here; it comes into the table, its page and the advice by itself.
 """
 
-from __future__ import annotations
-
 import math
 import statistics
 import time
@@ -21,22 +19,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.experiments.shell_limits import bending, pressed
-from studies.experiments.shell_limits.bodies import (
-    DEFAULT,
-    FIVE,
-    FULL_3D,
-    MIDDLE,
-    NONSYMMETRIC,
-    OF_SURFACES,
-    REISSNER,
-    THREE,
-    THREE_A_PLY,
-    TWO_A_PLY,
-    USUAL,
-    Answer,
-    Variant,
-)
+from studies.experiments.shell_limits import bending, bodies, pressed
 from studies.solving.refinement.richardson import correction
 
 GOOD = 0.005  # of a mesh whose cost is stated
@@ -65,25 +48,25 @@ class Case:
     scene: str
     thickness: str
     ratios: Sequence[float]
-    shell: Callable[[float, int, Variant], Answer]
-    solid: Callable[[float, int], Answer]
+    shell: Callable[[float, int, bodies.Variant], bodies.Answer]
+    solid: Callable[[float, int], bodies.Answer]
     shell_meshes: Sequence[int]
     solid_meshes: Sequence[int]
     fails: str
     exact: Callable[[float], Mapping[str, float]] | None = None
     orders: tuple[float, float] = (2.0, 4.0)
-    variants: tuple[Variant, ...] = ()
-    straight: Callable[[float, int], Answer] | None = None
+    variants: tuple[bodies.Variant, ...] = ()
+    straight: Callable[[float, int], bodies.Answer] | None = None
 
 
 @dataclass
 class Ladder:
     """Answers of one body on its meshes, coarse to fine; each is solved once, and again only to be timed."""
 
-    solve: Callable[[int], Answer]
+    solve: Callable[[int], bodies.Answer]
     meshes: Sequence[int]
     order: float
-    answers: list[Answer] = field(default_factory=list)
+    answers: list[bodies.Answer] = field(default_factory=list)
     seconds: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -132,19 +115,19 @@ def rows_of(case: Case) -> Iterator[dict[str, Any]]:
                     **{"case": case.name, "scene": case.scene, "quantity": quantity, "thickness": case.thickness},
                     **{"ratio": ratio, "variant": name, "fails": case.fails},
                     **_compared(shell, solid, quantity, known.get(quantity)),
-                    **(_costs(shell, solid, quantity) if name.startswith((DEFAULT, OF_SURFACES)) else {}),
+                    **(_costs(shell, solid, quantity) if name.startswith((bodies.DEFAULT, bodies.OF_SURFACES)) else {}),
                 }
 
 
 def _others(case: Case, ratio: float) -> Iterator[tuple[str, Ladder]]:
     """What is compared with the solid, by the name of its variant: the shell with each option, the straight solid."""
-    for variant in (USUAL, *case.variants):
+    for variant in (bodies.USUAL, *case.variants):
         yield variant.name, Ladder(partial(_of_variant, case, ratio, variant), case.shell_meshes, case.orders[0])
     if case.straight is not None:
         yield STRAIGHT, Ladder(partial(case.straight, ratio), case.solid_meshes, case.orders[1])
 
 
-def _of_variant(case: Case, ratio: float, variant: Variant, n: int) -> Answer:
+def _of_variant(case: Case, ratio: float, variant: bodies.Variant, n: int) -> bodies.Answer:
     return case.shell(ratio, n, variant)
 
 
@@ -167,8 +150,8 @@ def _costs(shell: Ladder, solid: Ladder, quantity: str) -> dict[str, float]:
 
 THIN_TO_THICK = (0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
 FROM_A_HUNDREDTH = (0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
-LAWS: tuple[Variant, ...] = (NONSYMMETRIC, FULL_3D)
-INSIDE: tuple[Variant, ...] = (THREE, FIVE)
+LAWS: tuple[bodies.Variant, ...] = (bodies.NONSYMMETRIC, bodies.FULL_3D)
+INSIDE: tuple[bodies.Variant, ...] = (bodies.THREE, bodies.FIVE)
 
 CASES = (
     Case(
@@ -178,7 +161,7 @@ CASES = (
         "does not vary; that its displacement lacks the 1/r is the smaller part",
         exact=pressed.TUBE.lame,
         straight=pressed.TUBE.straight,
-        variants=(*LAWS, MIDDLE, *INSIDE),
+        variants=(*LAWS, bodies.MIDDLE, *INSIDE),
     ),
     Case(
         *("inflated sphere", "pressurised-sphere", "h/R", THIN_TO_THICK),
@@ -186,21 +169,21 @@ CASES = (
         "as in the tube, in two directions",
         exact=pressed.BALL.lame,
         straight=pressed.BALL.straight,
-        variants=(*LAWS, MIDDLE, *INSIDE),
+        variants=(*LAWS, bodies.MIDDLE, *INSIDE),
     ),
     Case(
         *("inflated torus", "pressurised-torus", "h/R", FROM_A_HUNDREDTH),
         *(pressed.TORUS.shell, pressed.TORUS.solid, (8, 16, 32, 64, 128), (4, 8, 16, 24, 40)),
         "as in the tube; hoop and meridian forces nearly cancel in the growth, which enlarges what is missed",
         straight=pressed.TORUS.straight,
-        variants=(*LAWS, MIDDLE, *INSIDE),
+        variants=(*LAWS, bodies.MIDDLE, *INSIDE),
     ),
     Case(
         *("inflated wall of a tyre", "tyre", "h/R", FROM_A_HUNDREDTH),
         *(pressed.TYRE.shell, pressed.TYRE.solid, (8, 16, 32, 64, 128), (4, 8, 16, 24, 40)),
         "as in the torus, the larger ν the more",
         straight=pressed.TYRE.straight,
-        variants=(*LAWS, MIDDLE, *INSIDE),
+        variants=(*LAWS, bodies.MIDDLE, *INSIDE),
     ),
     Case(
         *("curved bar under moments", "", "h/R", THIN_TO_THICK[1:]),
@@ -214,45 +197,45 @@ CASES = (
         *(bending.oval_shell, bending.oval_solid, (8, 16, 32, 64, 128), (4, 8, 16, 32, 64)),
         "the shear of bending is a parabola through the wall, the shell's is constant, and stiffer by 6/5",
         exact=bending.oval_exact,
-        variants=(*LAWS, REISSNER, MIDDLE, *INSIDE),
+        variants=(*LAWS, bodies.REISSNER, bodies.MIDDLE, *INSIDE),
     ),
     Case(
         *("cantilever under an end force", "cantilever", "h/L", FROM_A_HUNDREDTH),
         *(bending.beam_shell, bending.beam_solid, (4, 8, 16, 32, 64), (4, 8, 16, 32)),
         "the parabola of the shear again; at the clamp the body has a layer that the shell lacks",
-        variants=(FULL_3D, REISSNER, *INSIDE),
+        variants=(bodies.FULL_3D, bodies.REISSNER, *INSIDE),
     ),
     Case(
         *("roof under its weight", "scordelis-lo", "h/R", FROM_A_HUNDREDTH),
         *(bending.roof_shell, bending.roof_solid, (4, 8, 16, 32), (4, 8, 16)),
         "the parabola of the shear, and layers at the free edge",
-        variants=(REISSNER, *INSIDE),
+        variants=(bodies.REISSNER, *INSIDE),
     ),
     Case(
         *("cross-ply plate", "pagano", "h/a", (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.25)),
         *(bending.plate_shell, bending.plate_solid, (4, 8, 16, 32), (2, 4, 8)),
         "the shear strain jumps from ply to ply as the moduli do; the shell's is constant through all plies",
         exact=bending.plate_exact,
-        variants=(FULL_3D, REISSNER, TWO_A_PLY, THREE_A_PLY),
+        variants=(bodies.FULL_3D, bodies.REISSNER, bodies.TWO_A_PLY, bodies.THREE_A_PLY),
     ),
     Case(
         *("crushed ring", "ring", "h/R", (0.03, 0.1, 0.2, 0.3, 0.42)),
         *(pressed.ring_shell, pressed.ring_solid, (8, 16, 32, 64), (8, 16, 32)),
         "the parabola of the shear for the most part; the rest is that of the curved bar, and the dent under the plate",
-        variants=(REISSNER, *INSIDE),
+        variants=(bodies.REISSNER, *INSIDE),
     ),
     Case(
         *("strip on an obstacle", "strip-contact", "h/a", (0.03, 0.1, 0.2, 0.35, 0.5)),
         *(pressed.strip_shell, pressed.strip_solid, (16, 32, 64, 128), (8, 16, 32)),
         "the parabola of the shear, and the edge of the contact, where pressure squeezes the wall",
-        variants=(REISSNER, *INSIDE),
+        variants=(bodies.REISSNER, *INSIDE),
     ),
     Case(
         *("pressed tyre", "tyre", "h/R", (0.03, 0.096, 0.2, 0.35)),
         *(pressed.tyre_shell, pressed.tyre_solid, (14, 28, 56, 84), (14, 28)),
         "the growth as that of the inflated wall; the force is mostly the pressure inside, which both carry alike",
         orders=(2.0, 2.0),
-        variants=(MIDDLE, THREE),
+        variants=(bodies.MIDDLE, bodies.THREE),
     ),
 )
 

@@ -5,8 +5,6 @@ Under pressure the displacement is nearly uniform through the thickness; what th
 A shell has one stretch of its director for that.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Cantilever under end shear: Sze, Liu, Lo (2004), section 3.1; the exact answer is the inextensible elastica."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -12,8 +10,7 @@ from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import BEAM, BENCHMARKS, FULL, LONG, ROTATIONS, Ladder, ShellLimit, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import LOAD_FRACTIONS, Reading, StaticModel, edge_forces
@@ -58,21 +55,21 @@ def _references() -> tuple[Reference, ...]:
     return exact + tuple(replace(reference, uncertainty=SZE_ERROR / reference.value) for reference in read)
 
 
-class Cantilever:
+class Cantilever(Declared):
     """A strip clamped at a1 = 0, sheared at a1 = L."""
 
-    name: str = "cantilever"
-    title: str = "Cantilever under end shear (Sze 3.1)"
-    default_mesh: tuple[int, int] = (16, 1)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = TIP
-    ladders: tuple[Ladder, ...] = (
+    name = "cantilever"
+    title = "Cantilever under end shear (Sze 3.1)"
+    default_mesh = (16, 1)
+    settings = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = TIP
+    ladders = (
         # nothing varies across, nu = 0; coarser, two errors of different order take turns
         Ladder(ROTATIONS, LONG, tuple(TIP), settings=FULL),
         Ladder(BENCHMARKS, ("16x1", "32x2", "64x4"), ("tip_shortening_mm", "tip_deflection_mm")),
     )
-    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(L, H))
+    shell_limit = ShellLimit(BEAM, thickness_over(L, H))
 
     def build(self, request: Request) -> SceneModel:
         """Half of the shear on each face, shared by the nodes as a uniform edge load."""
@@ -81,4 +78,4 @@ class Cantilever:
         return StaticModel.of(request, strip, tip_motion(strip, tip), forces=edge_forces(strip, 0, L, P_MAX))
 
 
-SCENES: tuple[Scene, ...] = (Cantilever(),)
+SCENES = (Cantilever(),)

@@ -1,8 +1,5 @@
 """Hemisphere with an 18 degree hole under four radial point loads: Sze, Liu, Lo (2004), section 3.4."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -21,8 +18,7 @@ from studies.ask.declarations import (
     meshes,
     thickness_over,
 )
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Request, SceneModel
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, discretise, even_grid
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
@@ -37,27 +33,27 @@ FILE = "sze2004_3.4_hemisphere_18deg_hole.csv"
 SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.4 (S4R)"
 
 
-class Hemisphere:
+class Hemisphere(Declared):
     """A quarter with two symmetry planes; the hole and the equator are free."""
 
-    name: str = "hemisphere"
-    title: str = "Hemisphere with an 18 degree hole (Sze 3.4)"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 2e-3, {"outward_mm": (1, 1), "inward_mm": (2, 1)})
-    quantities: Mapping[str, str] = {
+    name = "hemisphere"
+    title = "Hemisphere with an 18 degree hole (Sze 3.4)"
+    default_mesh = (16, 16)
+    settings = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
+    references = tabulated(FILE, SOURCE, 2e-3, {"outward_mm": (1, 1), "inward_mm": (2, 1)})
+    quantities = {
         "outward_mm": "outwards under the force that pulls, at a1 = a2 = 0, mean of both faces",
         "inward_mm": "inwards under the force that pushes, at a1 = 0, a2 = 90 degrees, mean of both faces",
     }
-    ladders: tuple[Ladder, ...] = (  # two families with one limit: components or positions interpolated
+    ladders = (  # two families with one limit: components or positions interpolated
         LADDER,
         replace(
             LADDER, name="hemisphere-isoparametric", settings={**LADDER.settings, "interpolation": "isoparametric"}
         ),
         Ladder(BENCHMARKS, meshes(16, 16, 3), ("outward_mm", "inward_mm")),
     )
-    sheet: Sheet = Sheet(azimuth=28.0, elevation=24.0)
-    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+    sheet = Sheet(azimuth=28.0, elevation=24.0)
+    shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Outward pull at a2 = 0, inward push at a2 = 90 degrees, half on each face."""
@@ -74,4 +70,4 @@ class Hemisphere:
         return StaticModel.of(request, quarter, under_loads, forces=forces)
 
 
-SCENES: tuple[Scene, ...] = (Hemisphere(),)
+SCENES = (Hemisphere(),)

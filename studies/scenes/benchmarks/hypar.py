@@ -5,19 +5,13 @@ of elements of order four, as read in FinEtoolsFlexStructures, in m and Pa there
 Source: Bathe, Iosilevich, Chapelle, Comput. Struct. 75 (2000) 1-30, table 2.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
+from studies.ask.scene import Reference, Request, SceneModel, Setting, Sheet
 from studies.scenes.benchmarks.quads import SETTINGS, MappedShell, OnQuads
 from studies.scenes.data import reference_rows
 from studies.scenes.element import centred_laminate
@@ -52,19 +46,19 @@ def _supports(free: Supports, square: Grid) -> Supports:
 class Hypar(OnQuads):
     """The half y >= 0 with a plane of symmetry at y = 0: s along x from the clamp, t along y."""
 
-    name: str = "hypar"
-    title: str = "Hyperbolic paraboloid clamped along one edge, under its weight (Bathe, Iosilevich, Chapelle)"
-    default_mesh: tuple[int, int] = (48, 24)
-    settings: tuple[Setting, ...] = (
+    name = "hypar"
+    title = "Hyperbolic paraboloid clamped along one edge, under its weight (Bathe, Iosilevich, Chapelle)"
+    default_mesh = (48, 24)
+    settings = (
         Setting("t_over_L", 0.01, "thickness over the side of the square", low=1e-5, high=0.1),
         *SETTINGS,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    references = _references()
+    quantities = {
         "tip_deflection_mm": "downwards in the middle of the free edge x = 1/2",
         "strain_energy": "half of the work of the weight on the whole shell [N mm], the strain energy if it is linear",
     }
-    sheet: Sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
+    sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
         """The weight on the area of the middle surface, half on each face."""
@@ -86,4 +80,4 @@ class Hypar(OnQuads):
         return StaticModel.of(request, shell.body, read, forces=weight)
 
 
-SCENES: tuple[Scene, ...] = (Hypar(),)
+SCENES = (Hypar(),)

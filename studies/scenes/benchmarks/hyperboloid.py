@@ -6,9 +6,6 @@ the other three halves, 30 %. Both have one-dimensional solutions (:mod:`studies
 formulation and what is mesh is known. At t/R = 1 the solid, too, is solved: two faces are 3 % off it, Mindlin's 46 %.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +13,7 @@ import numpy as np
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
 from studies.ask.declarations import LINEAR, Ladder, Sheet, meshes
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
 from studies.scenes.element import LINES, ShearCorrected, patch
@@ -83,23 +79,23 @@ LADDERS = tuple(
 )
 
 
-class FreeHyperboloid:
+class FreeHyperboloid(Declared):
     """An eighth: a1 = z from the waist to the free end, a2 a quarter of the circle; lines are closer at the end."""
 
-    name: str = "free-hyperboloid"
-    title: str = "Hyperboloid with free ends under p cos 2 phi (Lee, Bathe)"
-    default_mesh: tuple[int, int] = (32, 32)
-    settings: tuple[Setting, ...] = (
+    name = "free-hyperboloid"
+    title = "Hyperboloid with free ends under p cos 2 phi (Lee, Bathe)"
+    default_mesh = (32, 32)
+    settings = (
         THICKNESS,
         LOAD_FRACTION,
         replace(LINES, default="edges"),  # a free end has a layer of the width sqrt(R t), and one of the width t in it
         replace(SHEAR, default=REISSNER),
         *OTHERS,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {"w_waist_mm": "outwards at the waist, a1 = a2 = 0"}
-    ladders: tuple[Ladder, ...] = LADDERS
-    sheet: Sheet = Sheet(azimuth=25.0, elevation=22.0)
+    references = _references()
+    quantities = {"w_waist_mm": "outwards at the waist, a1 = a2 = 0"}
+    ladders = LADDERS
+    sheet = Sheet(azimuth=25.0, elevation=22.0)
 
     def build(self, request: Request) -> SceneModel:
         """p on the area of the middle surface, half on each face, outwards at a2 = 0.
@@ -124,4 +120,4 @@ class FreeHyperboloid:
         return StaticModel.of(request, eighth, at_waist, forces=area_load(eighth, pressure))
 
 
-SCENES: tuple[Scene, ...] = (FreeHyperboloid(),)
+SCENES = (FreeHyperboloid(),)

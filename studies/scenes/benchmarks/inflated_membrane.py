@@ -11,9 +11,7 @@ deflection of 2.5 radii the wall thins to a fortieth. From 1.5 radii on elements
 and the word on stability is that it was not counted.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -26,8 +24,7 @@ from formulations.geometry.surfaces import annulus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Begun, Reference, Scene, SceneModel, Setting, Stage, UsageError
+from studies.ask.scene import SOLVER, Begun, Declared, Reference, Request, SceneModel, Setting, Stage, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
@@ -50,20 +47,20 @@ def _references() -> tuple[Reference, ...]:
     return references("read", CODE_ASTER, 2e-3, rows)
 
 
-class Membrane:
+class Membrane(Declared):
     """A strip of the disc, a1 from the centre to the edge."""
 
-    name: str = "inflated-membrane"
-    title: str = "Flat circular rubber membrane blown up"
-    default_mesh: tuple[int, int] = (80, 1)
-    settings: tuple[Setting, ...] = (
+    name = "inflated-membrane"
+    title = "Flat circular rubber membrane blown up"
+    default_mesh = (80, 1)
+    settings = (
         replace(LOAD_FRACTIONS, default=(0.1, *READ), help="pressures over 0.001 MPa, or volumes over half a sphere's"),
         Setting.one_of("control", ("pressure", "volume"), "pressure", "which of both is given"),
         *of_wall("3", "neo-hooke"),
         SOLVER,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {"w_centre_mm": "deflection at the centre", "pressure_MPa": "pressure inside"}
+    references = _references()
+    quantities = {"w_centre_mm": "deflection at the centre", "pressure_MPa": "pressure inside"}
 
     def build(self, request: Request) -> SceneModel:
         """Pressure on the middle surface, as that of a membrane."""
@@ -127,4 +124,4 @@ class FilledMembrane(MembraneModel):
         return super()._displacements(u[:-1], float(u[-1]) / RADIUS)
 
 
-SCENES: tuple[Scene, ...] = (Membrane(),)
+SCENES = (Membrane(),)

@@ -6,10 +6,6 @@ deflections, recalled, are these to the last digit. As for Pagano's plate two fa
 Three surfaces a ply are enough from S = 10 on; at S = 2 four leave 0.4 % of the deflection and 4 % of the stresses.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
@@ -17,8 +13,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S13, S23, WallStresses
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Request, SceneModel, Setting
 from studies.scenes.benchmarks.pagano import DEFLECTION, E_L, E_T, G_LT, G_TT, NU, H
 from studies.scenes.closed_forms.elasticity import through_wall
 from studies.scenes.data import references
@@ -45,21 +40,19 @@ def _normalised(S: float, p0: float, w: float, *stresses: float) -> dict[str, fl
     return dict(zip(NAMES, map(float, 10 / p0 * unit * [w, *stresses]), strict=False))
 
 
-class LaminatedCylinder:
+class LaminatedCylinder(Declared):
     """An eighth of a wave: a1 = x from a support to the middle, a2 from a line at rest to a crest."""
 
-    name: str = "laminated-cylinder"
-    title: str = "Cross-ply cylinder under sinusoidal pressure inside (Varadan, Bhaskar 1991)"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (
+    name = "laminated-cylinder"
+    title = "Cross-ply cylinder under sinusoidal pressure inside (Varadan, Bhaskar 1991)"
+    default_mesh = (16, 16)
+    settings = (
         Setting("S", 10.0, "radius of the middle surface over thickness, R/h", low=1, high=1000),
         *of_wall("3/ply", "svk", SURFACES),
         SOLVER,
     )
-    references: tuple[Reference, ...] = references(
-        "exact", "elasticity from ply to ply", 1e-5, [({"S": S}, exact(S)) for S in RATIOS]
-    )
-    quantities: Mapping[str, str] = {
+    references = references("exact", "elasticity from ply to ply", 1e-5, [({"S": S}, exact(S)) for S in RATIOS])
+    quantities = {
         "w_bar": "10 E_L w/(p0 h S^4), w of the middle surface on a crest in the middle of the cylinder",
         "sigma_theta_inner_bar": "10 sigma_theta/(p0 S^2) on the inner face there",
         "sigma_theta_outer_bar": "10 sigma_theta/(p0 S^2) on the outer face there",
@@ -104,4 +97,4 @@ def _read(shell: ShellModel, u: np.ndarray, S: float, p0: float) -> dict[str, fl
     return found | {name: float(10 * tau / (p0 * S)) for name, tau in zip(names, balanced, strict=True)}
 
 
-SCENES: tuple[Scene, ...] = (LaminatedCylinder(),)
+SCENES = (LaminatedCylinder(),)

@@ -7,10 +7,6 @@ stress is 2.4 % larger, in a wall of two faces 1 %. Between sides that do not mo
 strain, and a series gives all. The ends that hang over the supports carry nothing and are left out.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.conditions.boundary import Supports
@@ -19,8 +15,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S13, WallStresses
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.data import references
 from studies.scenes.element import discretise, even_grid, of_wall
 from studies.scenes.statics import LOAD_FRACTION, StaticModel, edge_shares
@@ -47,20 +42,20 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
-class LaminatedStrip:
+class LaminatedStrip(Declared):
     """A quarter: a1 from a support to the load, a2 from the middle of the strip to a side; the load pushes along -z."""
 
-    name: str = "laminated-strip"
-    title: str = "Laminated strip in three-point bending (NAFEMS R0031/1)"
-    default_mesh: tuple[int, int] = (40, 2)
-    settings: tuple[Setting, ...] = (
+    name = "laminated-strip"
+    title = "Laminated strip in three-point bending (NAFEMS R0031/1)"
+    default_mesh = (40, 2)
+    settings = (
         LOAD_FRACTION,
         Setting.one_of("sides", SIDES, "free", "of the strip: free, or without motion across it"),
         *of_wall("3/ply", "svk", SURFACES),
         SOLVER,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    references = _references()
+    quantities = {
         "sigma_MPa": "stress along the strip under the load on the lower face, from the two elements before it",
         "tau_MPa": "shear stress between the lowest two plies, midway from the support to the load",
         "tau_equilibrium_MPa": "the same by equilibrium",
@@ -104,4 +99,4 @@ def _read(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
     return found | {"tau_MPa": by_law, "tau_equilibrium_MPa": by_equilibrium}
 
 
-SCENES: tuple[Scene, ...] = (LaminatedStrip(),)
+SCENES = (LaminatedStrip(),)

@@ -7,10 +7,6 @@ law, the transverse shears from the equilibrium of each ply, since a constant sh
 stress. With surfaces inside the wall all are those of the law, the shears by equilibrium as well.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.geometry.surfaces import Plate
@@ -19,8 +15,7 @@ from formulations.section.sampling import BETWEEN_FACES
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S11, S13, S23, WallStresses
 from studies.ask.declarations import LINEAR, Ladder, ShellLimit, meshes
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import centred_laminate, patch, surfaces_of
 from studies.scenes.statics import SHELL_SETTINGS, StaticModel, area_load, elements_at, loaded_shell
@@ -63,20 +58,20 @@ def _references() -> tuple[Reference, ...]:
     return references("read", source, 5e-3, rows) + references("computed", layerwise, 1e-5, square)
 
 
-class Pagano:
+class Pagano(Declared):
     """A quarter: a1 = x in [0, a/2], a2 = y in [0, b/2]; the pressure pushes on the outer face along +z."""
 
-    name: str = "pagano"
-    title: str = "Simply supported cross-ply plate under a sinusoidal pressure (Pagano 1970)"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (
+    name = "pagano"
+    title = "Simply supported cross-ply plate under a sinusoidal pressure (Pagano 1970)"
+    default_mesh = (16, 16)
+    settings = (
         Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000),
         Setting("aspect", 3.0, "width over span, b/a", low=0.1, high=10),
         Setting("E_ratio", E_L / E_T, "modulus along the fibres over that across them, 1 MPa", low=1, high=1e9),
         *SHELL_SETTINGS,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    references = _references()
+    quantities = {
         "w_bar": "100 E_T w/(q0 h S^4), w at the middle of the plate",
         "sigma_x_bar": "sigma_x/(q0 S^2) on the upper face at the middle of the plate",
         "tau_xz_bar": "tau_xz/(q0 S) in the middle plane at x = 0, y = b/2",
@@ -84,11 +79,11 @@ class Pagano:
         "tau_xz_bar_equilibrium": "the same by equilibrium, with surfaces inside the wall",
         "tau_yz_bar_equilibrium": "the same by equilibrium, with surfaces inside the wall",
     }
-    ladders: tuple[Ladder, ...] = tuple(
+    ladders = tuple(
         Ladder(LINEAR, meshes(8, 8), ("w_bar", "sigma_x_bar"), "linear", {"S": S}, name=f"pagano-S{S}")
         for S in ("10", "100")
     )
-    shell_limit: ShellLimit = ShellLimit("cross-ply plate", lambda settings: 1 / settings.number("S"))
+    shell_limit = ShellLimit("cross-ply plate", lambda settings: 1 / settings.number("S"))
 
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face; nothing moves in the planes x = 0 and y = 0.
@@ -191,4 +186,4 @@ def _shear_at_middle(laminate: Laminate, divergence: np.ndarray) -> float:
     return float(-(below + half))
 
 
-SCENES: tuple[Scene, ...] = (Pagano(),)
+SCENES = (Pagano(),)

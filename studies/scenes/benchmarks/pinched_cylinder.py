@@ -5,8 +5,6 @@ with it: a point load sinks in by P/(2 pi G t) for every e-fold of mesh refineme
 P/(2 pi r)), which is 0.25 % of the reference. With ``shear_correction`` 1000 the shell is one of Kirchhoff and has one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
@@ -14,8 +12,7 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from studies.ask.declarations import BENT, LINEAR, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
+from studies.ask.scene import Declared, Reference, Request, SceneModel
 from studies.scenes.element import centred_laminate, patch
 from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, normal_at, normal_forces
 
@@ -26,20 +23,18 @@ AT: Mapping[str, float | str] = {"load_fraction": 1.0, "measure": "linear"}
 SOURCE = "Lindberg, Olson, Cowper (1969), in FinEtoolsFlexStructures; 164.24 P/(E t) in opensees-gallery"
 
 
-class PinchedCylinder:
+class PinchedCylinder(Declared):
     """An eighth: a1 from the loaded section to the diaphragm, a2 from the force over 90 degrees."""
 
-    name: str = "pinched-cylinder"
-    title: str = "Pinched cylinder with end diaphragms"
-    default_mesh: tuple[int, int] = (32, 32)
-    settings: tuple[Setting, ...] = (LOAD_FRACTION, *SHELL_SETTINGS)
-    references: tuple[Reference, ...] = (Reference("deflection_mm", 1.82488e-5, AT, "read", SOURCE, 0.005),)
-    quantities: Mapping[str, str] = {"deflection_mm": "inwards under the force, a1 = a2 = 0"}
-    ladders: tuple[Ladder, ...] = (
-        Ladder(LINEAR, meshes(8, 8), ("deflection_mm",), "linear", {"shear_correction": "1000"}),
-    )
-    sheet: Sheet = Sheet("x", 35.0, 24.0)
-    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+    name = "pinched-cylinder"
+    title = "Pinched cylinder with end diaphragms"
+    default_mesh = (32, 32)
+    settings = (LOAD_FRACTION, *SHELL_SETTINGS)
+    references = (Reference("deflection_mm", 1.82488e-5, AT, "read", SOURCE, 0.005),)
+    quantities = {"deflection_mm": "inwards under the force, a1 = a2 = 0"}
+    ladders = (Ladder(LINEAR, meshes(8, 8), ("deflection_mm",), "linear", {"shear_correction": "1000"}),)
+    sheet = Sheet("x", 35.0, 24.0)
+    shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""
@@ -51,4 +46,4 @@ class PinchedCylinder:
         return StaticModel.of(request, eighth, under_load, forces=normal_forces(eighth.grid, {loaded: -P / 4}))
 
 
-SCENES: tuple[Scene, ...] = (PinchedCylinder(),)
+SCENES = (PinchedCylinder(),)

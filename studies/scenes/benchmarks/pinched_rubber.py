@@ -12,17 +12,12 @@ five within 0.3 %. Elements much longer than wide have modes of their own on the
 mesh is of squares.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.data import Row, references
 from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces
@@ -42,20 +37,20 @@ def _references() -> tuple[Reference, ...]:
     return references("computed", OF_SOLID, 2e-3, rows)
 
 
-class PinchedRubber:
+class PinchedRubber(Declared):
     """An eighth: a1 from mid-length to the free end, a2 from the load to the side."""
 
-    name: str = "pinched-rubber"
-    title: str = "Rubber cylinder pinched by two line loads"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (
+    name = "pinched-rubber"
+    title = "Rubber cylinder pinched by two line loads"
+    default_mesh = (16, 16)
+    settings = (
         LOAD_FRACTIONS,
         Setting("h_mm", THICK, "thickness; the load goes with its cube", low=0.5, high=60),
         *of_wall("5", "neo-hooke"),
         SOLVER,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    references = _references()
+    quantities = {
         "approach_mm": "of the loaded lines at mid-length, in the middle of the wall",
         "bulge_mm": "outwards at mid-length on the side, in the middle of the wall",
     }
@@ -76,4 +71,4 @@ class PinchedRubber:
         return StaticModel.of(request, eighth, read, forces=edge_forces(eighth, 1, 0.0, force))
 
 
-SCENES: tuple[Scene, ...] = (PinchedRubber(),)
+SCENES = (PinchedRubber(),)

@@ -13,8 +13,6 @@ Sources: the first three derived here; the torus e.g. Timoshenko, Woinowsky-Krie
 section 108.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -26,8 +24,7 @@ from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CLOSED, FULL, LONG, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
@@ -106,13 +103,13 @@ def _inflated(request: Request, surface: Surface, length: float, edges: Sequence
     return StaticModel.of(request, sector, uniform, pressure=pressure)
 
 
-class PressurisedCylinder:
+class PressurisedCylinder(Declared):
     """A sector of the circle, a1 along the axis: the length is fixed, or one end is free to move."""
 
-    name: str = "pressurised-cylinder"
-    title: str = "Cylinder under follower pressure (St. Venant-Kirchhoff membrane)"
-    default_mesh: tuple[int, int] = (2, 4)
-    settings: tuple[Setting, ...] = (
+    name = "pressurised-cylinder"
+    title = "Cylinder under follower pressure (St. Venant-Kirchhoff membrane)"
+    default_mesh = (2, 4)
+    settings = (
         LOAD_FRACTIONS,
         Setting.one_of("ends", ("fixed", "open"), "fixed", "ends of the cylinder, held or free along it"),
         THICKNESS,
@@ -120,17 +117,17 @@ class PressurisedCylinder:
         *ELEMENT,
         SOLVER,
     )
-    references: tuple[Reference, ...] = (
+    references = (
         *_references({"ends": "fixed"}, fixed_cylinder_stretch, fixed_cylinder_load(LARGEST), NU / (1 - NU)),
         *_references({"ends": "open"}, open_cylinder_stretch, open_cylinder_load(LARGEST), NU),
     )
-    quantities: Mapping[str, str] = WALL
-    ladders: tuple[Ladder, ...] = tuple(
+    quantities = WALL
+    ladders = tuple(
         Ladder(CLOSED, meshes(2, 4), tuple(WALL), settings={**FULL, "ends": ends}, name=f"pressurised-cylinder-{ends}")
         for ends in ("fixed", "open")
     )
-    sheet: Sheet = Sheet("x", 40.0, 28.0, mesh="8x16")
-    shell_limit: ShellLimit = ShellLimit("inflated tube", thickness_over(RADIUS, "h_mm"))
+    sheet = Sheet("x", 40.0, 28.0, mesh="8x16")
+    shell_limit = ShellLimit("inflated tube", thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """Length of half a radius."""
@@ -142,18 +139,18 @@ class PressurisedCylinder:
         return _inflated(request, cylinder(RADIUS), RADIUS / 2, edges, load(LARGEST))
 
 
-class PressurisedSphere:
+class PressurisedSphere(Declared):
     """A piece from the equator up, 30 by 30 degrees; the motion is radial, so every edge slides in its cone."""
 
-    name: str = "pressurised-sphere"
-    title: str = "Sphere under follower pressure (St. Venant-Kirchhoff membrane)"
-    default_mesh: tuple[int, int] = (4, 4)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, THICKNESS, AREA, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
-    quantities: Mapping[str, str] = WALL
-    ladders: tuple[Ladder, ...] = (Ladder(CLOSED, meshes(2, 2), tuple(WALL), settings=FULL),)
-    sheet: Sheet = Sheet("x", 40.0, 28.0, mesh="8x8")
-    shell_limit: ShellLimit = ShellLimit("inflated sphere", thickness_over(RADIUS, "h_mm"))
+    name = "pressurised-sphere"
+    title = "Sphere under follower pressure (St. Venant-Kirchhoff membrane)"
+    default_mesh = (4, 4)
+    settings = (LOAD_FRACTIONS, THICKNESS, AREA, *ELEMENT, SOLVER)
+    references = _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
+    quantities = WALL
+    ladders = (Ladder(CLOSED, meshes(2, 2), tuple(WALL), settings=FULL),)
+    sheet = Sheet("x", 40.0, 28.0, mesh="8x8")
+    shell_limit = ShellLimit("inflated sphere", thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """No rigid motion is left."""
@@ -188,30 +185,30 @@ def _named(place: str, resultants: Sequence[float] | np.ndarray) -> dict[str, fl
     return {f"N_{name}_{place}_N_per_mm": float(N) for name, N in zip(("phi", "theta"), resultants, strict=True)}
 
 
-class PressurisedTorus:
+class PressurisedTorus(Declared):
     """Half a meridian, outer to inner equator, over a sector of 10 degrees; four symmetry planes."""
 
-    name: str = "pressurised-torus"
-    title: str = "Torus under pressure (linear membrane resultants)"
-    default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (
+    name = "pressurised-torus"
+    title = "Torus under pressure (linear membrane resultants)"
+    default_mesh = (64, 1)
+    settings = (
         replace(LOAD_FRACTIONS, default=(1.0,), help="fractions of the pressure to report"),
         THICKNESS,
         AREA,
         *ELEMENT,
         SOLVER,
     )
-    references: tuple[Reference, ...] = _torus_references()
-    quantities: Mapping[str, str] = {
+    references = _torus_references()
+    quantities = {
         name: f"membrane resultant {along}, sum of both faces, at the {place}{'' if place == 'crown' else ' equator'}"
         for place in PLACES
         for name, along in zip(_named(place, (0, 0)), ("along the meridian", "around the axis"), strict=True)
     }
-    ladders: tuple[Ladder, ...] = (  # one element around the axis: nothing varies there
+    ladders = (  # one element around the axis: nothing varies there
         Ladder(CLOSED, LONG, tuple(name for place in ("crown", "inner") for name in _named(place, (0, 0)))),
     )
-    sheet: Sheet = Sheet(azimuth=-62.0, elevation=22.0, mesh="64x4")
-    shell_limit: ShellLimit = ShellLimit("inflated torus", thickness_over(TUBE, "h_mm"))
+    sheet = Sheet(azimuth=-62.0, elevation=22.0, mesh="64x4")
+    shell_limit = ShellLimit("inflated torus", thickness_over(TUBE, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
         """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""
@@ -253,4 +250,4 @@ def _cubic(x: np.ndarray) -> np.ndarray:
     return np.array([np.prod(np.delete(x, k) / (np.delete(x, k) - own)) for k, own in enumerate(x)])
 
 
-SCENES: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
+SCENES = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())

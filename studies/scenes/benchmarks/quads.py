@@ -18,11 +18,12 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.surfaces import NodalSurface
 from formulations.section.laminate import Laminate
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, Value
-from studies.ask.scene import SOLVER, Setting, UsageError
+from studies.ask.scene import SOLVER, Declared, SceneModel, Setting, UsageError
 from studies.scenes.element import LINES, ON_QUADS, check_wall, even_grid
-from studies.scenes.statics import LOAD_FRACTION
+from studies.scenes.statics import LOAD_FRACTION, StaticModel
 
 SHEAR = Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4)
 SETTINGS = (LINES, LOAD_FRACTION, SHEAR, *ON_QUADS, SOLVER)
@@ -30,10 +31,9 @@ Map = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (s, t) -> positions (...
 STEP = 1e-6  # of the central differences of the map; their error is of the order of 1e-11 of its size
 
 
-class OnQuads:
+class OnQuads(Declared):
     """A scene of this family."""
 
-    name: str
     lines_of_curvature: bool = False  # whether it may be put on these, too
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
@@ -109,6 +109,17 @@ class MappedShell:
     def mean_motion(self, u: np.ndarray, nodes: np.ndarray | int) -> np.ndarray:
         """(3,) displacement of some nodes, the mean over them and both faces."""
         return np.mean([face[np.atleast_1d(nodes)].mean(axis=0) for face in self.body.cartesian(u)], axis=0)
+
+
+def pulled_strip(request: Request, mapped: Map, wall: Laminate, axis: int, force: float) -> SceneModel:
+    """Clamped at s = 0, a dead force [N] along x, y or z on s = 1, half on each face; its end is read along that."""
+    strip = MappedShell.of(request, mapped, wall, lambda supports, square: supports.clamped(square.on_line(0, 0.0)))
+    tip = strip.square.on_line(0, 1.0)
+
+    def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+        return {"tip_deflection_mm": float(strip.mean_motion(u, tip)[axis])}
+
+    return StaticModel.of(request, strip.body, at_tip, forces=strip.edge_forces(0, 1.0, force * np.eye(3)[axis]))
 
 
 def _tangents(mapped: Map, s: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,20 +9,14 @@ Source: Knight, AIAA J. 35 (1997) 1281-1285; 5.022 by solids of 20 nodes and 5.0
 FinEtoolsFlexStructures.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
 
 from formulations.section.laminate import Ply
-from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.quads import SETTINGS, MappedShell, OnQuads
+from studies.ask.scene import Reference, Request, SceneModel, Sheet
+from studies.scenes.benchmarks.quads import SETTINGS, OnQuads, pulled_strip
 from studies.scenes.element import centred_laminate
-from studies.scenes.statics import StaticModel
 
 E, NU, H, WIDTH = 3300.0, 0.35, 2.0, 20.0  # MPa, -, mm, mm
 RADII, ANGLES = (14.0, 46.0), np.deg2rad([60.0, 150.0])
@@ -45,26 +39,18 @@ def hook(s: np.ndarray, t: np.ndarray) -> np.ndarray:
 class RaaschHook(OnQuads):
     """s from the clamp along both arcs by their angle, t along z; 7 elements, or a multiple, meet where arcs do."""
 
-    name: str = "raasch-hook"
-    title: str = "Raasch's hook under a shear force at its end"
-    default_mesh: tuple[int, int] = (56, 8)
-    settings: tuple[Setting, ...] = SETTINGS
-    references: tuple[Reference, ...] = (Reference("tip_deflection_mm", 5.02201, AT, "read", SOLID, 0.01),)
-    quantities: Mapping[str, str] = {
-        "tip_deflection_mm": "along the width (z), mean over the loaded end and both faces"
-    }
-    sheet: Sheet = Sheet(azimuth=-60.0, elevation=35.0, listed=False)
+    name = "raasch-hook"
+    title = "Raasch's hook under a shear force at its end"
+    default_mesh = (56, 8)
+    settings = SETTINGS
+    references = (Reference("tip_deflection_mm", 5.02201, AT, "read", SOLID, 0.01),)
+    quantities = {"tip_deflection_mm": "along the width (z), mean over the loaded end and both faces"}
+    sheet = Sheet(azimuth=-60.0, elevation=35.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
         """The force is spread over the end, half on each face."""
         wall = centred_laminate(request, Ply.isotropic(E, NU, H))
-        strip = MappedShell.of(request, hook, wall, lambda supports, square: supports.clamped(square.on_line(0, 0.0)))
-        tip = strip.square.on_line(0, 1.0)
-
-        def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            return {"tip_deflection_mm": float(strip.mean_motion(u, tip)[2])}
-
-        return StaticModel.of(request, strip.body, at_tip, forces=strip.edge_forces(0, 1.0, (0.0, 0.0, FORCE)))
+        return pulled_strip(request, hook, wall, 2, FORCE)
 
 
-SCENES: tuple[Scene, ...] = (RaaschHook(),)
+SCENES = (RaaschHook(),)

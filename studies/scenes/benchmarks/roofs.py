@@ -3,8 +3,6 @@
 The load passes two or four limit points, the displacement may turn back: the curve is traced.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,8 +13,7 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import CANCEL, ROOF, SNAP, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, SceneModel, Setting
+from studies.ask.scene import SOLVER, Reference, Request, SceneModel, Setting
 from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, UNTIL, CurveModel, element_size, point_rise
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT, LINES, patch

@@ -18,10 +18,10 @@ from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Surface, cylinder, sphere
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LINEAR, Ogden
+from formulations.section.laws import LINEAR
+from formulations.section.material import Ogden
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import SOLVER, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
 from studies.scenes.data import Row, references
 from studies.scenes.element import discretise, even_grid, of_wall
@@ -144,7 +144,7 @@ class RubberModel(StaticModel):
         return self.measure_at(self.shell.scaled(fraction), u)
 
 
-SCENES: tuple[Scene, ...] = (
+SCENES = (
     Rubber("rubber-tube", "Thick rubber tube blown up", False, _references(of_sphere=False)),
     Rubber("rubber-sphere", "Thick rubber sphere blown up", True, _references(of_sphere=True)),
 )

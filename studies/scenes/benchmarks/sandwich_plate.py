@@ -8,18 +8,13 @@ less: the printed values neglect how much it gets thinner. Two faces have one sh
 stiff faces: they are too stiff by far.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel
 from studies.scenes.data import references
 from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTION, StaticModel, area_load, elements_at
@@ -38,15 +33,15 @@ def _references() -> tuple[Reference, ...]:
     return references("read", nafems, 1e-2, [(at, PRINTED)]) + references("computed", series, 1e-4, [(at, EXACT)])
 
 
-class SandwichPlate:
+class SandwichPlate(Declared):
     """A quarter: a1 = x and a2 = y from the supports to the middle; the pressure pushes on the outer face along -z."""
 
-    name: str = "sandwich-plate"
-    title: str = "Simply supported sandwich plate under pressure (NAFEMS R0031/3)"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (LOAD_FRACTION, *of_wall("2/ply", "svk", SURFACES), SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "sandwich-plate"
+    title = "Simply supported sandwich plate under pressure (NAFEMS R0031/3)"
+    default_mesh = (16, 16)
+    settings = (LOAD_FRACTION, *of_wall("2/ply", "svk", SURFACES), SOLVER)
+    references = _references()
+    quantities = {
         "w_mm": "deflection of the middle surface in the middle of the plate",
         "sigma_x_MPa": "stress along x in the middle of the lower face, in the middle of the plate",
         "sigma_y_MPa": "stress along y there",
@@ -71,4 +66,4 @@ def _read(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
     return dict(zip(PRINTED, map(float, values), strict=True))
 
 
-SCENES: tuple[Scene, ...] = (SandwichPlate(),)
+SCENES = (SandwichPlate(),)

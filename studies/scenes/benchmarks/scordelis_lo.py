@@ -5,8 +5,6 @@ Harder proposed for normalising; 0.30202 is Krysl and Chen's for flat facets; 0.
 isogeometric code, in which the whole equations are solved to convergence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
@@ -15,8 +13,7 @@ from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import LINEAR, ROOF, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
+from studies.ask.scene import Declared, Reference, Request, SceneModel
 from studies.scenes.element import centred_laminate, patch
 from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, area_load
 
@@ -32,20 +29,18 @@ REFERENCES = (
 )
 
 
-class ScordelisLo:
+class ScordelisLo(Declared):
     """A quarter: a1 from a diaphragm to the middle, a2 from the crown (the Cartesian x axis points up) to the edge."""
 
-    name: str = "scordelis-lo"
-    title: str = "Scordelis-Lo roof under its weight"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (LOAD_FRACTION, *SHELL_SETTINGS)
-    references: tuple[Reference, ...] = REFERENCES
-    quantities: Mapping[str, str] = {
-        "edge_deflection_mm": "downwards in the middle of the free edge, a1 = 25 mm, a2 = 40 degrees"
-    }
-    ladders: tuple[Ladder, ...] = (Ladder(LINEAR, meshes(8, 8), ("edge_deflection_mm",), "linear"),)
-    sheet: Sheet = Sheet("x", 40.0, 28.0)
-    shell_limit: ShellLimit = ShellLimit(ROOF, thickness_over(RADIUS, H))
+    name = "scordelis-lo"
+    title = "Scordelis-Lo roof under its weight"
+    default_mesh = (16, 16)
+    settings = (LOAD_FRACTION, *SHELL_SETTINGS)
+    references = REFERENCES
+    quantities = {"edge_deflection_mm": "downwards in the middle of the free edge, a1 = 25 mm, a2 = 40 degrees"}
+    ladders = (Ladder(LINEAR, meshes(8, 8), ("edge_deflection_mm",), "linear"),)
+    sheet = Sheet("x", 40.0, 28.0)
+    shell_limit = ShellLimit(ROOF, thickness_over(RADIUS, H))
 
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""
@@ -61,4 +56,4 @@ class ScordelisLo:
         return StaticModel.of(request, quarter, at_edge, forces=area_load(quarter, lambda a1, a2: WEIGHT * down))
 
 
-SCENES: tuple[Scene, ...] = (ScordelisLo(),)
+SCENES = (ScordelisLo(),)

@@ -1,19 +1,14 @@
 """Clamped semi-cylinder pinched at its free end, isotropic and of two cross-plies: Sze, Liu, Lo (2004), section 3.7."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import BENT, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Reference, Request, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
@@ -43,14 +38,10 @@ class SemiCylinder:
     column: int
     default_mesh: tuple[int, int] = (32, 32)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
-    quantities: ClassVar[Mapping[str, str]] = {
-        "w_A_mm": "inwards under the force, on the crown at the free end, a1 = 304.8 mm, a2 = 0"
-    }
-    ladders: ClassVar[tuple[Ladder, ...]] = (
-        Ladder(ROTATIONS, meshes(12, 12, 3), ("w_A_mm",), coarser=("6x6",), causes={"w_A_mm": COARSE}),
-    )
+    quantities = {"w_A_mm": "inwards under the force, on the crown at the free end, a1 = 304.8 mm, a2 = 0"}
+    ladders = (Ladder(ROTATIONS, meshes(12, 12, 3), ("w_A_mm",), coarser=("6x6",), causes={"w_A_mm": COARSE}),)
 
-    shell_limit: ClassVar[ShellLimit] = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+    shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     @property
     def sheet(self) -> Sheet:
@@ -83,7 +74,7 @@ class SemiCylinder:
         return StaticModel.of(request, half, normal_at(half, {"w_A_mm": (A, -1)}), forces=forces)
 
 
-SCENES: tuple[Scene, ...] = (
+SCENES = (
     SemiCylinder("semicylinder", "isotropic", 1),
     SemiCylinder("semicylinder-0-90-0", "0/90/0", 2),
     SemiCylinder("semicylinder-90-0-90", "90/0/90", 3),

@@ -10,18 +10,13 @@ Rotter's finite rotations 0.563; Budiansky's 0.578 of 1959 is 2.5 % more. Beyond
 symmetry, which a quarter with few elements around cannot show.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import SNAP, Ladder
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
 from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, CurveModel
 from studies.scenes.element import ELEMENT, patch
@@ -64,16 +59,16 @@ def _references() -> tuple[Reference, ...]:
     return tuple(references)
 
 
-class ShallowSphericalCap:
+class ShallowSphericalCap(Declared):
     """A quarter with two symmetry planes; a1 is the latitude, from the clamped base to the hole."""
 
-    name: str = "shallow-cap"
-    title: str = "Clamped shallow spherical cap under pressure"
-    default_mesh: tuple[int, int] = (32, 4)
-    settings: tuple[Setting, ...] = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {"w_apex_mm": "downwards at the edge of the small hole at the apex"}
-    ladders: tuple[Ladder, ...] = (  # nothing varies around the axis
+    name = "shallow-cap"
+    title = "Clamped shallow spherical cap under pressure"
+    default_mesh = (32, 4)
+    settings = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = {"w_apex_mm": "downwards at the edge of the small hole at the apex"}
+    ladders = (  # nothing varies around the axis
         Ladder(SNAP, ("8x2", "16x2", "32x2", "64x2"), ("limit_load_fraction", "limit_w_apex_mm")),
     )
 
@@ -92,4 +87,4 @@ class ShallowSphericalCap:
         return CurveModel.of(request, quarter, at_apex, forces=forces)
 
 
-SCENES: tuple[Scene, ...] = (ShallowSphericalCap(),)
+SCENES = (ShallowSphericalCap(),)

@@ -6,19 +6,13 @@ more, by about (h/a)^0.42: 4.0 % at a/h = 100, 1.5 % at 1000, where no shell of 
 Source: Morley, Skew plates and structures (1963), whose pages were not seen.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import Reference, Request, SceneModel, Setting, Sheet, UsageError
 from studies.scenes.benchmarks.quads import SETTINGS, MappedShell, OnQuads
 from studies.scenes.element import centred_laminate
 from studies.scenes.statics import StaticModel, area_load
@@ -44,19 +38,19 @@ def _supports(free: Supports, square: Grid) -> Supports:
 class MorleySkewPlate(OnQuads):
     """The whole rhombus: s along x, t at 30 degrees to it."""
 
-    name: str = "morley-skew-plate"
-    title: str = "Morley's skew plate under pressure, simply supported"
-    default_mesh: tuple[int, int] = (32, 32)
-    settings: tuple[Setting, ...] = (
+    name = "morley-skew-plate"
+    title = "Morley's skew plate under pressure, simply supported"
+    default_mesh = (32, 32)
+    settings = (
         Setting("a_over_h", 1000.0, "side over thickness", low=10.0, high=1e4),
         *SETTINGS,
     )
-    references: tuple[Reference, ...] = tuple(
+    references = tuple(
         Reference("w_bar", value, {"a_over_h": ratio, "measure": "linear"}, "computed", SOURCE, 0.001)
         for ratio, value in KNOWN.items()
     )
-    quantities: Mapping[str, str] = {"w_bar": "1000 D w/(p a^4) in the middle, D = E h^3/(12 (1 - nu^2))"}
-    sheet: Sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
+    quantities = {"w_bar": "1000 D w/(p a^4) in the middle, D = E h^3/(12 (1 - nu^2))"}
+    sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face, so small that the deflection is 1/1000 of the thickness.
@@ -82,4 +76,4 @@ class MorleySkewPlate(OnQuads):
         return StaticModel.of(request, plate.body, read, forces=load)
 
 
-SCENES: tuple[Scene, ...] = (MorleySkewPlate(),)
+SCENES = (MorleySkewPlate(),)

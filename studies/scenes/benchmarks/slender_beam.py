@@ -8,20 +8,12 @@ faces, and nu^2 G (h/b)^2/(E + (1 - nu^2) G (h/b)^2) = 0.0080 of the flexibility
 Source: MacNeal, Harder, Finite Elem. Anal. Des. 1 (1985) 3-20.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.section.laminate import Ply
-from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.quads import SETTINGS, Map, MappedShell, OnQuads
+from studies.ask.scene import Reference, Request, SceneModel, Setting, Sheet
+from studies.scenes.benchmarks.quads import SETTINGS, Map, OnQuads, pulled_strip
 from studies.scenes.element import LINES, centred_laminate
-from studies.scenes.statics import StaticModel
 
 E, NU, LENGTH, WIDTH, H = 1e7, 0.3, 6.0, 0.2, 0.1  # MPa, -, mm, mm, mm
 G, SIX = E / (2 * (1 + NU)), 6
@@ -58,34 +50,27 @@ def strip(shape: str) -> Map:
 class SlenderBeam(OnQuads):
     """s from the clamp along x, t along y; finer meshes of 6 k elements cut the six into parts."""
 
-    name: str = "slender-beam"
-    title: str = "Slender cantilever on rectangles, trapezoids and parallelograms (MacNeal, Harder)"
-    default_mesh: tuple[int, int] = (SIX, 1)
-    coarsest_mesh: tuple[int, int] = (SIX, 1)
-    settings: tuple[Setting, ...] = (
+    name = "slender-beam"
+    title = "Slender cantilever on rectangles, trapezoids and parallelograms (MacNeal, Harder)"
+    default_mesh = (SIX, 1)
+    coarsest_mesh = (SIX, 1)
+    settings = (
         Setting.one_of("shape", SHAPES, "rectangle", "the shape of its elements"),
         Setting.one_of("load", LOADS, "in-plane", "force of 1 N at the end: along it (x), across (y), or normal (z)"),
         *(setting for setting in SETTINGS if setting is not LINES),
     )
-    references: tuple[Reference, ...] = tuple(
+    references = tuple(
         Reference("tip_deflection_mm", value, {"load": load, "measure": "linear"}, "exact", "Timoshenko's beam", 0.01)
         for load, value in VALUES.items()
     )
-    quantities: Mapping[str, str] = {"tip_deflection_mm": "along the force, mean over the loaded end and both faces"}
-    sheet: Sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
+    quantities = {"tip_deflection_mm": "along the force, mean over the loaded end and both faces"}
+    sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
         """The force is spread over the end, half on each face."""
         axis = LOADS[request.choice("load")]
         wall = centred_laminate(request, Ply.isotropic(E, NU, H))
-        mapped = strip(request.choice("shape"))
-        beam = MappedShell.of(request, mapped, wall, lambda supports, square: supports.clamped(square.on_line(0, 0.0)))
-        tip = beam.square.on_line(0, 1.0)
-
-        def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            return {"tip_deflection_mm": float(beam.mean_motion(u, tip)[axis])}
-
-        return StaticModel.of(request, beam.body, at_tip, forces=beam.edge_forces(0, 1.0, np.eye(3)[axis]))
+        return pulled_strip(request, strip(request.choice("shape")), wall, axis, 1.0)
 
 
-SCENES: tuple[Scene, ...] = (SlenderBeam(),)
+SCENES = (SlenderBeam(),)

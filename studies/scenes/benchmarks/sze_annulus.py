@@ -1,16 +1,11 @@
 """Slit annular plate lifted along one side of the slit: Sze, Liu, Lo (2004), section 3.3."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.geometry.surfaces import annulus
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import BEAM, EDGES, ROTATIONS, Ladder, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Request, SceneModel
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces, normal_at
@@ -23,22 +18,20 @@ FILE = "sze2004_3.3_slit_annular_plate.csv"
 SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.3 (S4R, 10x80)"
 
 
-class SlitAnnulus:
+class SlitAnnulus(Declared):
     """The whole turn: a2 = 0 is loaded, a2 = 360 degrees clamped; A is the inner, B the outer corner of the load."""
 
-    name: str = "sze-annulus"
-    title: str = "Slit annular plate lifted at the slit (Sze 3.3)"
-    default_mesh: tuple[int, int] = (10, 80)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "w_B_mm": (2, 1)})
-    quantities: Mapping[str, str] = {
+    name = "sze-annulus"
+    title = "Slit annular plate lifted at the slit (Sze 3.3)"
+    default_mesh = (10, 80)
+    settings = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
+    references = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "w_B_mm": (2, 1)})
+    quantities = {
         "w_A_mm": "across the plate at the inner corner of the loaded side, a1 = 6 mm, a2 = 0",
         "w_B_mm": "across the plate at the outer corner of the loaded side, a1 = 10 mm, a2 = 0",
     }
-    ladders: tuple[Ladder, ...] = (
-        Ladder(ROTATIONS, meshes(10, 80, 3), ("w_B_mm", "w_A_mm"), settings=EDGES, coarser=("5x40",)),
-    )
-    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(OUTER - INNER, H), same=False)
+    ladders = (Ladder(ROTATIONS, meshes(10, 80, 3), ("w_B_mm", "w_A_mm"), settings=EDGES, coarser=("5x40",)),)
+    shell_limit = ShellLimit(BEAM, thickness_over(OUTER - INNER, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the line force on each face, along e3."""
@@ -49,4 +42,4 @@ class SlitAnnulus:
         return StaticModel.of(request, plate, normal_at(plate, corners), forces=forces)
 
 
-SCENES: tuple[Scene, ...] = (SlitAnnulus(),)
+SCENES = (SlitAnnulus(),)

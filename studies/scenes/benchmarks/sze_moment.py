@@ -1,16 +1,11 @@
 """Cantilever rolled up by an end couple that follows its section: Sze, Liu, Lo (2004), section 3.2."""
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Ply
 from studies.ask.declarations import BEAM, ROTATIONS, Ladder, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel
 from studies.scenes.benchmarks.cantilever import TIP, clamped_strip, tip_motion, tip_row
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT
@@ -40,21 +35,21 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
-class RolledCantilever:
+class RolledCantilever(Declared):
     """A strip clamped at a1 = 0; the couple at a1 = L keeps its moment and turns with the director."""
 
-    name: str = "sze-moment"
-    title: str = "Cantilever rolled into a circle by an end couple (Sze 3.2)"
-    default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = TIP
-    ladders: tuple[Ladder, ...] = (
+    name = "sze-moment"
+    title = "Cantilever rolled into a circle by an end couple (Sze 3.2)"
+    default_mesh = (64, 1)
+    settings = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = TIP
+    ladders = (
         Ladder(
             ROTATIONS, meshes(32, 1), tuple(TIP), settings={"load_fraction": "0.5"}, whole={"load_fraction": "0.5,1"}
         ),
     )
-    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(L, H), same=False)
+    shell_limit = ShellLimit(BEAM, thickness_over(L, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """The couple about -e2 lifts the tip."""
@@ -65,4 +60,4 @@ class RolledCantilever:
         return StaticModel.of(request, strip, tip_motion(strip, tip), couples=couples)
 
 
-SCENES: tuple[Scene, ...] = (RolledCantilever(),)
+SCENES = (RolledCantilever(),)

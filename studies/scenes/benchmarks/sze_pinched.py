@@ -5,9 +5,6 @@ the curve. The load grows all the way on 48x48; coarser meshes have limit points
 single elements, and loads must be close to one another for the path to be followed.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +12,7 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import BENT, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Request, SceneModel
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
@@ -30,28 +26,28 @@ FILE = "sze2004_3.6_pinched_cylinder_diaphragms.csv"
 SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.6 (S4R, 48x48)"
 
 
-class PinchedBetweenDiaphragms:
+class PinchedBetweenDiaphragms(Declared):
     """An octant: a1 from mid-length to the diaphragm, a2 from the load to the side.
 
     Radial displacements at mid-length: w_A inwards under the load, u_B outwards on the side.
     """
 
-    name: str = "sze-pinched"
-    title: str = "Pinched cylinder between diaphragms (Sze 3.6)"
-    default_mesh: tuple[int, int] = (48, 48)
-    settings: tuple[Setting, ...] = (LOADS, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "u_B_mm": (2, 1)})
-    quantities: Mapping[str, str] = {
+    name = "sze-pinched"
+    title = "Pinched cylinder between diaphragms (Sze 3.6)"
+    default_mesh = (48, 48)
+    settings = (LOADS, *ELEMENT, SOLVER)
+    references = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "u_B_mm": (2, 1)})
+    quantities = {
         "w_A_mm": "inwards under the force, a1 = a2 = 0",
         "u_B_mm": "outwards at mid-length on the side, a1 = 0, a2 = 90 degrees",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(  # before the snap
             ROTATIONS, meshes(16, 16, 3), ("w_A_mm", "u_B_mm"), settings={"load_fraction": "0.1"}, coarser=("8x8",)
         ),
     )
-    sheet: Sheet = Sheet("x", 35.0, 24.0, mesh="24x24")
-    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+    sheet = Sheet("x", 35.0, 24.0, mesh="24x24")
+    shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""
@@ -63,4 +59,4 @@ class PinchedBetweenDiaphragms:
         return StaticModel.of(request, octant, radial, forces=normal_forces(octant.grid, {A: -P_MAX / 4}))
 
 
-SCENES: tuple[Scene, ...] = (PinchedBetweenDiaphragms(),)
+SCENES = (PinchedBetweenDiaphragms(),)

@@ -4,9 +4,6 @@ At half of the load the sides snap inwards, through a maximum and a minimum of t
 curve is traced by arc length.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,8 +11,7 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import BENT, CANCEL, FULL, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel
 from studies.scenes.curves import ARC_STEP, PATH, CurveModel, element_size, point_rise
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
@@ -43,24 +39,24 @@ def _references() -> tuple[Reference, ...]:
     return (*found, *even)
 
 
-class PullOut:
+class PullOut(Declared):
     """An octant: a1 from mid-length to the free end, a2 from the load to the side.
 
     Radial displacements, outwards: w_A under the load, u_B at mid-length on the side, u_C at the end on the side.
     """
 
-    name: str = "sze-pullout"
-    title: str = "Open cylinder pulled out (Sze 3.5)"
-    default_mesh: tuple[int, int] = (16, 24)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "sze-pullout"
+    title = "Open cylinder pulled out (Sze 3.5)"
+    default_mesh = (16, 24)
+    settings = (LOAD_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = {
         "w_A_mm": "outwards under the force, a1 = a2 = 0; grows by the logarithm of the size of the elements",
         "w_A_even_mm": "w_A without what elements of another size than the thickness add to it",
         "u_B_mm": "outwards at mid-length on the side, a1 = 0, a2 = 90 degrees",
         "u_C_mm": "outwards at the free end on the side, a1 = 5.175 mm, a2 = 90 degrees",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(  # even lines: with closer ones at the load the path is lost at its snap
             ROTATIONS,
             meshes(12, 18, 3),
@@ -70,8 +66,8 @@ class PullOut:
             causes={"u_C_mm": CANCEL},
         ),
     )
-    sheet: Sheet = Sheet("x", 35.0, 24.0)
-    shell_limit: ShellLimit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+    sheet = Sheet("x", 35.0, 24.0)
+    shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""
@@ -84,4 +80,4 @@ class PullOut:
         return CurveModel.of(request, octant, radial, rise, forces=normal_forces(octant.grid, {A: P_MAX / 4}))
 
 
-SCENES: tuple[Scene, ...] = (PullOut(),)
+SCENES = (PullOut(),)

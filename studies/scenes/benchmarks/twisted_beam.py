@@ -11,20 +11,12 @@ program (Kratos' thick quadrilaterals) under the forces of this scene agree to 0
 Source: MacNeal, Harder, Finite Elem. Anal. Des. 1 (1985) 3-20.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from formulations.section.laminate import Ply
-from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting
-from studies.scenes.benchmarks.quads import SETTINGS, MappedShell, OnQuads
+from studies.ask.scene import Reference, Request, SceneModel, Setting, Sheet
+from studies.scenes.benchmarks.quads import SETTINGS, OnQuads, pulled_strip
 from studies.scenes.element import centred_laminate
-from studies.scenes.statics import StaticModel
 
 E, NU, LENGTH, WIDTH, TWIST = 29e6, 0.22, 12.0, 1.1, np.pi / 2  # MPa, -, mm, mm, rad
 THICK, THIN = 0.32, 0.0032  # mm
@@ -53,34 +45,27 @@ class TwistedBeam(OnQuads):
     digits, the iterations of a solve have nine.
     """
 
-    name: str = "twisted-beam"
-    title: str = "Twisted beam under a force at its end (MacNeal, Harder)"
-    default_mesh: tuple[int, int] = (48, 8)
-    settings: tuple[Setting, ...] = (
+    name = "twisted-beam"
+    title = "Twisted beam under a force at its end (MacNeal, Harder)"
+    default_mesh = (48, 8)
+    settings = (
         Setting("h_mm", THICK, "thickness", low=1e-3, high=1.0),
         Setting.one_of("load", LOADS, "in-plane", "force at the end, in its plane (z) or out of it (y)"),
         *SETTINGS,
     )
-    references: tuple[Reference, ...] = tuple(
+    references = tuple(
         Reference("tip_deflection_mm", value, {"h_mm": h, "load": load, "measure": "linear"}, kind, source, within)
         for h, kind, source, within, *values in KNOWN
         for load, value in zip(LOADS, values, strict=True)
     )
-    quantities: Mapping[str, str] = {"tip_deflection_mm": "along the force, mean over the loaded end and both faces"}
-    sheet: Sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
+    quantities = {"tip_deflection_mm": "along the force, mean over the loaded end and both faces"}
+    sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
         """The force is spread over the end, half on each face."""
         h, axis = request.number("h_mm"), LOADS[request.choice("load")]
         wall = centred_laminate(request, Ply.isotropic(E, NU, h))
-        beam = MappedShell.of(request, twisted, wall, lambda supports, square: supports.clamped(square.on_line(0, 0.0)))
-        forces = beam.edge_forces(0, 1.0, (h / THICK) ** 3 * np.eye(3)[axis])
-        tip = beam.square.on_line(0, 1.0)
-
-        def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            return {"tip_deflection_mm": float(beam.mean_motion(u, tip)[axis])}
-
-        return StaticModel.of(request, beam.body, at_tip, forces=forces)
+        return pulled_strip(request, twisted, wall, axis, (h / THICK) ** 3)
 
 
-SCENES: tuple[Scene, ...] = (TwistedBeam(),)
+SCENES = (TwistedBeam(),)

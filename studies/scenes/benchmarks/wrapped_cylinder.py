@@ -7,8 +7,6 @@ instead. Both are of small displacements: at 200 MPa measures of large ones diff
 or along: all that a shell can miss is the wall.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
@@ -17,8 +15,7 @@ from formulations.geometry.surfaces import cylinder
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.thick_walls import Layer, layered_tube
 from studies.scenes.data import references
 from studies.scenes.element import of_wall, patch
@@ -58,20 +55,20 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
-class WrappedCylinder:
+class WrappedCylinder(Declared):
     """A sector of a slice; a1 along the axis."""
 
-    name: str = "wrapped-cylinder"
-    title: str = "Wrapped thick cylinder under inner pressure (NAFEMS R0031/2)"
-    default_mesh: tuple[int, int] = (1, 4)
-    settings: tuple[Setting, ...] = (
+    name = "wrapped-cylinder"
+    title = "Wrapped thick cylinder under inner pressure (NAFEMS R0031/2)"
+    default_mesh = (1, 4)
+    settings = (
         LOAD_FRACTION,
         Setting.one_of("ends", ENDS, "free", "along the axis: a slice without stress, or a length without strain"),
         *of_wall("3/ply", "svk"),
         SOLVER,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = HOOP
+    references = _references()
+    quantities = HOOP
 
     def build(self, request: Request) -> SceneModel:
         """Pressure on the true inner face."""
@@ -89,4 +86,4 @@ def _hoop(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
     return dict(zip(HOOP, map(float, (*liner[:, 1], *windings[:, 0])), strict=True))
 
 
-SCENES: tuple[Scene, ...] = (WrappedCylinder(),)
+SCENES = (WrappedCylinder(),)

@@ -13,8 +13,6 @@ just become straight, made smaller by s = (p_line/p)^(1/3): c = (pi/2)(1 - s), a
 P_line/s^2. Source: Flaherty, Keller, Rubinow, SIAM J. Appl. Math. 23 (1972) 446 (recalled). No shell enters here.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ D [N mm] is the bending stiffness and S [N/mm] the shear stiffness, both per wid
 Euler-Bernoulli. The derivations are the project's own; tables computed by a beam program stand beside them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

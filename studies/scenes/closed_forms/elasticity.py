@@ -5,8 +5,6 @@ Isotropic tube, sphere, curved bar and ring by Lamé's, Golovin's and Michell's 
 (Varadan, Bhaskar) of cross-plies from ply to ply. No element enters here.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -6,8 +6,6 @@ whose error falls faster than any power of the degree. The reference shares with
 measure and the section, but no interpolation, no mode and no sampling: what differs is the discretisation alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property

@@ -9,8 +9,6 @@ with the gradients of :mod:`formulations.strains.quantities`, the same letters, 
 It says which of two shells is nearer to the truth where they differ. Isotropic, symmetric about a1 = 0, free elsewhere.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -9,8 +9,6 @@ regular at the apex (beta and psi odd), clamped at r = a: beta = 0, u = 0, which
 Source: Budiansky, in: Proc. IUTAM Symp. Theory of Thin Elastic Shells, Delft (1959), 64-94 (recalled); derived here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cache
 

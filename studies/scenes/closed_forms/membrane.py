@@ -10,8 +10,6 @@ The stretch at the centre is the parameter along the path, on which the pressure
 Source: Adkins, Rivlin, Phil. Trans. R. Soc. A 244 (1952) 505 (recalled).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -12,8 +12,6 @@ with ' along the axis and . around. Sources: Flügge, Stresses in Shells (1960),
 the best first-order linear shell theory (1963), for the strains.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 WAVES = 200  # along and around: what is left is 1e-6 of the deflection where R/h is 100

@@ -1,7 +1,5 @@
 """Closed forms of plates that bend; no element enters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 No element and no law of the shell enters here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

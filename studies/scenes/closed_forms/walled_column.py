@@ -8,8 +8,6 @@ it. That one is a column between clamps, too, and buckles at 9 P_E. Source: Domo
 (1997) 281 (recalled; derived anew). No shell enters here.
 """
 
-from __future__ import annotations
-
 import math
 
 POINT, LINE = 4.0, 9.0  # the largest loads in point and in line contact

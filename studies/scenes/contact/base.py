@@ -7,8 +7,6 @@ elsewhere on every mesh, and its error with it: a sequence of meshes then scatte
 line on the rim only the size of the elements changes along a sequence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

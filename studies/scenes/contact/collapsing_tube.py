@@ -17,10 +17,8 @@ s = 1 - 2 c/(pi R): p s^3 and the forces times s^2 stay, and are those of the fi
 plane would be one, for halves that mirror each other have none.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,7 +31,7 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import CONTACT, CRUSHED, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, Stage
+from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Observation, Reference, SceneModel, Setting, Stage
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid
@@ -79,22 +77,22 @@ def _references() -> tuple[Reference, ...]:
     return found
 
 
-class CollapsingTube:
+class CollapsingTube(Declared):
     """a1 along the axis, a2 from the crown to the side."""
 
-    name: str = "collapsing-tube"
-    title: str = "Tube that buckles under pressure and collapses onto itself"
-    default_mesh: tuple[int, int] = (1, 64)
-    settings: tuple[Setting, ...] = (PRESSURES, THICKNESS, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "collapsing-tube"
+    title = "Tube that buckles under pressure and collapses onto itself"
+    default_mesh = (1, 64)
+    settings = (PRESSURES, THICKNESS, EPSILON, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = {
         "touch_pressure_EI_R3": "pressure at which the crown touches, over D/R^3",
         "contact_force_EI_R2": "between both halves, a unit of length, over D/R^2",
         "flat_half_length": "from the crown to the force at the end of the flat part, over R",
         "line_contact_pressure_EI_R3": "p s^3 over D/R^3: in line contact the pressure at which that has begun",
         "line_contact_force_EI_R2": "forces at both ends of the flat part times s^2, over D/R^2: the force then",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(
             CONTACT,
             meshes(2, 32, 3),
@@ -103,8 +101,8 @@ class CollapsingTube:
             coarser=("1x16",),
         ),
     )
-    sheet: Sheet = Sheet("x", -62.0, 14.0)
-    shell_limit: ShellLimit = ShellLimit(CRUSHED, thickness_over(RADIUS, "h_mm"), same=False)
+    sheet = Sheet("x", -62.0, 14.0)
+    shell_limit = ShellLimit(CRUSHED, thickness_over(RADIUS, "h_mm"), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides, so that nothing moves along the axis."""
@@ -189,4 +187,4 @@ class CollapsingModel(ContactModel):
         return Observation(None, {"touch_pressure_EI_R3": pressure} if travel == TRAVELS[-1] else {})
 
 
-SCENES: tuple[Scene, ...] = (CollapsingTube(),)
+SCENES = (CollapsingTube(),)

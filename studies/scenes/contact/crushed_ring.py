@@ -5,8 +5,6 @@ axis: plane strain, as in the computations published with the test. The solid of
 :mod:`studies.scenes.contact.crushed_ring_solid`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
@@ -16,7 +14,7 @@ from formulations.geometry.surfaces import SurfaceOfRevolution, cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
 from studies.ask.request import Request, Settings
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid
@@ -80,17 +78,17 @@ def ring(request: Request) -> tuple[SurfaceOfRevolution, Laminate]:
     return cylinder((outer + inner) / 2), Laminate.single(ply)
 
 
-class CrushedRing:
+class CrushedRing(Declared):
     """a1 along the axis, a2 from the plate over a quarter of the ring; the force is that on half a plate."""
 
-    name: str = "crushed-ring"
-    title: str = "Thick polyurethane ring crushed between rigid plates: an experiment"
-    default_mesh: tuple[int, int] = (1, 64)
-    settings: tuple[Setting, ...] = (*RING, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = experiment()
-    quantities: Mapping[str, str] = QUANTITIES
-    sheet: Sheet = SHEET
-    shell_limit: ShellLimit = ShellLimit(CRUSHED, _thickness, solid="crushed-ring-solid")
+    name = "crushed-ring"
+    title = "Thick polyurethane ring crushed between rigid plates: an experiment"
+    default_mesh = (1, 64)
+    settings = (*RING, EPSILON, *ELEMENT, SOLVER)
+    references = experiment()
+    quantities = QUANTITIES
+    sheet = SHEET
+    shell_limit = ShellLimit(CRUSHED, _thickness, solid="crushed-ring-solid")
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides, so that nothing moves along the axis."""
@@ -113,4 +111,4 @@ class CrushedRing:
         )
 
 
-SCENES: tuple[Scene, ...] = (CrushedRing(),)
+SCENES = (CrushedRing(),)

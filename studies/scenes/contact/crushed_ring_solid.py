@@ -7,9 +7,8 @@ width with a free side.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
-from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import (
     EPSILON,
@@ -26,17 +24,13 @@ from studies.ask.scene import (
     Begun,
     Observation,
     Reference,
-    Scene,
     Setting,
     Stage,
-    UsageError,
-    candidates_at,
-    nodal_pressure,
 )
-from studies.output.vtu import write_solid_fields
 from studies.scenes.contact.crushed_ring import DATA, FILE, QUANTITIES, RING, SHEET, TOP, WIDTH, experiment, plate, ring
 from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import spaced_lines
+from studies.scenes.solids import OfSolids, SolidSceneModel
 
 SLICE = 0.2  # mm, a hundredth of the wall; half of it changes the force by 2e-5
 HALVES = {"plane-strain": WIDTH, "plane-stress": SLICE, "3d": WIDTH / 2}  # what is solved of the width
@@ -60,35 +54,24 @@ def _computed() -> tuple[Reference, ...]:
     return found
 
 
-class SolidRing:
+class SolidRing(OfSolids):
     """a1 along the axis, a2 from the plate over a quarter of the ring; the force is that on half a plate."""
 
-    name: str = "crushed-ring-solid"
-    title: str = "The crushed polyurethane ring as a solid, with its law and its state along the axis"
-    default_mesh: tuple[int, int] = (1, 24)
-    settings: tuple[Setting, ...] = (*RING, LAW, STATE, THROUGH, EPSILON, SOLVER)
-    references: tuple[Reference, ...] = (*experiment(), *_computed())
-    quantities: Mapping[str, str] = QUANTITIES
-    models: tuple[str, ...] = ("auto", "full")
-    sheet: Sheet = SHEET
-
-    def settle(self, request: Request) -> Request:
-        """Plain Newton, for a solid has no resultants to predict."""
-        if request.measure != "exact":
-            raise UsageError(
-                f"measure {request.measure!r} does not apply to {self.name}: a solid has none, leave it out"
-            )
-        return replace(request, model="full", newton="plain")
+    name = "crushed-ring-solid"
+    title = "The crushed polyurethane ring as a solid, with its law and its state along the axis"
+    default_mesh = (1, 24)
+    settings = (*RING, LAW, STATE, THROUGH, EPSILON, SOLVER)
+    references = (*experiment(), *_computed())
+    quantities = QUANTITIES
+    sheet = SHEET
 
     def build(self, request: Request) -> SolidRingModel:
         """A quarter of the ring."""
         (surface, laminate), state = ring(request), request.choice("state")
         lines = spaced_lines(0, HALVES[state], request.mesh[0]), spaced_lines(0, TOP, request.mesh[1])
         mesh = SolidMesh.build(surface, *lines, laminate, per_ply=int(request.number("per_ply")))
-        fixed = np.zeros((len(mesh.x), 3), bool)
-        fixed[mesh.on(1, 0.0), 1] = True
-        fixed[mesh.on(1, TOP), 0] = True
-        fixed[slice(None) if state == "plane-strain" else mesh.on(0, 0.0), 2] = True
+        axial = slice(None) if state == "plane-strain" else mesh.on(0, 0.0)
+        fixed = mesh.supports((mesh.on(1, 0.0), 1), (mesh.on(1, TOP), 0), (axial, 2))
         solid = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[request.choice("law")])
         nodes = np.setdiff1d(np.unique(mesh.outer), mesh.on(1, TOP))
         areas = mesh.face_areas(mesh.outer)[nodes]
@@ -97,7 +80,7 @@ class SolidRing:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidRingModel:
+class SolidRingModel(SolidSceneModel):
     """One path of the travel, from rest.
 
     nodes (m,): of the mesh, those of the candidates.  copies: how often the part that is solved lies in the width.
@@ -108,11 +91,6 @@ class SolidRingModel:
     nodes: np.ndarray
     request: Request
     copies: float
-
-    @property
-    def n_unknowns(self) -> int:
-        """Number of unknowns."""
-        return self.body.discretisation.n_free
 
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
@@ -136,10 +114,5 @@ class SolidRingModel:
         }
         return Observation({"delta_mm": delta, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
-    def write_fields(self, path: Path, state: ContactSolution) -> None:
-        """The hexahedra of the part that is solved."""
-        solid = self.body.discretisation
-        write_solid_fields(path, solid, state.u, nodal_pressure(state, candidates_at(self.nodes, len(solid.mesh.x))))
 
-
-SCENES: tuple[Scene, ...] = (SolidRing(),)
+SCENES = (SolidRing(),)

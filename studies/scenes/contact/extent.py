@@ -1,7 +1,5 @@
 """How far a contact patch reaches along a line. No scene enters here."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

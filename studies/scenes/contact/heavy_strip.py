@@ -3,9 +3,6 @@
 The strip hangs under a ceiling, so to say: its weight presses the outer face on the plane, the lift pulls it off.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +12,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
 from studies.ask.declarations import CONTACT, FULL, LONG, Ladder
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.contact import lifted_strip
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
@@ -39,19 +35,19 @@ REFERENCES = tuple(
 )
 
 
-class HeavyStrip:
+class HeavyStrip(Declared):
     """a1 from the lifted end, which may turn, to the other one, which lies."""
 
-    name: str = "heavy-strip"
-    title: str = "Heavy strip on a plane, lifted at one end"
-    default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (LIFTS, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = REFERENCES
-    quantities: Mapping[str, str] = {
+    name = "heavy-strip"
+    title = "Heavy strip on a plane, lifted at one end"
+    default_mesh = (64, 1)
+    settings = (LIFTS, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
+    references = REFERENCES
+    quantities = {
         "free_length": "from the lifted end to the begin of contact, over (D delta/q)^(1/4)",
         "lift_force": "force that lifts the end, over q (D delta/q)^(1/4) of the width",
     }
-    ladders: tuple[Ladder, ...] = (Ladder(CONTACT, LONG, ("lift_force", "free_length"), "linear", {**FULL, **ON_RIM}),)
+    ladders = (Ladder(CONTACT, LONG, ("lift_force", "free_length"), "linear", {**FULL, **ON_RIM}),)
 
     def build(self, request: Request) -> SceneModel:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
@@ -84,4 +80,4 @@ class HeavyStrip:
         return ContactModel(shell, end, lifts, lambda t: plane, measured, body_at=lifted, lying=True)
 
 
-SCENES: tuple[Scene, ...] = (HeavyStrip(),)
+SCENES = (HeavyStrip(),)

@@ -4,9 +4,6 @@ A square piece of a cylinder, a sphere or a plate, as long along a1 as ``aspect`
 It has no reference: what is asked of it is where it can be solved at all, and whether the judge agrees.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,8 +16,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, Units, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Declared, Request, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise, moved_nodes
 from studies.scenes.statics import loaded_shell
@@ -58,18 +54,17 @@ def lines(n: int, half: float, irregular: float) -> np.ndarray:
     return t
 
 
-class Panel:
+class Panel(Declared):
     """a1 along the generators of a cylinder, a2 around; the foundation comes along -e_x, of a plate along -e_z."""
 
-    name: str = "panel"
-    title: str = "Clamped panel pressed by a plane or a ball, for extremes"
-    default_mesh: tuple[int, int] = (6, 6)
-    settings: tuple[Setting, ...] = SETTINGS
-    references: tuple[Reference, ...] = ()
-    quantities: Mapping[str, str] = {"peak_MPa": "largest contact pressure at a node"}
+    name = "panel"
+    title = "Clamped panel pressed by a plane or a ball, for extremes"
+    default_mesh = (6, 6)
+    settings = SETTINGS
+    quantities = {"peak_MPa": "largest contact pressure at a node"}
     slides: bool = True
-    sheet: Sheet = Sheet("x", 40.0, 28.0, mesh="12x12", settings={"delta_mm": "5"})
-    shell_limit: ShellLimit = ShellLimit(CRUSHED, lambda settings: settings.number("h_over_R"), same=False)
+    sheet = Sheet("x", 40.0, 28.0, mesh="12x12", settings={"delta_mm": "5"})
+    shell_limit = ShellLimit(CRUSHED, lambda settings: settings.number("h_over_R"), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Pressure and travel grow together; results in mm, N, MPa whatever the units of the problem."""
@@ -130,4 +125,4 @@ def _wall(request: Request, h: float, stress: float) -> Laminate:
     return Laminate((ply,), -h / 2)
 
 
-SCENES: tuple[Scene, ...] = (Panel(),)
+SCENES = (Panel(),)

@@ -5,10 +5,6 @@ pressure on it. The contact disc covers it. What the hole costs is measured in t
 squeezed by the line force over some 0.6 h around the rim; its contact radius is smaller by up to 0.002 a (measured).
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
@@ -16,8 +12,7 @@ from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
 from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.contact import plate_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.element import ELEMENT, ShearCorrected, grid_over, on_grid, spaced_lines
@@ -46,19 +41,19 @@ REFERENCES = tuple(
 )
 
 
-class PlateContact:
+class PlateContact(Declared):
     """A quarter; a1 from the hole to the clamp. Nothing varies around."""
 
-    name: str = "plate-contact"
-    title: str = "Clamped circular plate pressed on a plane"
-    default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (PRESSURES, HOLE, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = REFERENCES
-    quantities: Mapping[str, str] = {
+    name = "plate-contact"
+    title = "Clamped circular plate pressed on a plane"
+    default_mesh = (64, 1)
+    settings = (PRESSURES, HOLE, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
+    references = REFERENCES
+    quantities = {
         "contact_force": "force on the plane over D g/a^2",
         "contact_radius": "radius of the disc of contact over that of the plate",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(
             CONTACT,
             ("14x1", "28x1", "56x1", "112x1"),
@@ -68,7 +63,7 @@ class PlateContact:
             causes={"contact_radius": SQUEEZE},
         ),
     )
-    shell_limit: ShellLimit = ShellLimit(PRESSED, thickness_over(A, H), same=False)
+    shell_limit = ShellLimit(PRESSED, thickness_over(A, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results over a and D g/a^2.
@@ -98,4 +93,4 @@ class PlateContact:
         return ContactModel(shell, clamp, pressures, lambda t: foundation, measured)
 
 
-SCENES: tuple[Scene, ...] = (PlateContact(),)
+SCENES = (PlateContact(),)

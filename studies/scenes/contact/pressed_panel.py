@@ -5,19 +5,13 @@ curvature, moved nodes and contact meet in one number. The plies alternate in si
 that stretching bends and twists the wall and no part of the panel mirrors another.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Request, SceneModel, Setting, Sheet
 from studies.scenes.benchmarks.quads import OnQuads
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ON_QUADS, discretise, even_grid
@@ -31,10 +25,10 @@ TOWARDS = np.array([1.0, 0.0, 0.0])  # outer normal in the middle of the panel
 class PressedPanel(OnQuads):
     """a1 along the generators, a2 around; the plane comes along -x."""
 
-    name: str = "pressed-panel"
-    title: str = "Clamped angle-ply panel of quadrilaterals pressed on a plane"
-    default_mesh: tuple[int, int] = (24, 24)
-    settings: tuple[Setting, ...] = (
+    name = "pressed-panel"
+    title = "Clamped angle-ply panel of quadrilaterals pressed on a plane"
+    default_mesh = (24, 24)
+    settings = (
         Setting("gamma_deg", 45.0, "angle of the fibres from the generators, in turn to either side", low=-90, high=90),
         Setting("plies", 4, "number of plies of 0.5 mm", "int", 1, 20),
         Setting("delta_mm", (1.0, 2.0), "travel of the plane from first touch", "floats", 0, 10),
@@ -42,10 +36,9 @@ class PressedPanel(OnQuads):
         *ON_QUADS,
         SOLVER,
     )
-    references: tuple[Reference, ...] = ()
-    quantities: Mapping[str, str] = {"force_N": "of the panel on the plane"}
+    quantities = {"force_N": "of the panel on the plane"}
     lines_of_curvature: bool = True
-    sheet: Sheet = Sheet("x", 40.0, 28.0, listed=False)
+    sheet = Sheet("x", 40.0, 28.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
         """The straight edges are clamped, the curved ones free; the travel is from rest to the last one asked for."""
@@ -68,4 +61,4 @@ class PressedPanel(OnQuads):
         )
 
 
-SCENES: tuple[Scene, ...] = (PressedPanel(),)
+SCENES = (PressedPanel(),)

@@ -11,10 +11,7 @@ plane strain, as wide as its elements are long: in wider ones what is compressed
 sides of the slice.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -23,8 +20,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import graded_lines
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.contact.extent import half_extent
 from studies.scenes.data import Row, references
@@ -64,13 +60,13 @@ def contact_width(y: np.ndarray, active: np.ndarray, pressure: np.ndarray) -> fl
     return 2 * half_extent(*(np.append(side * x[:0:-1], x) for side, x in half))
 
 
-class Roller:
+class Roller(Declared):
     """a1 along the axis, a2 from the middle of the contact over half of the roller."""
 
-    name: str = "roller"
-    title: str = "Rubber roller with a held bore on a rigid plane"
-    default_mesh: tuple[int, int] = (1, 64)
-    settings: tuple[Setting, ...] = (
+    name = "roller"
+    title = "Rubber roller with a held bore on a rigid plane"
+    default_mesh = (1, 64)
+    settings = (
         TRAVELS,
         Setting.positive("E_MPa", E, "Young's modulus"),
         Setting("nu", NU, "Poisson's ratio", low=0.0, high=0.499),
@@ -78,8 +74,8 @@ class Roller:
         *of_wall("5", "neo-hooke"),
         SOLVER,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    references = _references()
+    quantities = {
         "force_N": "of the whole width; what friction has, with mu, is of half of the slice that is solved",
         "width_mm": "of the contact",
         "pressure_MPa": "in the middle of the contact",
@@ -120,4 +116,4 @@ class Roller:
         )
 
 
-SCENES: tuple[Scene, ...] = (Roller(),)
+SCENES = (Roller(),)

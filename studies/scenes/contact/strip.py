@@ -6,18 +6,13 @@ pressure, of the order (h/a)^4 of the gap, does not show. Where lam is smaller t
 spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(1/4) = 0.64 h, and no load is lost.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.contact import strip_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import At, reference_rows, references
@@ -82,20 +77,20 @@ def _references() -> tuple[Reference, ...]:
     return found
 
 
-class ClampedStrip:
+class ClampedStrip(Declared):
     """a1 from the clamp to the middle; the plane is above."""
 
-    name: str = "strip-contact"
-    title: str = "Clamped strip pressed on a flat obstacle"
-    default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (PRESSURES, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "strip-contact"
+    title = "Clamped strip pressed on a flat obstacle"
+    default_mesh = (64, 1)
+    settings = (PRESSURES, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = {
         "half_force": "contact force of the half strip over D g/a^3 of its width",
         "free_length": "from the clamp to the begin of contact, over the half span a",
         "edge_pressure": "contact pressure at the begin of contact over D g/a^4",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         # lam so large that the elements resolve the pressure at the rim before they resolve the wall's squeeze
         Ladder(
             CONTACT,
@@ -113,7 +108,7 @@ class ClampedStrip:
             name="strip-contact-no-shear",
         ),
     )
-    shell_limit: ShellLimit = ShellLimit(PRESSED, thickness_over(A, H))
+    shell_limit = ShellLimit(PRESSED, thickness_over(A, H))
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
@@ -137,4 +132,4 @@ class ClampedStrip:
         return ContactModel(shell, clamp, request.numbers("load_fraction"), lambda q: plane, measured)
 
 
-SCENES: tuple[Scene, ...] = (ClampedStrip(),)
+SCENES = (ClampedStrip(),)

@@ -10,9 +10,6 @@ the end of the flat part stands on one node alone the column can turn there, so 
 eigenvalue. So the scene ends before 4 P_E. Line contact up to 9 P_E is solved on sets that are given, in its tests.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,8 +20,7 @@ from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import BEAM, CONTACT, Ladder, ShellLimit, thickness_over
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.walled_column import bent, load_at
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, references
@@ -56,19 +52,19 @@ def _references() -> tuple[Reference, ...]:
     return references("exact", source, {"P_over_PE": 1e-3, "wall_force": 3e-3}, rows)
 
 
-class WalledColumn:
+class WalledColumn(Declared):
     """Half of it: a1 from the clamp to the middle; the wall is above."""
 
-    name: str = "walled-column"
-    title: str = "Clamped column that bows against a wall"
-    default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (SHORTENINGS, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "walled-column"
+    title = "Clamped column that bows against a wall"
+    default_mesh = (64, 1)
+    settings = (SHORTENINGS, EPSILON, *ELEMENT, SOLVER)
+    references = _references()
+    quantities = {
         "P_over_PE": "load over Euler's of the column between clamps, 4 pi^2 EI/L^2",
         "wall_force": "of the wall on the column over P_E times clearance over length",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(
             CONTACT,
             ("16x1", "32x1", "64x1", "128x1"),
@@ -76,7 +72,7 @@ class WalledColumn:
             settings={"delta_mm": "0.014"},
         ),
     )
-    shell_limit: ShellLimit = ShellLimit(BEAM, thickness_over(LENGTH, H), same=False)
+    shell_limit = ShellLimit(BEAM, thickness_over(LENGTH, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
         """The clamp moves by half of the shortening."""
@@ -113,4 +109,4 @@ class ColumnModel(ContactModel):
         return problem_at, replace(rest, u=self.shell.discretisation.map.restrict(mode))
 
 
-SCENES: tuple[Scene, ...] = (WalledColumn(),)
+SCENES = (WalledColumn(),)

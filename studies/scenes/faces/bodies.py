@@ -5,8 +5,6 @@ body with another shift. Points and patches of a face are its own, and positions
 in :mod:`studies.scenes.faces.solids`; what a gap is does not enter here, see :mod:`contact.faces.pair`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol

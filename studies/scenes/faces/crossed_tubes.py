@@ -15,35 +15,18 @@ Grid lines get closer towards the crossing as sin does. A gap averaged around a 
 of elements where the node itself touches: by mortar nothing touches before delta is that.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from dataclasses import replace
-
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CONTACT, Ladder, Sheet, meshes
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import EPSILON, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.pinched_tube import pinched_tube
 from studies.scenes.data import Row, references
 from studies.scenes.element import centred_laminate, grid_over, on_grid, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SHAPE_OF_FACES,
-    SLAVE,
-    SLAVES,
-    FacesModel,
-    Facing,
-    Meeting,
-    of_second,
-    pairing_of,
-)
+from studies.scenes.faces.model import PAIRED, FacesModel, Facing, Meeting, of_second, uncut
 from studies.scenes.statics import SHELL_SETTINGS, loaded_shell
 
 RADIUS, LENGTH, H, E, NU = 100.0, 100.0, 1.0, 2e5, 0.3  # mm, mm (half of it), mm, MPa, -
@@ -87,33 +70,19 @@ def _references() -> tuple[Reference, ...]:
     return references("exact", SOURCE, 1e-3, rows)
 
 
-class CrossedTubes:
+class CrossedTubes(Declared):
     """a1 from the crossing along the axis of each tube, a2 from there around it."""
 
-    name: str = "crossed-tubes"
-    title: str = "Two crossing tubes pressed on each other"
-    default_mesh: tuple[int, int] = (16, 24)
-    settings: tuple[Setting, ...] = (
-        *(
-            TRAVELS,
-            LAYERS,
-            ENDS,
-            *RADII,
-            *LENGTHS,
-            *WALLS,
-            *MODULI,
-            POISSON,
-            OTHER,
-            PAIRING,
-            SHAPE_OF_FACES,
-            SLAVE,
-            LINES,
-            EPSILON,
-        ),
+    name = "crossed-tubes"
+    title = "Two crossing tubes pressed on each other"
+    default_mesh = (16, 24)
+    settings = (
+        *(TRAVELS, LAYERS, ENDS, *RADII, *LENGTHS, *WALLS, *MODULI, POISSON),
+        *(*PAIRED, LINES, EPSILON),
         *SHELL_SETTINGS,
     )
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    references = _references()
+    quantities = {
         "force_N": "by which the tubes press on each other, along the normal of both axes",
         "dent_mm": "of the first tube at the crossing, in the middle of its wall",
         "other_dent_mm": "of the second tube",
@@ -121,20 +90,17 @@ class CrossedTubes:
         "spread_along_mm": "mean distance of the nodal forces from the crossing along the axis of the first tube",
         "spread_across_mm": "the same along the axis of the second tube",
     }
-    ladders: tuple[Ladder, ...] = (
-        Ladder(CONTACT, meshes(8, 12, 3), ("force_N", "dent_mm"), settings={"delta_mm": "1"}, coarser=("4x6",)),
-    )
-    sheet: Sheet = Sheet("z", 35.0, 30.0, settings={"delta_mm": "4"})
+    ladders = (Ladder(CONTACT, meshes(8, 12, 3), ("force_N", "dent_mm"), settings={"delta_mm": "1"}, coarser=("4x6",)),)
+    sheet = Sheet("z", 35.0, 30.0, settings={"delta_mm": "4"})
 
     def build(self, request: Request) -> SceneModel:
         """Two planes of symmetry of each tube, and a third one of many layers."""
-        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        request = uncut(request)
         _check(request)
         radii, lengths, walls = ([request.number(each.key) for each in of_both] for of_both in SIZES[:3])
         counts = request.mesh, tuple(of_second(n, request) for n in request.mesh)
         tubes = [_tube(request, number, mesh) for number, mesh in enumerate(counts)]
         grids = [tube.discretisation.grid for tube in tubes]
-        own = SLAVES.index(request.choice("slave"))
 
         def bodies(delta: float) -> Bodies:
             apart = np.array([0.0, 0.0, sum(radii) + sum(walls) / 2 - delta])
@@ -158,9 +124,8 @@ class CrossedTubes:
             return dict(zip(self.quantities, read, strict=True))
 
         patches = [np.flatnonzero(np.isin(grid.elements, before(k)).any(axis=1)) for k, grid in enumerate(grids)]
-        sides = [Side(k, 1, own_patches) for k, own_patches in enumerate(patches)]
-        pair = Facing(sides[own], sides[1 - own], before(own))
-        return FacesModel(bodies, (pair,), pairing_of(request), request.numbers("delta_mm"), measured, "delta_mm")
+        sides = [(Side(k, 1, own), before(k)) for k, own in enumerate(patches)]
+        return FacesModel.of(request, bodies, [Facing.between(request, *sides)], measured)
 
 
 def _check(request: Request) -> None:
@@ -181,4 +146,4 @@ def _tube(request: Request, number: int, mesh: tuple[int, ...]) -> ShellModel:
     return loaded_shell(on_grid(request, cylinder(radius), grid_over(request, along, around), laminate, edges), request)
 
 
-SCENES: tuple[Scene, ...] = (CrossedTubes(),)
+SCENES = (CrossedTubes(),)

@@ -9,10 +9,7 @@ With friction the upper plate is dragged along the lower one, which is longer th
 all of it slips.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -24,23 +21,10 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CONTACT, Ladder, Sheet
-from studies.ask.request import Request, UsageError
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import (
-    DRAG,
-    OTHER,
-    PAIRING,
-    SHAPE_OF_FACES,
-    SLAVE,
-    SLAVES,
-    FacesModel,
-    Facing,
-    Meeting,
-    of_second,
-    pairing_of,
-)
+from studies.scenes.faces.model import DRAG, PAIRED, SLAVES, FacesModel, Facing, Meeting, of_second, uncut
 from studies.scenes.statics import loaded_shell
 
 E, NU, H, SIDE = 1000.0, 0.3, 2.0, 40.0  # MPa, -, mm, mm
@@ -59,25 +43,14 @@ def lame_between(inner: float, outer: float) -> float:
     return (inner / RADIUS) ** 2 * (outer**2 - RADIUS**2) / (outer**2 - inner**2)
 
 
-class FacePatch:
+class FacePatch(Declared):
     """a1 and a2 along both sides, or along the axis and around."""
 
-    name: str = "face-patch"
-    title: str = "Uniform pressure through two faces whose meshes do not match"
-    default_mesh: tuple[int, int] = (8, 8)
-    settings: tuple[Setting, ...] = (
-        PRESSURE,
-        SHAPE,
-        DRAG,
-        OTHER,
-        PAIRING,
-        SHAPE_OF_FACES,
-        SLAVE,
-        EPSILON,
-        *ELEMENT,
-        SOLVER,
-    )
-    references: tuple[Reference, ...] = (
+    name = "face-patch"
+    title = "Uniform pressure through two faces whose meshes do not match"
+    default_mesh = (8, 8)
+    settings = (PRESSURE, SHAPE, DRAG, *PAIRED, EPSILON, *ELEMENT, SOLVER)
+    references = (
         Reference("pressure_ratio", 1.0, {"shape": "flat", "pairing": "mortar"}, "exact", "equilibrium", 1e-12),
         Reference(
             "pressure_ratio",
@@ -88,11 +61,11 @@ class FacePatch:
             2e-3,
         ),
     )
-    quantities: Mapping[str, str] = {
+    quantities = {
         "pressure_ratio": "force between the faces over their reference area, over the pressure on the first body",
         "pressure_error": "root of the mean square of p less its mean, over the mean",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(
             CONTACT,
             ("4x4", "8x8", "16x16"),
@@ -102,11 +75,11 @@ class FacePatch:
             coarser=("2x2",),
         ),
     )
-    sheet: Sheet = Sheet("z", -55.0, 26.0, settings={"pairing": "mortar"})
+    sheet = Sheet("z", -55.0, 26.0, settings={"pairing": "mortar"})
 
     def build(self, request: Request) -> SceneModel:
         """The first body carries the pressure."""
-        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        request = uncut(request)
         flat = request.choice("shape") == "flat"
         drags = request.numbers(DRAG.key) if DRAG.key in request.settings else ()
         if drags and not flat:
@@ -131,11 +104,13 @@ class FacePatch:
             error = math.sqrt(meeting.area @ (meeting.pressure - mean) ** 2 / area) / mean if mean > 0 else 0.0
             return {"pressure_ratio": mean / pressure, "pressure_error": error}
 
-        nodes = np.arange((first, second)[own].discretisation.grid.n_nodes)
-        pairing, pressures = pairing_of(request), request.numbers("pressure_MPa")
-        pair = Facing(Side(own, faces[own]), Side(1 - own, faces[1 - own]), nodes)
-        model = FacesModel(bodies, (pair,), pairing, pressures, measured, "pressure_MPa", lying=True)
-        return replace(model, dragged_at=partial(bodies, pressures[-1]), drags=drags)
+        sides = [
+            (Side(k, face), np.arange(body.discretisation.grid.n_nodes))
+            for k, (face, body) in enumerate(zip(faces, (first, second), strict=True))
+        ]
+        pair, last = Facing.between(request, *sides), request.numbers("pressure_MPa")[-1]
+        model = FacesModel.of(request, bodies, [pair], measured, "pressure_MPa", lying=True)
+        return replace(model, dragged_at=partial(bodies, last), drags=drags)
 
 
 def _body(request: Request, mesh: tuple[int, int], number: int, beyond: float, *, flat: bool) -> ShellModel:
@@ -155,4 +130,4 @@ def _body(request: Request, mesh: tuple[int, int], number: int, beyond: float, *
     return loaded_shell(body, request) if number else loaded_shell(body, request, pressure=Pressure(1.0, area="face"))
 
 
-SCENES: tuple[Scene, ...] = (FacePatch(),)
+SCENES = (FacePatch(),)

@@ -14,10 +14,7 @@ Shells are unstable from 0.5 mm on: in a short wave at the pole the pressed face
 one way and the other from line to line of the mesh. Solids are stable.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -25,28 +22,15 @@ import numpy as np
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS, LINEAR
-from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Sheet, UsageError
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import grid_over, of_wall, on_grid, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Body, Placed, Side
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SHAPE_OF_FACES,
-    SLAVE,
-    SLAVES,
-    FacesModel,
-    Facing,
-    Meeting,
-    of_second,
-    pairing_of,
-)
+from studies.scenes.faces.model import FacesModel, Facing, Meeting, of_second, paired, uncut
 from studies.scenes.faces.rigid import Floor
-from studies.scenes.faces.solids import PlacedSolid, settled_for_solids
+from studies.scenes.faces.solids import tied
+from studies.scenes.solids import OfSolids
 from studies.scenes.statics import loaded_shell
 
 E, NU = 1.0, 0.3  # MPa, -
@@ -58,7 +42,7 @@ UNDER = RADII[2] / 2  # least height of what may meet the plane [mm]
 TRAVELS = Setting.positive("delta_mm", (1.0, 2.0, 3.0, 4.0), "travel of the plane", 5.0, kind="floats")
 BODIES = Setting.one_of("bodies", ("solids", "shells"), "solids", "what both are made of")
 THROUGH = Setting("through", 2, "elements through the wall of a solid", "int", 1, 16)
-COARSER = replace(SLAVE, default=SLAVES[1])  # facets of both do not fit each other, and the finer one has more of them
+COARSER = paired(slave="second")  # facets of both do not fit each other, and the finer one has more of them
 FILE = "half_spheres_nested.csv"
 SOURCE = "middle and half width of the band of three or four codes: Abaqus, FEBio, Areias et al., Puso and Laursen"
 
@@ -101,50 +85,46 @@ def limits() -> tuple[Reference, ...]:
     return found
 
 
-class HalfSpheres:
+class HalfSpheres(OfSolids):
     """a1 the latitude from the rim, a2 around the axis; the inner one is the first."""
 
-    name: str = "half-spheres"
-    title: str = "Two hollow half-spheres, one in the other, under a rigid plane"
-    default_mesh: tuple[int, int] = (30, 1)
-    settings: tuple[Setting, ...] = (
-        *(TRAVELS, BODIES, THROUGH, OTHER, PAIRING, SHAPE_OF_FACES, COARSER),
+    name = "half-spheres"
+    title = "Two hollow half-spheres, one in the other, under a rigid plane"
+    default_mesh = (30, 1)
+    settings = (
+        *(TRAVELS, BODIES, THROUGH, *COARSER),
         *(EPSILON, *of_wall("3", "neo-hooke", ("3", "5", "7")), SOLVER),
     )
-    references: tuple[Reference, ...] = (*band(), *limits())
-    quantities: Mapping[str, str] = {
+    references = (*band(), *limits())
+    quantities = {
         "quarter_N": "force of the plane on a quarter of the circle",
         "between_N": "resultant of the pressures between the half-spheres on a quarter, added up without direction",
     }
-    sheet: Sheet = Sheet("z", -62.0, 14.0)
+    sheet = Sheet("z", -62.0, 14.0)
 
     def settle(self, request: Request) -> Request:
-        """Solids as for all of them."""
-        return settled_for_solids(request, self.name) if request.choice("bodies") == "solids" else request
+        """Solids as all of them; shells are whole."""
+        return super().settle(request) if request.choice("bodies") == "solids" else replace(request, model="full")
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on both sides of the wedge and at the rims."""
-        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        request = uncut(request)
         count = request.mesh[0]
         inner, outer = _half(request, 0, count), _half(request, 1, of_second(count, request))
-        own = SLAVES.index(request.choice("slave"))
 
         def bodies(delta: float) -> Bodies:
             above = Floor.square(2 * RADII[2], RADII[2] - delta, facing=-1)
             return Bodies((inner, outer, above))
 
-        faces = (1, 0)
-        every = np.arange(len((inner, outer)[own].face(faces[own])[0]))
         high = np.flatnonzero(outer.face(1)[0][:, 2] >= UNDER)
-        between = Facing(Side(own, faces[own]), Side(1 - own, faces[1 - own]), every)
+        sides = [(Side(0, 1), np.arange(len(inner.face(1)[0]))), (Side(1, 0), np.arange(len(outer.face(0)[0])))]
         pressed = Facing(Side(1, 1), Side(2, 1), high, smooth=True)
 
         def measured(delta: float, meeting: Meeting) -> dict[str, float]:
             of_pair = np.bincount(meeting.pair, meeting.force, minlength=2) * QUARTER
             return {"quarter_N": float(of_pair[1]), "between_N": float(of_pair[0])}
 
-        pairing, deltas = pairing_of(request), request.numbers("delta_mm")
-        return FacesModel(bodies, (between, pressed), pairing, deltas, measured, "delta_mm", lying=True)
+        return FacesModel.of(request, bodies, [Facing.between(request, *sides), pressed], measured, lying=True)
 
 
 def _half(request: Request, number: int, count: int) -> Body:
@@ -158,17 +138,12 @@ def _half(request: Request, number: int, count: int) -> Body:
         edges = ("symmetric", "free", "symmetric", "symmetric")
         return Placed(loaded_shell(on_grid(request, middle, grid_over(request, up, around), laminate, edges), request))
     mesh = SolidMesh.build(middle, up, around, laminate, per_ply=int(request.number("through")))
-    fixed = np.zeros((len(mesh.x), 3), bool)
-    fixed[mesh.on(0, 0.0), 2] = True
-    fixed[mesh.on(0, up[-1]), 0] = True
-    fixed[np.concatenate([mesh.on(1, 0.0), mesh.on(1, WEDGE)]), 1] = True
-    back = mesh.inner if number == 1 else None
-    law = LAWS[str(request.settings.get("law", LINEAR))]
-    turned = mesh.parameter[:, 1]
-    try:
-        return PlacedSolid(TiedSolid.build(mesh, laminate, fixed, mesh.outer, back=back, turned=turned, law=law))
-    except ValueError as error:
-        raise UsageError(f"mesh {request.mesh_text}: {error}") from None
+    fixed = mesh.supports(
+        *((mesh.on(0, 0.0), 2), (mesh.on(0, up[-1]), 0)),
+        *((mesh.on(1, side), 1) for side in (0.0, WEDGE)),
+    )
+    back, law = mesh.inner if number == 1 else None, LAWS[str(request.settings.get("law", LINEAR))]
+    return tied(request, mesh, laminate, fixed, mesh.outer, back=back, turned=mesh.parameter[:, 1], law=law)
 
 
-SCENES: tuple[Scene, ...] = (HalfSpheres(),)
+SCENES = (HalfSpheres(),)

@@ -15,8 +15,6 @@ Sources: Fischer, Wriggers, CMAME 195 (2006) 5020-5036; dimensions after Yastreb
 Mechanics (2013), as in the tutorial ``shallowIroning`` of solids4foam, whose README has the digitised curves of others.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -29,23 +27,12 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Sheet
 from studies.scenes.data import Row, references
 from studies.scenes.faces.bodies import Bodies, Side
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SHAPE_OF_FACES,
-    SLAVE,
-    SLAVES,
-    FacesModel,
-    Facing,
-    Meeting,
-    pairing_of,
-)
-from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
+from studies.scenes.faces.model import OTHER, PAIRED, FacesModel, Facing, Meeting
+from studies.scenes.faces.solids import PlacedSolid, towards_start
+from studies.scenes.solids import OfSolids
 
 WIDTH, E, NU = 1.0, 689.6, 0.32  # mm, MPa, -
 LONG, THICK = 12.0, 4.0  # of the slab [mm]
@@ -92,31 +79,25 @@ def _references() -> tuple[Reference, ...]:
     return found
 
 
-class Ironing:
+class Ironing(OfSolids):
     """a1 across, a2 along the slab."""
 
-    name: str = "ironing"
-    title: str = "Shallow ironing: a die pressed into a slab and drawn along it"
-    default_mesh: tuple[int, int] = (1, 60)
-    settings: tuple[Setting, ...] = (DEPTH, SLIDE, STIFFER, DIE, PAIRING, SHAPE_OF_FACES, SLAVE, EPSILON, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "ironing"
+    title = "Shallow ironing: a die pressed into a slab and drawn along it"
+    default_mesh = (1, 60)
+    settings = (DEPTH, SLIDE, STIFFER, DIE, *PAIRED[1:], EPSILON, SOLVER)
+    references = _references()
+    quantities = {
         "V_N_mm": "force on the die downwards, per width",
         "H_N_mm": "force on the die along the slab, per width",
         "H_over_V": "their ratio, the friction of the whole",
     }
-    models: tuple[str, ...] = ("auto", "full")
-    sheet: Sheet = Sheet("z", -62.0, 14.0)
-
-    def settle(self, request: Request) -> Request:
-        """As for all solids."""
-        return settled_for_solids(request, self.name)
+    sheet = Sheet("z", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
         """The slab is the first body."""
         slab, die = _slab(request, E), _die(request, E * request.number("E_ratio"))
         way = _Way(request.number("depth_mm"), request.numbers("slide_mm"))
-        own = SLAVES.index(request.choice("slave"))
 
         def placed(at: float) -> Bodies:
             return Bodies((PlacedSolid(slab), PlacedSolid(die, shift=START + way.shift(at))))
@@ -127,9 +108,8 @@ class Ironing:
             H, V = -reaction(slab, meeting.u[: slab.n_free], held)[1:] / WIDTH
             return {"V_N_mm": -V, "H_N_mm": H, "H_over_V": -H / V if V else 0.0}
 
-        alike = columns(PlacedSolid((slab, die)[own]))
-        pair = Facing(Side(own, 1), Side(1 - own, 1), alike[:, 0], alike=alike)
-        return FacesModel(placed, (pair,), pairing_of(request), way.stops, measured, "way_mm")
+        sides = [(Side(k, 1), columns(PlacedSolid(each))) for k, each in enumerate((slab, die))]
+        return FacesModel.of(request, placed, [Facing.between(request, *sides)], measured, "way_mm", targets=way.stops)
 
 
 def reaction(body: TiedSolid, u: np.ndarray, held: np.ndarray) -> np.ndarray:
@@ -198,10 +178,8 @@ def _sides(mesh: SolidMesh) -> list[np.ndarray]:
 
 
 def _in_plane_strain(mesh: SolidMesh, laminate: Laminate, held: np.ndarray, face: np.ndarray) -> TiedSolid:
-    fixed = np.zeros((len(mesh.x), 3), bool)
-    fixed[:, 0] = True
-    fixed[held] = True
+    fixed = mesh.supports((slice(None), 0), (held, slice(None)))
     return TiedSolid.build(mesh, laminate, fixed, face, plane=True, law=LAWS["neo-hooke"])
 
 
-SCENES: tuple[Scene, ...] = (Ironing(),)
+SCENES = (Ironing(),)

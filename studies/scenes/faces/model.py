@@ -3,13 +3,11 @@
 Bodies are in :mod:`studies.scenes.faces.bodies`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -19,7 +17,7 @@ from contact.faces.several import Several
 from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
-from studies.ask.request import Request
+from studies.ask.request import Request, Value
 from studies.ask.scene import Begun, Observation, Setting, Stage
 from studies.output.vtu import write_layers
 from studies.scenes.faces.bodies import Bodies, Body, Pairing, Placed, Side
@@ -46,11 +44,17 @@ OTHER = Setting(
 DRAG = Setting(
     "drag_mm", None, "stops of the first body on its way along the second, in turn", "path", otherwise="none"
 )
+PAIRED = (OTHER, PAIRING, SHAPE_OF_FACES, SLAVE)
 
 
-def pairing_of(request: Request) -> Pairing:
-    """What it asks for."""
-    return Pairing(request.choice(PAIRING.key), request.choice(SHAPE_OF_FACES.key) == SHAPES[1])
+def paired(**defaults: Value) -> tuple[Setting, ...]:
+    """The settings of two bodies that meet, with defaults of a scene's own by their keys."""
+    return tuple(replace(each, default=defaults.get(each.key, each.default)) for each in PAIRED)
+
+
+def uncut(request: Request) -> Request:
+    """Without leaves: cuts of one body are none of the other's, all follow the mesh."""
+    return replace(request, leaves=())
 
 
 def of_second(count: int, request: Request) -> int:
@@ -71,6 +75,13 @@ class Facing:
     nodes: np.ndarray
     smooth: bool = False
     alike: np.ndarray | None = None
+
+    @classmethod
+    def between(cls, request: Request, first: tuple[Side, np.ndarray], second: tuple[Side, np.ndarray]) -> Self:
+        """The side that is asked for is the slave; with each its points (m,), or (m, j) where j move alike."""
+        own = SLAVES.index(request.choice(SLAVE.key))
+        (slave, points), (master, _) = (first, second)[own], (first, second)[1 - own]
+        return cls(slave, master, points) if points.ndim == 1 else cls(slave, master, points[:, 0], alike=points)
 
     @property
     def said(self) -> str:
@@ -139,6 +150,21 @@ class FacesModel:
     dragged_at: Callable[[float], Bodies] | None = None
     drags: Sequence[float] = ()
     before: np.ndarray | None = None
+
+    @classmethod
+    def of(
+        cls,
+        request: Request,
+        bodies_at: Callable[[float], Bodies],
+        pairs: Sequence[Facing],
+        measure_at: Callable[[float, Meeting], Mapping[str, float]],
+        key: str = "delta_mm",
+        **more: Any,
+    ) -> Self:
+        """The targets are those asked for of the key, and so is the pairing."""
+        pairing = Pairing(request.choice(PAIRING.key), request.choice(SHAPE_OF_FACES.key) == SHAPES[1])
+        targets = more.pop("targets", None) or request.numbers(key)
+        return cls(bodies_at, tuple(pairs), pairing, targets, measure_at, key, **more)
 
     @cached_property
     def shell(self) -> ShellModel:

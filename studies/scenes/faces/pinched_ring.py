@@ -5,26 +5,16 @@ a2 = pi the master, and their meshes need not match. By symmetry either meets a 
 quarter of the ring, `against=plane`. Once both forces meet, what is added to them goes through the contact.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
-from dataclasses import replace
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
-from formulations.geometry.surfaces import cylinder
-from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import CONTACT, Ladder, Sheet
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import CONTACT, EPSILON, SOLVER, Declared, Ladder, Request, SceneModel, Setting, Sheet
 from studies.scenes.contact.base import ContactModel
-from studies.scenes.contact.ring import RADIUS, WIDTH, E
-from studies.scenes.element import ELEMENT, discretise, moved_nodes, spaced_lines
+from studies.scenes.contact.ring import RADIUS, WIDTH, E, part_on
+from studies.scenes.element import ELEMENT, moved_nodes, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
-from studies.scenes.faces.model import OTHER, PAIRING, SHAPE_OF_FACES, FacesModel, Facing, of_second, pairing_of
+from studies.scenes.faces.model import PAIRED, FacesModel, Facing, of_second, uncut
 from studies.scenes.statics import edge_forces, loaded_shell
 
 SIDE = np.pi / 2
@@ -34,29 +24,18 @@ THICKNESS = Setting("h_mm", 5.0, "thickness", low=1e-2, high=20)
 AGAINST = Setting.one_of("against", ("itself", "plane"), "itself", "half of the ring, or a quarter on a rigid plane")
 
 
-class PinchedRing:
+class PinchedRing(Declared):
     """a1 along the axis, a2 from one force towards the other; the mesh is that of a quarter."""
 
-    name: str = "pinched-ring"
-    title: str = "Ring pinched by two forces until it touches itself"
-    default_mesh: tuple[int, int] = (1, 48)
-    settings: tuple[Setting, ...] = (
-        LOADS,
-        THICKNESS,
-        AGAINST,
-        OTHER,
-        PAIRING,
-        SHAPE_OF_FACES,
-        EPSILON,
-        *ELEMENT,
-        SOLVER,
-    )
-    references: tuple[Reference, ...] = ()
-    quantities: Mapping[str, str] = {
+    name = "pinched-ring"
+    title = "Ring pinched by two forces until it touches itself"
+    default_mesh = (1, 48)
+    settings = (LOADS, THICKNESS, AGAINST, *PAIRED[:-1], EPSILON, *ELEMENT, SOLVER)
+    quantities = {
         "contact_R2_over_EI": "force of the whole ring on itself times R^2/(E I)",
         "spread_over_R": "outward displacement half-way between the forces over R",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(
             CONTACT,
             ("2x24", "4x48", "8x96"),
@@ -65,11 +44,11 @@ class PinchedRing:
             coarser=("1x12",),
         ),
     )
-    sheet: Sheet = Sheet("x", -62.0, 14.0)
+    sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry at the ends of the part and on both sides; half of each force is that of the other half."""
-        request = replace(request, leaves=())  # both halves follow the mesh
+        request = uncut(request)
         half = request.choice("against") == "itself"
         strand = spaced_lines(0, SIDE, request.mesh[1])
         other = spaced_lines(SIDE, 2 * SIDE, of_second(request.mesh[1], request))
@@ -77,11 +56,7 @@ class PinchedRing:
         even = Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), lines)
         grid = moved_nodes(request, even, even.on_line(1, SIDE))
         h = request.number("h_mm")
-        laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
-        supports, tip = Supports.of_edges(grid, *("symmetric",) * 4), grid.on_line(1, SIDE)
-        if half:  # nothing else keeps it where it is, and nothing pushes there
-            supports = supports.hold(tip, [1], ["inner"])
-        body = discretise(request, cylinder(RADIUS), grid, laminate, *supports.masks)
+        body, tip, EI = part_on(request, h, grid), grid.on_line(1, SIDE), E * h**3 / 12 * WIDTH
         unit = EI / RADIUS**2
         forces = edge_forces(body, 1, 0.0, -unit / 2)
         if half:
@@ -107,14 +82,13 @@ class PinchedRing:
         first = np.flatnonzero(grid.centre[:, 1] + grid.half[:, 1] <= TOUCHING * SIDE + 1e-9)
         second = np.flatnonzero(grid.centre[:, 1] > SIDE)
         pair = Facing(Side(0, 0, first), Side(0, 0, second), np.unique(grid.elements[first]))
-        return FacesModel(
+        return FacesModel.of(
+            request,
             lambda t: Bodies((Placed(shell.scaled(t)),)),
-            (pair,),
-            pairing_of(request),
-            loads,
+            [pair],
             lambda t, meeting: read(meeting.force, meeting.u),
             "F_R2_over_EI",
         )
 
 
-SCENES: tuple[Scene, ...] = (PinchedRing(),)
+SCENES = (PinchedRing(),)

@@ -6,8 +6,6 @@ Of the tyre only what looks at the ground may meet it. Two mirror planes, where 
 nodes in these planes are on the rim of the ground, where a slope of the ground turns gaps' derivatives by its square.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -21,24 +19,13 @@ from contact.continuation.load_stepping import follow
 from contact.faces.sampling import PAIRINGS
 from contact.problem import ContactSolution, Outcome
 from formulations.shell import ShellModel
-from studies.ask.declarations import Sheet
 from studies.ask.request import Request, Value
-from studies.ask.scene import EPSILON, SOLVER, Setting, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Declared, Setting, Sheet, UsageError
 from studies.scenes import foundations
 from studies.scenes.contact.extent import half_extent
 from studies.scenes.element import ELEMENT, MOVED_NODES
 from studies.scenes.faces.bodies import Bodies, Body, Placed, Side
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SHAPE_OF_FACES,
-    SLAVE,
-    SLAVES,
-    FacesModel,
-    Facing,
-    Meeting,
-    pairing_of,
-)
+from studies.scenes.faces.model import SLAVES, FacesModel, Facing, Meeting, paired
 from studies.scenes.faces.solids import towards_start
 from studies.scenes.tyre.grid_lines import GRADING, tyre_lines
 from studies.scenes.tyre.model import checked_wall, column_over, faces_of, inflated_shell
@@ -56,13 +43,13 @@ TRAVELS = Setting.positive(
     "delta_mm", (5.0, 10.0, 15.0, 20.0), "travel of the wheel from first touch", 100, kind="floats"
 )
 # its rim carries a line force, which pressures of averaged gaps answer by waves: peaks are twice what nodes have
-NODES = replace(PAIRING, default=PAIRINGS[0])
+NODES = paired(pairing=PAIRINGS[0])
 _OWN = {"delta_mm", "coupling", "rim", *(each.key for each in (GRADING, SECTOR, *PATH_SETTINGS, *foundations.SETTINGS))}
 _NOT = _OWN | {each.key for each in (*ELEMENT, EPSILON, SOLVER)}
 SETTINGS = (
     TRAVELS,
     *(each for each in TYRE if each.key not in _NOT),
-    *(OTHER, NODES, SHAPE_OF_FACES, SLAVE, EPSILON),
+    *(*NODES, EPSILON),
     *(each for each in ELEMENT if each not in MOVED_NODES),
     SOLVER,
 )
@@ -118,13 +105,13 @@ def _inflated(request: Request, body: TyreBody, start: ContactSolution | None) -
     return point.solution.u
 
 
-class OnGround:
+class OnGround(Declared):
     """What scenes of it share; the mesh is that of the whole tyre."""
 
-    default_mesh: tuple[int, int] = (28, 28)
-    coarsest_mesh: tuple[int, int] = (14, 14)  # a path of 8x8 is unstable, and those of odd numbers are none
-    models: tuple[str, ...] = ("auto", "full", "quarter")
-    sheet: Sheet = Sheet("-x", 42.0, 14.0, settings={"delta_mm": "20"}, model="full")
+    default_mesh = (28, 28)
+    coarsest_mesh = (14, 14)  # a path of 8x8 is unstable, and those of odd numbers are none
+    models = ("auto", "full", "quarter")
+    sheet = Sheet("-x", 42.0, 14.0, settings={"delta_mm": "20"}, model="full")
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """The plies of the paper unless others are given; raises UsageError on a mixture."""
@@ -195,12 +182,10 @@ def pressed(
             **reading(meeting),
         }
 
-    sides = (side, facing[0])
-    pair = Facing(sides[own], sides[1 - own], candidates)
     at_rest = np.zeros(int(bodies(0.0).starts[-1]))
     at_rest[: len(tyre.u)] = tyre.u
-    model = FacesModel(bodies, (pair,), pairing_of(request), deltas, measured, "delta_mm", before=at_rest)
-    return replace(model)
+    pair = Facing.between(request, (side, tyre.nodes(side)), facing)
+    return FacesModel.of(request, bodies, [pair], measured, before=at_rest)
 
 
 def _line(x: np.ndarray, axis: int) -> np.ndarray:

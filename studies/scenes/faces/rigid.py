@@ -3,8 +3,6 @@
 No pressure on a rigid foundation alone is solved here, see :mod:`contact.obstacles`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Self
 

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from contact.faces.sampling import areas
 from contact.problem import Linearised
+from formulations.section.laminate import Laminate
 from formulations.solid.ties import TiedSolid
-from studies.ask.request import Request
-from studies.ask.scene import UsageError
+from formulations.solid_mesh import SolidMesh
+from studies.ask.scene import Request, UsageError
 from studies.output.vtu import Layer, solid_layer
 
 
-def settled_for_solids(request: Request, name: str) -> Request:
-    """Plain Newton, for a solid has no resultants to predict; raises UsageError for a strain measure, it has none."""
-    if request.measure != "exact":
-        raise UsageError(f"measure {request.measure!r} does not apply to {name}: a solid has none, leave it out")
-    return replace(request, model="full", newton="plain", leaves=())
+def tied(
+    request: Request, mesh: SolidMesh, laminate: Laminate, fixed: np.ndarray, face: np.ndarray, **options: Any
+) -> PlacedSolid:
+    """That of :meth:`TiedSolid.build` where it is; raises UsageError for a mesh with elements inside out."""
+    try:
+        return PlacedSolid(TiedSolid.build(mesh, laminate, fixed, face, **options))
+    except ValueError as error:
+        raise UsageError(f"mesh {request.mesh_text}: {error}") from None
 
 
 def towards_start(n: int, length: float, near: float, share: float) -> np.ndarray:

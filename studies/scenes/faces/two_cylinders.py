@@ -9,36 +9,21 @@ Lines of the mesh get closer towards the contact as sinh does, so that a quarter
 rim by the closed form. The middle of each cylinder is left out, as its rays meet there: it is BORE wide.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Sheet, UsageError
 from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
 from studies.scenes.data import Row, references
 from studies.scenes.faces.bodies import Bodies, Side
-from studies.scenes.faces.model import (
-    OTHER,
-    PAIRING,
-    SHAPE_OF_FACES,
-    SLAVE,
-    SLAVES,
-    FacesModel,
-    Facing,
-    Meeting,
-    of_second,
-    pairing_of,
-)
-from studies.scenes.faces.solids import PlacedSolid, settled_for_solids, towards_start
+from studies.scenes.faces.model import PAIRED, FacesModel, Facing, Meeting, of_second
+from studies.scenes.faces.solids import PlacedSolid, tied, towards_start
+from studies.scenes.solids import OfSolids
 
 RADIUS, WIDTH, E, NU = 100.0, 1.0, 1000.0, 0.3  # mm, mm, MPa
 BORE = 0.005  # of the radius; one of 0.02 takes 5e-4 off the force
@@ -66,25 +51,20 @@ def _references() -> tuple[Reference, ...]:
     return references("exact", SOURCE, 1e-2, found)
 
 
-class TwoCylinders:
+class TwoCylinders(OfSolids):
     """a1 along the axis, a2 from the contact over a quarter of each cylinder."""
 
-    name: str = "two-cylinders"
-    title: str = "Two solid cylinders pressed on each other"
-    default_mesh: tuple[int, int] = (1, 32)
-    settings: tuple[Setting, ...] = (TRAVELS, STIFFER, OTHER, PAIRING, SHAPE_OF_FACES, SLAVE, EPSILON, SOLVER)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "two-cylinders"
+    title = "Two solid cylinders pressed on each other"
+    default_mesh = (1, 32)
+    settings = (TRAVELS, STIFFER, *PAIRED, EPSILON, SOLVER)
+    references = _references()
+    quantities = {
         "P_over_ER": "force between the cylinders per length, over E R of the first",
         "peak_over_hertz": "largest pressure over Hertz's under the same force",
         "half_width_over_hertz": "half width of the contact by the second moment of its pressure, over Hertz's",
     }
-    models: tuple[str, ...] = ("auto", "full")
-    sheet: Sheet = Sheet("x", -62.0, 14.0)
-
-    def settle(self, request: Request) -> Request:
-        """As for all solids."""
-        return settled_for_solids(request, self.name)
+    sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry where the quarters are cut."""
@@ -94,15 +74,14 @@ class TwoCylinders:
         if min(counts) < FEWEST:
             along = " and ".join(map(str, counts))
             raise UsageError(f"mesh {request.mesh_text}: {along} elements along the faces, each must have {FEWEST}")
-        bodies = [
+        first, second = (
             _quarter(request, n, modulus * (1 - NU**2), half_width) for n, modulus in zip(counts, moduli, strict=True)
-        ]
-        own = SLAVES.index(request.choice("slave"))
+        )
         modulus = 1 / sum(1 / each for each in moduli)
 
         def placed(delta: float) -> Bodies:
             shift = np.array([2 * (RADIUS - delta), 0.0, WIDTH])
-            return Bodies((PlacedSolid(bodies[0]), PlacedSolid(bodies[1], FACING, shift)))
+            return Bodies((first, replace(second, turn=FACING, shift=shift)))
 
         def measured(delta: float, meeting: Meeting) -> dict[str, float]:
             force = 2 * float(meeting.force.sum()) / WIDTH
@@ -116,29 +95,21 @@ class TwoCylinders:
                 "half_width_over_hertz": 2 * math.sqrt(squared) / a,  # of a semi-ellipse that mean square is a^2/4
             }
 
-        nodes = np.arange(len(placed(0.0).parts[own].points_of(1)))
-        pairing = pairing_of(request)
-        pair = Facing(Side(own, 1), Side(1 - own, 1), nodes)
-        return FacesModel(placed, (pair,), pairing, deltas, measured, "delta_mm")
+        sides = [(Side(k, 1), np.arange(len(each.points_of(1)))) for k, each in enumerate((first, second))]
+        return FacesModel.of(request, placed, [Facing.between(request, *sides)], measured)
 
 
-def _quarter(request: Request, n: int, young: float, half_width: float) -> TiedSolid:
+def _quarter(request: Request, n: int, young: float, half_width: float) -> PlacedSolid:
     side = np.pi / 2
     around = towards_start(n, side, half_width / RADIUS, IN_CONTACT)
     depths = towards_start(max(1, 3 * n // 4), RADIUS * (1 - BORE), half_width, BELOW)
     layers = np.diff(depths)[::-1]
     laminate = Laminate(tuple(Ply.isotropic(young, NU, h) for h in layers), -float(depths[-1]))
     mesh = SolidMesh.build(cylinder(RADIUS), np.linspace(0.0, WIDTH, request.mesh[0] + 1), around, laminate)
-    fixed = np.zeros((len(mesh.x), 3), bool)
-    fixed[mesh.on(1, 0.0), 1] = True
-    fixed[mesh.on(1, side), 0] = True
-    fixed[:, 2] = True
+    fixed = mesh.supports((mesh.on(1, 0.0), 1), (mesh.on(1, side), 0), (slice(None), 2))
     ends = mesh.parameter[mesh.outer, 1].max(axis=1)
     face = mesh.outer[ends <= around[max(1, round(FACE * n))] + 1e-9]
-    try:
-        return TiedSolid.build(mesh, laminate, fixed, face, uniform=True)
-    except ValueError as error:
-        raise UsageError(f"mesh {request.mesh_text}: {error}") from None
+    return tied(request, mesh, laminate, fixed, face, uniform=True)
 
 
-SCENES: tuple[Scene, ...] = (TwoCylinders(),)
+SCENES = (TwoCylinders(),)

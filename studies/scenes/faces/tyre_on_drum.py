@@ -7,8 +7,6 @@ see :mod:`studies.scenes.faces.ring_on_layer`: the rigid drum with the law of a 
 Nodes of the tyre sink one by one into a coat softer than 1 MPa/mm and finer than the tyre: it wants slave=second.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,17 +16,15 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
-from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import Request, SceneModel, Setting, UsageError
 from studies.scenes.data import references
 from studies.scenes.faces import pressed_tyre
 from studies.scenes.faces.bodies import Side
-from studies.scenes.faces.model import OTHER, Meeting, of_second
+from studies.scenes.faces.model import Meeting, of_second, uncut
 from studies.scenes.faces.pressed_tyre import Inflated, OnGround, lines, reach
 from studies.scenes.faces.ring_on_layer import LAW, LAYER, POISSON, THROUGH, YOUNG
-from studies.scenes.faces.solids import PlacedSolid
+from studies.scenes.faces.solids import PlacedSolid, tied
 
 TURN = np.diag([-1.0, -1.0, 1.0])  # half a turn about the axis: a2 = 0 looks at the tyre
 BEYOND = 1.2  # half length of the coat over that of the patch of a stiff tyre
@@ -52,40 +48,40 @@ LIMIT = references(
 class TyreOnDrum(OnGround):
     """The mesh is that of the whole tyre; a1 of the coat along the axis, a2 around it."""
 
-    name: str = "tyre-on-drum"
-    title: str = "Tyre pressed on a drum coated with rubber"
-    settings: tuple[Setting, ...] = (
+    name = "tyre-on-drum"
+    title = "Tyre pressed on a drum coated with rubber"
+    settings = (
         *(RADIUS, *COAT),
-        *(replace(each, default=COARSER) if each is OTHER else each for each in pressed_tyre.SETTINGS),
+        *(replace(each, default=COARSER) if each.key == "other_elements" else each for each in pressed_tyre.SETTINGS),
     )
-    references: tuple[Reference, ...] = LIMIT
-    quantities: Mapping[str, str] = {
+    references = LIMIT
+    quantities = {
         **pressed_tyre.QUANTITIES,
         "indentation_mm": "largest depth to which the face of the coat is pressed in",
     }
 
     def build(self, request: Request) -> SceneModel:
         """The tyre is the first body."""
-        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        request = uncut(request)
         tyre, coat, radius = Inflated.on(request), _coat(request), request.number("drum_radius_mm")
-        corners = np.unique(coat.patches)
-        outwards = coat.solid.discretisation.mesh.x[corners] * [1, 1, 0] / radius
+        corners = coat.points_of(1)
+        outwards = coat.solid.solid.discretisation.mesh.x[corners] * [1, 1, 0] / radius
 
         def reading(meeting: Meeting) -> dict[str, float]:
-            depth = -np.sum(coat.expand(meeting.u[len(tyre.u) :])[corners] * outwards, axis=1)
+            depth = -np.sum(coat.solid.expand(meeting.u[len(tyre.u) :])[corners] * outwards, axis=1)
             return {"indentation_mm": float(np.max(depth))}
 
         return pressed_tyre.pressed(
             request,
             tyre,
-            lambda shift: PlacedSolid(coat, TURN, shift),
+            lambda shift: replace(coat, turn=TURN, shift=shift),
             radius,
             (Side(1, 1), np.arange(len(corners))),
             reading,
         )
 
 
-def _coat(request: Request) -> TiedSolid:
+def _coat(request: Request) -> PlacedSolid:
     t, radius = request.number("layer_mm"), request.number("drum_radius_mm")
     if not t < radius:
         raise UsageError(f"layer_mm must be below drum_radius_mm = {radius:g}, got {t:g}")
@@ -97,15 +93,9 @@ def _coat(request: Request) -> TiedSolid:
     )
     laminate = Laminate((Ply.isotropic(request.number("E_layer_MPa"), request.number("nu_layer"), t),), -t)
     mesh = SolidMesh.build(cylinder(radius), across, around, laminate, per_ply=int(request.number("through")))
-    fixed = np.zeros((len(mesh.x), 3), bool)
-    fixed[np.unique(mesh.inner)] = True
-    if request.model == "quarter":
-        fixed[mesh.on(0, 0.0), 2] = True
-        fixed[mesh.on(1, 0.0), 1] = True
-    try:
-        return TiedSolid.build(mesh, laminate, fixed, mesh.outer, law=LAWS[request.choice("layer_law")])
-    except ValueError as error:
-        raise UsageError(f"mesh {request.mesh_text}: {error}") from None
+    mirrors = ((mesh.on(0, 0.0), 2), (mesh.on(1, 0.0), 1)) if request.model == "quarter" else ()
+    fixed = mesh.supports((np.unique(mesh.inner), slice(None)), *mirrors)
+    return tied(request, mesh, laminate, fixed, mesh.outer, law=LAWS[request.choice("layer_law")])
 
 
-SCENES: tuple[Scene, ...] = (TyreOnDrum(),)
+SCENES = (TyreOnDrum(),)

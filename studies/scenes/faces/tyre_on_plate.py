@@ -6,9 +6,6 @@ that on the rigid plane. Where the plate bends by little of its thickness, its d
 the forces of the contact.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -17,14 +14,13 @@ from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CONTACT, Ladder, meshes
-from studies.ask.request import Request
-from studies.ask.scene import Reference, Scene, SceneModel, Setting, UsageError
+from studies.ask.scene import Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.plates import navier_deflection
 from studies.scenes.data import references
 from studies.scenes.element import grid_over, on_grid
 from studies.scenes.faces import pressed_tyre
 from studies.scenes.faces.bodies import Placed, Side
-from studies.scenes.faces.model import Meeting, of_second
+from studies.scenes.faces.model import Meeting, of_second, uncut
 from studies.scenes.faces.pressed_tyre import Inflated, OnGround, lines, reach
 from studies.scenes.faces.ring_on_layer import TURN
 from studies.scenes.statics import loaded_shell
@@ -50,16 +46,16 @@ def _references() -> tuple[Reference, ...]:
 class TyreOnPlate(OnGround):
     """The mesh is that of the whole tyre; a1 of the plate along the axis, a2 in the way of the tyre."""
 
-    name: str = "tyre-on-plate"
-    title: str = "Tyre pressed on a plate that bends"
-    settings: tuple[Setting, ...] = (THICK, LONG, WIDE, YOUNG, POISSON, EDGES, *pressed_tyre.SETTINGS)
-    references: tuple[Reference, ...] = _references()
-    quantities: Mapping[str, str] = {
+    name = "tyre-on-plate"
+    title = "Tyre pressed on a plate that bends"
+    settings = (THICK, LONG, WIDE, YOUNG, POISSON, EDGES, *pressed_tyre.SETTINGS)
+    references = _references()
+    quantities = {
         **pressed_tyre.QUANTITIES,
         "deflection_mm": "largest deflection of the plate",
         "deflection_over_navier": "deflection of its middle over that of Navier's plate under the same forces",
     }
-    ladders: tuple[Ladder, ...] = (
+    ladders = (
         Ladder(
             CONTACT,
             meshes(14, 18, 3),
@@ -72,7 +68,7 @@ class TyreOnPlate(OnGround):
 
     def build(self, request: Request) -> SceneModel:
         """The tyre is the first body."""
-        request = replace(request, leaves=())  # cuts of one body are none of the other's: both follow the mesh
+        request = uncut(request)
         tyre, plate = Inflated.on(request), _plate(request)
         t, sides = request.number("plate_mm"), (request.number("plate_width_mm"), request.number("plate_length_mm"))
         body, copies = plate.discretisation, 4 if request.model == "quarter" else 1
@@ -112,4 +108,4 @@ def _plate(request: Request) -> ShellModel:
     return loaded_shell(on_grid(request, Plate(), grid_over(request, *at), wall, (first, edge) * 2), request)
 
 
-SCENES: tuple[Scene, ...] = (TyreOnPlate(),)
+SCENES = (TyreOnPlate(),)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 
@@ -16,9 +16,7 @@ from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
-from studies.ask.declarations import Sheet
-from studies.ask.request import Request
-from studies.ask.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
+from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Request, SceneModel, Setting, Sheet
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.element import TWO_FACES, discretise, even_grid
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, SPIN, Piece, faces, wall, waved
@@ -163,21 +161,20 @@ class PressedOnBall(ContactModel):
         return problem_at, replace(start, u=unknowns_at(self.shell.discretisation, self.exact_at(0.0)))
 
 
-class ManufacturedContact:
+class ManufacturedContact(Declared):
     """A piece of a surface that a ball presses, its pressure c^2 - r^2 within the radius c of contact."""
 
-    name: str = "manufactured-contact"
-    title: str = "Shell on a ball with a given pressure and edge of contact (errors known exactly)"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = SETTINGS
-    references: tuple[Reference, ...] = ()
-    quantities: Mapping[str, str] = {
+    name = "manufactured-contact"
+    title = "Shell on a ball with a given pressure and edge of contact (errors known exactly)"
+    default_mesh = (16, 16)
+    settings = SETTINGS
+    quantities = {
         **QUANTITIES,
         "error_pressure": "relative L2 error of the nodal contact pressures",
         "error_edge": "root mean square distance of the edge of contact from the exact one, over its radius",
         "error_area": "error of the area that touches, over the exact one",
     }
-    sheet: Sheet = Sheet("x", 40.0, 28.0)
+    sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
@@ -246,4 +243,4 @@ def _zero(touch: Touch, before: int, last: int, after: int) -> np.ndarray:
     return touch.at[last] + step * min(share / np.linalg.norm(step), 1.0)
 
 
-SCENES: tuple[Scene, ...] = (ManufacturedContact(),)
+SCENES = (ManufacturedContact(),)

@@ -3,25 +3,13 @@
 Every coordinate system of the catalogue of surfaces is here, with curvatures of either sign. No mesh enters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import expm
 
-from formulations.geometry.surfaces import (
-    Plate,
-    Surface,
-    annulus,
-    cone,
-    cylinder,
-    elliptic_torus,
-    hyperboloid,
-    sphere,
-    torus,
-)
+from formulations.geometry import surfaces
 from formulations.section.laminate import Laminate, Ply
 from studies.scenes.element import Span
 
@@ -35,7 +23,7 @@ _PHASES = np.array([0.3, 1.1, 2.0])
 class Piece:
     """A rectangle in the coordinates of a surface; lengths are about 1 [mm]."""
 
-    surface: Surface
+    surface: surfaces.Surface
     a1: Span
     a2: Span
 
@@ -46,14 +34,14 @@ class Piece:
 
 
 PIECES: Mapping[str, Piece] = {
-    "plate": Piece(Plate(), (-0.4, 0.6), (-0.3, 0.5)),
-    "annulus": Piece(annulus(), (0.6, 1.4), (0.0, 0.8)),
-    "cylinder": Piece(cylinder(1.0), (0.0, 0.8), (0.2, 1.0)),
-    "cone": Piece(cone(0.5), (1.0, 1.8), (0.0, 1.0)),
-    "sphere": Piece(sphere(1.0), (-0.3, 0.5), (0.2, 1.0)),
-    "torus": Piece(elliptic_torus(2.0, 1.0, 0.7), (0.1, 0.9), (0.0, 0.4)),
-    "inner-torus": Piece(torus(2.0, 1.0), (2.6, 3.5), (0.0, 0.6)),  # saddle-shaped
-    "hyperboloid": Piece(hyperboloid(1.0, 1.0), (-0.3, 0.6), (0.0, 0.8)),
+    "plate": Piece(surfaces.Plate(), (-0.4, 0.6), (-0.3, 0.5)),
+    "annulus": Piece(surfaces.annulus(), (0.6, 1.4), (0.0, 0.8)),
+    "cylinder": Piece(surfaces.cylinder(1.0), (0.0, 0.8), (0.2, 1.0)),
+    "cone": Piece(surfaces.cone(0.5), (1.0, 1.8), (0.0, 1.0)),
+    "sphere": Piece(surfaces.sphere(1.0), (-0.3, 0.5), (0.2, 1.0)),
+    "torus": Piece(surfaces.elliptic_torus(2.0, 1.0, 0.7), (0.1, 0.9), (0.0, 0.4)),
+    "inner-torus": Piece(surfaces.torus(2.0, 1.0), (2.6, 3.5), (0.0, 0.6)),  # saddle-shaped
+    "hyperboloid": Piece(surfaces.hyperboloid(1.0, 1.0), (-0.3, 0.6), (0.0, 0.8)),
 }
 LAYUPS = ("skew", "isotropic")
 
@@ -74,7 +62,7 @@ class TurnedWaves:
     pressing the shell into waves of its own.
     """
 
-    surface: Surface
+    surface: surfaces.Surface
     laminate: Laminate
     angle: float
     stretch: float
@@ -92,7 +80,7 @@ def waved(X: np.ndarray, stretch: float, wave: float) -> np.ndarray:
     return np.asarray((1 + stretch) * X + wave * np.sin(X @ _WAVES.T + _PHASES))
 
 
-def faces(surface: Surface, laminate: Laminate, a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+def faces(surface: surfaces.Surface, laminate: Laminate, a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
     """Positions (..., 2, 3) on the inner and on the outer face."""
     x, normal = surface.position(a1, a2), surface.frame(a1, a2)[..., 2, :]
     return np.stack([x + d * normal for d in (laminate.d_minus, laminate.d_plus)], axis=-2)

@@ -3,8 +3,6 @@
 Two edges are held at their given displacements, two carry the edge loads, and the body forces act on both faces.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -23,7 +21,16 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.declarations import Sheet
 from studies.ask.request import Request
-from studies.ask.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
+from studies.ask.scene import (
+    SOLVER,
+    Begun,
+    Declared,
+    Observation,
+    SceneModel,
+    Setting,
+    ShellSceneModel,
+    Stage,
+)
 from studies.scenes.element import TWO_FACES, discretise, even_grid
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, TurnedWaves, wall
 from studies.scenes.manufactured.solution import Exact, Patch, Solution
@@ -158,16 +165,15 @@ class ManufacturedModel(ShellSceneModel):
         return Observation({"motion": t, **found}, found)
 
 
-class Manufactured:
+class Manufactured(Declared):
     """A piece of a surface that is stretched, bent into waves and turned."""
 
-    name: str = "manufactured"
-    title: str = "Shell with a given large motion and the loads that it needs (errors known exactly)"
-    default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = SETTINGS
-    references: tuple[Reference, ...] = ()
-    quantities: Mapping[str, str] = QUANTITIES
-    sheet: Sheet = Sheet("x", 40.0, 28.0)
+    name = "manufactured"
+    title = "Shell with a given large motion and the loads that it needs (errors known exactly)"
+    default_mesh = (16, 16)
+    settings = SETTINGS
+    quantities = QUANTITIES
+    sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
@@ -187,4 +193,4 @@ class Manufactured:
         return ManufacturedModel(shell, exact_at, {0: piece.a1[1], 1: piece.a2[1]})
 
 
-SCENES: tuple[Scene, ...] = (Manufactured(),)
+SCENES = (Manufactured(),)

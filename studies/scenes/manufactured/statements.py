@@ -5,8 +5,6 @@ strains are E11, E22, 2E12, 2E13, 2E23, E33. No table of coefficients may enter 
 of :mod:`formulations.strains.catalogue` are judged by.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

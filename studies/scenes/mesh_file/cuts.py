@@ -5,8 +5,6 @@ edge or four corners, along one and the same axis: what an element of the deck c
 nodes, pressures on the parts of their elements, sets have the nodes they had.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

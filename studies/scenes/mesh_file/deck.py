@@ -1,7 +1,5 @@
 """What a deck says of a shell, in its own numbers. No geometry and no keyword enters here."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

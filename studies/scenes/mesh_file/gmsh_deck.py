@@ -23,8 +23,6 @@
     skin = 0.01
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -4,8 +4,6 @@ meshio reads the file and trusts it: what comes out is checked here. It keeps no
 both count from 1 in the order of the file.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import warnings

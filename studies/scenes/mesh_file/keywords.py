@@ -3,8 +3,6 @@
 Names and keywords are not told apart by case; every error names the file and the line.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence

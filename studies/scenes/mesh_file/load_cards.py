@@ -1,7 +1,5 @@
 """Cards of supports, loads and the step."""
 
-from __future__ import annotations
-
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import Card, named, shown
 

@@ -1,7 +1,5 @@
 """Loads of a deck on the shell: forces, moments, pressures and the displacements of supports. No card enters here."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Axes in which a deck holds and loads a node: the global ones, or those of a *TRANSFORM."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

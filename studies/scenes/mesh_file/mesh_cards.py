@@ -1,7 +1,5 @@
 """Cards of a mesh: nodes, quadrilaterals, normals and sets."""
 
-from __future__ import annotations
-
 from studies.scenes.complete import LARGEST_MESH
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import Card, shown

@@ -4,8 +4,6 @@ The foundation stands at the first touch of the shell at rest. The loads of the 
 travels against ``towards``. The face on its side may touch, at every node that can move.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace

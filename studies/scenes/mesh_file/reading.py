@@ -1,7 +1,5 @@
 """A deck from its file: every card is understood, is named as one without effect, or is refused with its line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

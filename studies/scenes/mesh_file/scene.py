@@ -17,9 +17,8 @@ from formulations.geometry.surfaces import NodalSurface
 from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.ask.declarations import Reference
 from studies.ask.request import Request, UsageError, Value
-from studies.ask.scene import SOLVER, SceneModel, Setting
+from studies.ask.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes import SCENES, foundations
 from studies.scenes.complete import LARGEST_MESH
 from studies.scenes.contact.base import OUTER

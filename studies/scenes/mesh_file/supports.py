@@ -6,8 +6,6 @@ zero are zero on both faces, and nothing else is. So a plane of symmetry, its th
 a support that turns the two faces together, as of rotations alone, is refused.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from formulations.conditions.boundary import Supports

@@ -1,16 +1,14 @@
 """The walls of a deck: their plies, and the axis from which their angles count."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from formulations.element.on_grid import Walls
 from formulations.element.strain_operator import GAUSS, shape_functions
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.walls import Walls
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section
 from studies.scenes.mesh_file.surface import Mesh

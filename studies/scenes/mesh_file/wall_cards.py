@@ -1,7 +1,5 @@
 """Cards of the wall: materials, axes, the section with its plies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section

@@ -6,8 +6,6 @@ are there only without angle plies. Inflation is the same all around, and one co
 A part cannot leave its symmetry: it follows the symmetric path past a bifurcation that breaks it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ The foundation comes along -e_x, touches the inflated tyre at (psi, phi) = (0, 0
 from that first touch. What the wall is made of does not enter here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -22,8 +20,7 @@ from contact.obstacles.foundation import Candidates, Foundation, against, travel
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, without_contact
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
-from studies.ask.request import Request
-from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage, UsageError
+from studies.ask.scene import Begun, CurveStage, Observation, Request, Setting, Stage, UsageError
 from studies.output.atomic import Table
 from studies.scenes.contact.extent import half_extent
 from studies.scenes.foundations import NORMAL
@@ -154,11 +151,6 @@ class PressedTyre:
     column: Column | None = field(default=None, kw_only=True)
     arc: ArcLength | None = field(default=None, kw_only=True)
     rim_by_pressure: bool = field(default=False, kw_only=True)
-
-    @property
-    def n_unknowns(self) -> int:
-        """Number of unknowns."""
-        return self.body.discretisation.n_free
 
     def stages(self) -> Iterator[Stage]:
         """Inflation by a pressure factor, of a column first, then the foundation by delta [mm]."""

@@ -6,8 +6,6 @@ A map p (psi, phi) has its lines symmetric about psi = 0. Along phi it is period
 where it covers a part of the tyre, symmetric about phi = 0. Out of contact the pressure is zero.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
 from studies.ask.declarations import TYRE, Ladder, Sheet, ShellLimit, meshes
 from studies.ask.request import Request, Value
-from studies.ask.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Setting, UsageError
 from studies.scenes import foundations
 from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT
@@ -130,7 +129,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 @dataclass(frozen=True)
-class Tyre:
+class Tyre(Declared):
     """Inflation, then contact with a plane.
 
     sizes: of the elements of adapted grids, where they are known already.
@@ -142,7 +141,7 @@ class Tyre:
     coarsest_mesh: tuple[int, int] = (16, 46)  # k l^2/h of its elements is below 1
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = _references()
-    quantities: ClassVar[Mapping[str, str]] = {
+    quantities = {
         "centre_pressure_MPa": "contact pressure at the centre of the patch, psi = phi = 0",
         "mean_pressure_MPa": "mean of the contact pressure over its own force: int p^2 dA/int p dA",
         "half_length_mm": "from the centre of the patch to its rim around the axis, along the deformed outer face",
@@ -151,12 +150,12 @@ class Tyre:
         "inflated_equator_inner_mm": "radial displacement of the inner face at psi = 0 after inflation",
         "inflated_equator_outer_mm": "radial displacement of the outer face at psi = 0 after inflation",
     }
-    ladders: ClassVar[tuple[Ladder, ...]] = (
+    ladders = (
         LADDER,
         replace(LADDER, name="tyre-isotropic", at="delta_mm=10", settings=ISOTROPIC, whole={}),
     )
-    sheet: ClassVar[Sheet] = Sheet("-x", 42.0, 14.0, "42x60", {"delta_mm": "20"}, model="full")
-    shell_limit: ClassVar[ShellLimit] = ShellLimit(
+    sheet = Sheet("-x", 42.0, 14.0, "42x60", {"delta_mm": "20"}, model="full")
+    shell_limit = ShellLimit(
         "pressed tyre",
         lambda settings: settings.number("plies") * settings.number("ply_thickness_mm") / settings.number("R1_mm"),
         only_with="E_MPa",
@@ -203,4 +202,4 @@ class Tyre:
         return sizes.proportioned(elements)
 
 
-SCENES: tuple[Scene, ...] = (Tyre(),)
+SCENES = (Tyre(),)

@@ -12,8 +12,6 @@ with W growing no faster than delta^4: it is of second order in a force that gro
 to waves is anything; DECAY/cut is taken instead, the mean rate measured on the tyres of the tests, and twice the sum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

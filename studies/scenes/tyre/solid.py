@@ -8,23 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 
 from contact.obstacles.foundation import Candidates
-from contact.problem import ContactSolution
 from formulations.geometry.surfaces import torus
 from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
-from studies.ask.declarations import Sheet
 from studies.ask.request import Request, Value
-from studies.ask.scene import Reference, Scene, Setting, UsageError, candidates_at, nodal_pressure
-from studies.output.vtu import write_solid_fields
+from studies.ask.scene import Reference, Setting, Sheet, UsageError
 from studies.scenes.element import ELEMENT
 from studies.scenes.foundations import foundation
+from studies.scenes.solids import OfSolids, SolidSceneModel
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.model import ORTHOTROPIC, checked_wall, inflation
 from studies.scenes.tyre.parts import mirrored, part_of
@@ -49,7 +45,7 @@ def _settings() -> tuple[Setting, ...]:
 
 
 @dataclass(frozen=True)
-class SolidTyre:
+class SolidTyre(OfSolids):
     """Inflation, then contact with a plane, of a solid."""
 
     name: str = "tyre-solid"
@@ -58,9 +54,9 @@ class SolidTyre:
     coarsest_mesh: tuple[int, int] = (14, 18)  # even numbers only
     settings: tuple[Setting, ...] = _settings()
     references: tuple[Reference, ...] = tuple(each for each in Tyre.references if each.kind == "computed")
-    quantities: ClassVar[Mapping[str, str]] = Tyre.quantities
+    quantities = Tyre.quantities
     models: tuple[str, ...] = ("auto", "full", "quarter")
-    sheet: ClassVar[Sheet] = Sheet("-x", -40.0, 14.0, mesh="14x18", settings={"delta_mm": "20"})
+    sheet = Sheet("-x", -40.0, 14.0, mesh="14x18", settings={"delta_mm": "20"})
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Isotropic unless plies are given; raises UsageError on a mixture."""
@@ -69,18 +65,13 @@ class SolidTyre:
 
     def settle(self, request: Request) -> Request:
         """A quarter where symmetry allows it; plain Newton, for a solid has no resultants to predict."""
-        if request.measure != "exact":
-            raise UsageError(
-                f"measure {request.measure!r} does not apply to {self.name}: a solid has none, leave it out"
-            )
-        settings = request.settings
-        symmetric = mirrored(settings)
+        whole = super().settle(request)
+        symmetric = mirrored(request.settings)
         if request.model == "quarter" and not symmetric:
             raise UsageError(
-                f"model 'quarter' needs isotropic plies or cords at 0 or 90 deg, not {settings['gamma_deg']:g}"
+                f"model 'quarter' needs isotropic plies or cords at 0 or 90 deg, not {request.settings['gamma_deg']:g}"
             )
-        model = request.model if request.model != "auto" else "quarter" if symmetric else "full"
-        return replace(request, model=model, newton="plain")
+        return replace(whole, model="quarter" if symmetric and request.model != "full" else "full")
 
     def build(self, request: Request) -> SolidTyreModel:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
@@ -91,11 +82,8 @@ class SolidTyre:
         per_ply = int(settings.number("per_ply"))
         mesh = SolidMesh.build(torus(R0 - R1, R1), psi, phi, laminate, per_ply=per_ply, periodic=not quarter)
         clamped = np.concatenate([mesh.on(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
-        fixed = np.zeros((len(mesh.x), 3), bool)
-        fixed[clamped] = True
-        if quarter:
-            fixed[mesh.on(0, 0.0), 2] = True
-            fixed[np.concatenate([mesh.on(1, 0.0), mesh.on(1, np.pi)]), 1] = True
+        mirrors = ((mesh.on(0, 0.0), 2), *((mesh.on(1, end), 1) for end in (0.0, np.pi))) if quarter else ()
+        fixed = mesh.supports((clamped, slice(None)), *mirrors)
         try:
             solid = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[settings.choice("law")])
         except ValueError as error:
@@ -109,16 +97,11 @@ class SolidTyre:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidTyreModel(PressedTyre):
+class SolidTyreModel(SolidSceneModel, PressedTyre):
     """The stages of the tyre as a solid."""
 
     body: SolidModel
     nodes: np.ndarray  # mesh node of each candidate
-
-    def write_fields(self, path: Path, state: ContactSolution) -> None:
-        """The hexahedra of the part that is solved."""
-        solid = self.body.discretisation
-        write_solid_fields(path, solid, state.u, nodal_pressure(state, candidates_at(self.nodes, len(solid.mesh.x))))
 
 
 def whole_wall(solid: SolidDiscretisation, nodes: np.ndarray, model: str) -> Wall:
@@ -149,4 +132,4 @@ def _in_order(mesh: SolidMesh, face: np.ndarray) -> np.ndarray:
     return face[np.lexsort((phi, psi))]
 
 
-SCENES: tuple[Scene, ...] = (SolidTyre(),)
+SCENES = (SolidTyre(),)

@@ -28,7 +28,7 @@ from scipy import sparse
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.newton.step import NewtonRun
 from contact.solvers.sparse import factorise
-from formulations.element.modes import MODE_ROWS
+from formulations.element.mixed import MODE_ROWS
 from formulations.geometry.grid import CORNERS
 from formulations.shell import Linearisation, ShellModel
 from formulations.strains.quantities import N_E

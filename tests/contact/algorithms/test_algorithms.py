@@ -1,7 +1,5 @@
 """Every contact algorithm against independent solutions: nnls, cvxpy, built-in answers, the law of epsilon."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

@@ -3,8 +3,6 @@
 Iterations on meshes of 64 to 1024 elements: the rim of contact is not let go of one element an iteration.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Quadratic programmes and complementarity problems against nnls to 1e-9, where strict complementarity fails, too."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

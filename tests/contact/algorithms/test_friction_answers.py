@@ -5,8 +5,6 @@ Algorithms, oracle and judge on random steps with open, sticking and slipping ca
 Random paths on which the foundation is dragged, reversed and turned and the load is cut: every state is judged.
 """
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import Iterable
@@ -160,9 +158,8 @@ def test_semismooth_and_the_oracle_agree_on_random_steps() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10 * FEW))
-def test_no_exact_algorithm_has_another_answer(seed: int) -> None:
-    found = counted([seed], EXACT_ONES)
+def test_no_exact_algorithm_has_another_answer() -> None:
+    found = counted(range(10 * FEW), EXACT_ONES)
     assert found["false"] == 0
     assert not [name for name in found if name.endswith("differs")]
 
@@ -225,18 +222,21 @@ class RandomPath:
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(84) if seed != 1)])
-def test_no_algorithm_converges_to_what_the_judge_refuses(name: str, seed: int) -> None:
-    states = RandomPath(seed).states(name)
-    assert states or name == "trial-and-error"  # which cycles on most of them, and says so
+@pytest.mark.parametrize(
+    "seeds", [range(1, 2), *(pytest.param(range(k, 84, 2), marks=pytest.mark.slow) for k in (0, 3))]
+)
+def test_no_algorithm_converges_to_what_the_judge_refuses(name: str, seeds: range) -> None:
     epsilon = by_the_exact_law()[name].epsilon
-    largest = max((abs(at.dissipation) for _, at in states), default=0.0)
-    for stage, at in states:
-        found = at.solution
-        verdict = judge(stage.problem, found.u, found.pressure, found.rubbed.force, epsilon=epsilon)
-        assert not verdict.failures(), (at.load, verdict.kkt)
-        if np.isinf(epsilon):
-            assert at.dissipation >= -DISSIPATED * largest
+    for seed in seeds:
+        states = RandomPath(seed).states(name)
+        assert states or name == "trial-and-error", seed  # which cycles on most of them, and says so
+        largest = max((abs(at.dissipation) for _, at in states), default=0.0)
+        for stage, at in states:
+            found = at.solution
+            verdict = judge(stage.problem, found.u, found.pressure, found.rubbed.force, epsilon=epsilon)
+            assert not verdict.failures(), (seed, at.load, verdict.kkt)
+            if np.isinf(epsilon):
+                assert at.dissipation >= -DISSIPATED * largest, seed
 
 
 def test_friction_of_the_step_before_is_not_that_of_a_reversed_slip() -> None:

@@ -1,7 +1,5 @@
 """Friction on a polygon, by programmes and by pivots: its error, what finishes it, and where it has to stop."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import product

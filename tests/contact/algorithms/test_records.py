@@ -3,8 +3,6 @@
 What the algorithms say of their parameters is true.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import math
 from dataclasses import replace

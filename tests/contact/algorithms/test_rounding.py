@@ -1,7 +1,5 @@
 """Very stiff problems: rounding that moves nothing is no obstacle, rounding that moves something is an outcome."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

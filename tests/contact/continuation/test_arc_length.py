@@ -1,7 +1,5 @@
 """Arc length: limit points, snap-back and end point of curves in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stable branches beside unstable equilibria, in closed form: a column, with and without a wall, a shallow truss."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

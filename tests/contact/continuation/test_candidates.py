@@ -3,8 +3,6 @@
 Starts that are no states of a path: they save iterations, and change neither answers nor what a path remembers.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Why a path ends: the softest motion against dense algebra, and limit points and bifurcations in closed form."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 

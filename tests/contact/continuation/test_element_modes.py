@@ -1,7 +1,5 @@
 """Motions of elements alone are counted apart, with the grid that has none; what the body does is still counted."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

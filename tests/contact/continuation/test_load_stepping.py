@@ -1,7 +1,5 @@
 """Load stepping: a failed step is cut, an easy one grows back, the history says so, and a dead end keeps its state."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -11,10 +9,10 @@ from scipy import sparse
 
 import contact.events
 from contact.catalogue import ALGORITHMS
+from contact.continuation.candidates import EASY_ITERATIONS
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import (
     BRIEF,
-    EASY_ITERATIONS,
     SMALLEST,
     WORTH,
     Attempt,

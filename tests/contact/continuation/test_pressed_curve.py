@@ -1,7 +1,5 @@
 """Arc length with contact: trusses pressed by planes, whose curves, tangents and limit points are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

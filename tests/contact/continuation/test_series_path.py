@@ -1,7 +1,5 @@
 """Power series: curves in closed form, a shell's coefficients by differences of its path, and arc length."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

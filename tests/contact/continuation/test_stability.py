@@ -1,7 +1,5 @@
 """Numbers of negative eigenvalues against dense algebra, and stability in closed form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import product

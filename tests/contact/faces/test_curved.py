@@ -1,7 +1,5 @@
 """Faces that are curved between their points: heights over patches, gaps and their derivatives, balance, the judge."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -116,7 +114,7 @@ def _worst_height(count: int, distorted: float, across: np.ndarray) -> float:
     inner = np.max(np.abs(points[:, :2]), axis=1) < 1
     points[inner, :2] += distorted / count * np.random.default_rng(1).uniform(-1, 1, (inner.sum(), 2))
     points[:, 2] = np.sqrt(RADIUS**2 - np.sum((points[:, :2] @ across.T) ** 2, axis=1))
-    heights = Bulges.of(points, patches, np.tile(np.eye(3), (len(points), 1, 1))).heights(points).reshape(-1, 4)
+    heights = Bulges.of(points, patches, np.tile(np.eye(3), (len(points), 1, 1))).at(points).k.reshape(-1, 4)
     whole = inner[patches].all(axis=1)
     found, middle = heights[whole] @ blend(np.zeros((1, 2)))[0][0], points[patches[whole]].mean(axis=1)
     return float(
@@ -129,12 +127,12 @@ def test_a_crease_and_a_flat_face_have_no_heights() -> None:
     points, patches = sheet(4, 3, 1.0, 0.0, 0.0, up=True)
     points[:, :2] += 0.1 * np.random.default_rng(1).normal(size=(len(points), 2))
     free = np.tile(np.eye(3), (len(points), 1, 1))
-    assert np.max(np.abs(Bulges.of(points, patches, free).heights(points))) <= ROUNDING
+    assert np.max(np.abs(Bulges.of(points, patches, free).at(points).k)) <= ROUNDING
     for count in (2, 4):
         roof, patches = sheet(count, 3, 1.0, 0.0, 0.0, up=True)
         roof[:, 2] = -0.6 * np.abs(roof[:, 0])
         free = np.tile(np.eye(3), (len(roof), 1, 1))
-        assert np.max(np.abs(Bulges.of(roof, patches, free).heights(roof))) <= ROUNDING
+        assert np.max(np.abs(Bulges.of(roof, patches, free).at(roof).k)) <= ROUNDING
 
 
 @pytest.mark.parametrize(
@@ -157,7 +155,7 @@ def test_patches_that_turn_by_thirty_degrees_are_no_crease_by_rounding(radius: f
     points, patches = sheet(6, 1, 1.0, 0.0, 0.0, up=True)
     angle = np.pi / 2 * (points[:, 0] + 1)
     points = radius * np.column_stack([-np.cos(angle), points[:, 1] / 3, np.sin(angle)])
-    heights = Bulges.of(points, patches, np.tile(np.eye(3), (len(points), 1, 1))).heights(points).reshape(-1, 4)
+    heights = Bulges.of(points, patches, np.tile(np.eye(3), (len(points), 1, 1))).at(points).k.reshape(-1, 4)
     around = heights[:, [0, 2]]
     np.testing.assert_allclose(around, radius * (1 - np.cos(np.pi / 6)), rtol=1e-12)
     np.testing.assert_allclose(heights[:, [1, 3]], 0, atol=ROUNDING * radius)

@@ -1,7 +1,5 @@
 """Two faces against each other: gaps, rows and curvature by differences, balance, weights, and both searches."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

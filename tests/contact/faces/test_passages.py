@@ -1,7 +1,5 @@
 """Passages of faces through each other: against half-spaces of a moving box, and a ring thrown through another one."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Friction between two faces: the slip and its derivatives, joint motions, anchors, answers of all algorithms."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Several pairs in one problem: three nets in a row by differences, by the judge, and against an independent QP."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

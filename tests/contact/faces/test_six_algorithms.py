@@ -3,8 +3,6 @@
 Springs are compared with the states that semismooth finds by the same law of springs, the others by the exact law.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Candidates in planes of symmetry that no facet is at right angles to: they slide in the plane, and over its edge."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

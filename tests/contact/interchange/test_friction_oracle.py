@@ -1,7 +1,5 @@
 """The oracle of friction: right where the answer is built in, unwilling where there is no programme."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 
@@ -39,9 +37,10 @@ def test_it_finds_the_answer_that_is_built_in() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(20, 300))
-def test_it_finds_each_of_many_answers(seed) -> None:
-    agrees(seed)
+@pytest.mark.parametrize("first", range(20, 300, 70))
+def test_it_finds_each_of_many_answers(first: int) -> None:
+    for seed in range(first, first + 70):
+        agrees(seed)
 
 
 def test_klarbrings_springs_have_one_answer_at_small_mu() -> None:

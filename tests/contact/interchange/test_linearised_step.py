@@ -3,8 +3,6 @@
 Frozen steps with friction: what is frozen, the file there and back, FCLib's terms, and damaged files.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import zipfile

@@ -1,7 +1,5 @@
 """The oracle: right where nnls and closed forms are, unwilling where there is no programme, and able to contradict."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

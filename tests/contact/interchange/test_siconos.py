@@ -3,8 +3,6 @@
 Contacts with ways of their own: the same problem, whatever its matrix, in unknowns that none shares.
 """
 
-from __future__ import annotations
-
 from functools import partial
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Files of strangers: what a file says of itself is checked before anything is made of it."""
 
-from __future__ import annotations
-
 import io
 import json
 import struct

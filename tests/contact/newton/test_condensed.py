@@ -1,7 +1,5 @@
 """One factorisation for every set of a linearised problem: against dense solves, and with what it must not spend."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import product

@@ -3,8 +3,6 @@
 Friction on springs: its tangent, its limit, one candidate in closed form, and the judge of a finite epsilon.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

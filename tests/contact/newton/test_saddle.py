@@ -1,7 +1,5 @@
 """Gaps that share their unknowns: the step with forces as unknowns against dense algebra, and its eigenvalues."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The step of Newton on a fixed set, against the dense saddle-point system."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import product

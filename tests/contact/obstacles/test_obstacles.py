@@ -1,7 +1,5 @@
 """Drum, sphere, step and cleat: gap by brute force, gradient, curvature and whole tangents by differences."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise

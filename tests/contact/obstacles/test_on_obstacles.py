@@ -3,8 +3,6 @@
 Contact problems against drums, cleats and steps: ropes in space with discrete closed forms, and Newton's rate.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

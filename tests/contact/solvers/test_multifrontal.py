@@ -1,7 +1,5 @@
 """The multifrontal factorisation against dense algebra: random patterns in any order, and tangents of shells."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,5 @@
 """Linear solvers: singular matrices are refused, solutions checked."""
 
-from __future__ import annotations
-
 import math
 from importlib.util import find_spec
 

@@ -1,7 +1,5 @@
 """Supports by name, forces along edges, prescribed displacements and reactions, each against a closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

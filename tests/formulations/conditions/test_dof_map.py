@@ -1,7 +1,5 @@
 """Supports: the signed map of held and hinged displacements, alone and in a shell."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,15 +1,12 @@
 """The element: its strain modes, its own error under rigid motion, objectivity, zero-energy modes."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from scipy.linalg import null_space, subspace_angles
 
-from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.modes import N_M
+from formulations.element.mixed import MEMBRANES, N_M, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate

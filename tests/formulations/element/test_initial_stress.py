@@ -1,7 +1,5 @@
 """Initial resultants H0: balance at rest, dead forces, their work on a slope, a membrane, the plate that buckles."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ taken at the surfaces and are polynomials between them: what they are not on thr
 either, is left when the mesh is fine. So the bubble is linear through three surfaces, and through five it is quadratic.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np
@@ -18,7 +16,8 @@ from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import CORNERS
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS, VOIGT
+from formulations.section.laws import LAWS
+from formulations.section.material import VOIGT
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from support.problems.differences import fitted_order

@@ -1,7 +1,5 @@
 """Patch tests: states of constant strain or curvature on an irregular plate, and uniaxial stretch in closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

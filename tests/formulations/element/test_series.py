@@ -1,7 +1,5 @@
 """The recurrence of power series against the polynomial that the internal force is, fitted through its values."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

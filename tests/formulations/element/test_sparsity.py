@@ -1,7 +1,5 @@
 """The pattern of a mesh: what is found once serves others with the same numbers, and nobody else."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

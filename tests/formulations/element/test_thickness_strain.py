@@ -8,8 +8,6 @@ vanishes: L^2 = 1 + (1 - s)/6 phi^2, or (1 - s)/6 ((phi0 + phi)^2 - phi0^2). The
 moment is D/2l times the derivative of its square.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Quadrilaterals whose thickness differs: rigid motions, tapered and stepped cantilevers in closed form."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +7,10 @@ import pytest
 
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
+from formulations.element.on_grid import Walls
 from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.surfaces import NodalSurface, cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.walls import Walls
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 

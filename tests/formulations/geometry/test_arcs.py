@@ -1,7 +1,5 @@
 """The middle of an edge with directors at its ends: circles, halves alike, any rotation, derivatives by differences."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

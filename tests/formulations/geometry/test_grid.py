@@ -1,7 +1,5 @@
 """Grid and discretisation: connectivity against scikit-fem, the periodic seam, areas, mass, displacements in space."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The order of elimination: every node once, separators that separate, and less fill than a minimum degree's."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

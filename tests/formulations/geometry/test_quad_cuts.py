@@ -1,7 +1,5 @@
 """Cut meshes, and normals from positions, against the surfaces that the nodes were taken from."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every surface of revolution against sympy, from its position alone; the plane."""
 
-from __future__ import annotations
-
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass

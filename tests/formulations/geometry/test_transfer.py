@@ -1,7 +1,5 @@
 """Fields carried between grids: cubics exactly, circles closed, modes as derivatives."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Couples that follow the director: moment, no net force, derivative, and a strip bent to a circle."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

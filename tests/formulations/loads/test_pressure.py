@@ -1,7 +1,5 @@
 """Pressure: areas, resultants on deformed surfaces, inflation of cylinder and sphere against closed forms."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Plies and laminates: tensor rotation, plane stress, Poisson thickness locking, quadrature and a variational check."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

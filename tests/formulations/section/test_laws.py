@@ -1,7 +1,5 @@
 """The laws against energies written another way, closed forms of one-dimensional states, and each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -12,17 +10,8 @@ from scipy.optimize import brentq
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import (
-    LAWS,
-    VOIGT,
-    Corded,
-    Divided,
-    Law,
-    NeoHooke,
-    StVenantKirchhoff,
-    lame_constants,
-    tensor,
-)
+from formulations.section.laws import LAWS, Corded, NeoHooke, StVenantKirchhoff
+from formulations.section.material import VOIGT, Divided, Law, lame_constants, tensor
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
 from support.problems.differences import central_difference, fitted_order, rotation

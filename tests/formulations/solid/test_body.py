@@ -1,7 +1,5 @@
 """The 3D judge against closed forms: rigid motion, Lamé's thick tubes and spheres, ply axes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

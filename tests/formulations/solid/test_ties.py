@@ -1,7 +1,5 @@
 """Solids with a straight face: a uniform pressure of bilinear patches to the last digit, derivatives, plane strain."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -5,8 +5,6 @@ numerically and sent through the displacement-gradient quantities, so that geome
 together against F alone.
 """
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -21,7 +21,8 @@ from studies.analysis.shell_limits import (
     order,
 )
 from studies.cli import main
-from studies.experiments.shell_limits.ladder import CASES, COLUMNS, DEFAULT, FULL_3D, STRAIGHT, Case, shell_limits
+from studies.experiments.shell_limits.bodies import DEFAULT, FULL_3D
+from studies.experiments.shell_limits.ladder import CASES, COLUMNS, STRAIGHT, Case, shell_limits
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from support.kinds import MANY_SURFACES, OF_FACES, ON_QUADS
@@ -30,7 +31,7 @@ RATIOS = np.array([0.01, 0.03, 0.1, 0.3])
 WITHOUT = {"heavy-strip", "shallow-cap", "free-hyperboloid", "tyre-solid", "crushed-ring-solid"}
 WITHOUT |= {"manufactured", "manufactured-contact"}  # forces that no solid has
 WITHOUT |= MANY_SURFACES | ON_QUADS | OF_FACES  # closed forms; meshes, no coordinates; no case has two bodies
-KINDS = {name: scene.shell_limit for name, scene in SCENES.items() if hasattr(scene, "shell_limit")}
+KINDS = {name: scene.shell_limit for name, scene in SCENES.items() if getattr(scene, "shell_limit", None)}
 CHEAP = ("inflated tube", "ring made oval")
 
 

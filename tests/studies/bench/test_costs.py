@@ -1,7 +1,5 @@
 """What ``footprint bench`` measures, on meshes too small to time: its lines, its matrices and its exit code."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What ``footprint bench newton`` and ``scaling`` measure, on meshes too small to time, and wrong use of all tables."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

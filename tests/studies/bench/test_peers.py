@@ -1,7 +1,5 @@
 """Other programs beside shells: what is skipped, what is measured, and that they solve the same problems."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Other programs on decks of ours: what is said without one, what is kept of a run, and why values differ."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Iterable

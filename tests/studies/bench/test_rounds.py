@@ -1,7 +1,5 @@
 """Rounds on a clock made up here: the machine changes its speed, works take what they are said to take."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The timing lane with a clock made up here, and once for real; the bench of the harness as a function, untimed."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Boundaries on synthetic maps: found to the point for a part of the points, and honest when they are not."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

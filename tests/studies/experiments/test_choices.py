@@ -1,7 +1,5 @@
 """What is enough in a regime: the rows of a choice, against a limit that others have published."""
 
-from __future__ import annotations
-
 import math
 
 import pandas as pd

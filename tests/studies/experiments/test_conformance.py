@@ -5,8 +5,6 @@ deformation, the order and limit of a ring, and a manufactured solution, for eve
 suits it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product

@@ -1,7 +1,5 @@
 """The study of epsilon: its laws on a problem with a closed form, condition numbers, and where rounding takes over."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

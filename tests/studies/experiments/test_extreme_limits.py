@@ -1,7 +1,5 @@
 """Limits: the first failure on the way, what is right before it, and the closed forms that say so."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

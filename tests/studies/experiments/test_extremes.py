@@ -1,7 +1,5 @@
 """Maps of extremes: classes of outcomes, a real map against all of its points, and the scene they are made of."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

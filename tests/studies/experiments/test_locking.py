@@ -1,7 +1,5 @@
 """Locking: what must not lock does not, what must lock does, by the factor the theory says."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The membrane over a sphere: its closed form, and the orders that every exact algorithm shares."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp

@@ -1,7 +1,5 @@
 """Published obstacle problems, LCP classics and steps of shells by every algorithm, and who claims success falsely."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

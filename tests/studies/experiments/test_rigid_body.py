@@ -1,7 +1,5 @@
 """Rigid motions over the whole catalogue: every declared law is met, and the famous failures are found."""
 
-from __future__ import annotations
-
 import math
 
 import pandas as pd

@@ -1,7 +1,5 @@
 """Rotations one after another: nothing is left where the measure is exact, and their order may not be exchanged."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

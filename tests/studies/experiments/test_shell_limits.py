@@ -1,7 +1,5 @@
 """Shells against solids over the thickness: the bodies against closed forms, the ladder against made-up answers."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -9,20 +7,8 @@ import pytest
 
 from formulations.section.laminate import Laminate, Ply
 from studies.experiments.shell_limits import bending, pressed
-from studies.experiments.shell_limits.bodies import Answer, Solid
-from studies.experiments.shell_limits.ladder import (
-    CASES,
-    DEFAULT,
-    FULL_3D,
-    GOOD,
-    REISSNER,
-    STRAIGHT,
-    USUAL,
-    Case,
-    Ladder,
-    Variant,
-    rows_of,
-)
+from studies.experiments.shell_limits.bodies import DEFAULT, FULL_3D, REISSNER, USUAL, Answer, Solid, Variant
+from studies.experiments.shell_limits.ladder import CASES, GOOD, STRAIGHT, Case, Ladder, rows_of
 from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
 from studies.scenes.data import read_reference
 

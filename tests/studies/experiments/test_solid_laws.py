@@ -1,7 +1,5 @@
 """Laws beside one another: the tube and the strip against closed forms, the first order, and the rules made of it."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

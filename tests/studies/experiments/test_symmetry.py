@@ -1,7 +1,5 @@
 """Symmetry and invariance: the healthy catalogue breaks nothing by accident, and what is planted is found."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Tables of the whole store: made once for one state of the sources, and the ladders of the convergence study."""
 
-from __future__ import annotations
-
 import hashlib
 import sys
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Derivatives of the tyre at work: what rounding is worth, and an optimum that answers without any confirm."""
 
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 

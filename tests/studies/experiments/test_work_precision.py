@@ -1,7 +1,5 @@
 """Grids of the tyre against what they cost: rounds of a refinement as rows, and the reference of all errors."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,5 @@
 """Cantilever and hemisphere: what the refined element, mixed Newton and factorisation by fronts are worth."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

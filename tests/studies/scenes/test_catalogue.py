@@ -1,7 +1,5 @@
 """The catalogue of scenes: names without loading anything, and every declaration in its scene's own module."""
 
-from __future__ import annotations
-
 import importlib
 
 import pytest

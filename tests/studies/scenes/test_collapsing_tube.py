@@ -1,7 +1,5 @@
 """The collapsing tube against the inextensible ring: buckled, touching, in point and in line contact."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Contact through the shell element against closed forms of beam, plate and elastica: errors on three meshes, rates."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

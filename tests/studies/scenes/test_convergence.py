@@ -4,8 +4,6 @@ Published values are those of one mesh, or of another code, transcribed: they ca
 that of the published theory, as of thin shells without shear, the target is what this shell should find.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Two crossing tubes: a series and a published number at a point, a rigid drum, symmetry, both sides as master."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import Any
 

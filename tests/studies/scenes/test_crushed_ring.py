@@ -1,7 +1,5 @@
 """The crushed ring: the solid against another program, the shell against the solid, both against the experiment."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

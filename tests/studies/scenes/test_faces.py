@@ -1,7 +1,5 @@
 """Shells whose faces meet: a patch test, rings against the elastica and the plate, both sides as master, algorithms."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The tyre on drums, a sphere and a cleat: limits to the plane, order of the forces, what is refused."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Grids that follow the need: their lines, the estimate behind them, the choice of a mesh, and what they save."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The free hyperboloid: what its printed numbers mean, and that the element meets them without locking."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import cache

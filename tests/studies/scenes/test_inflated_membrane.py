@@ -1,7 +1,5 @@
 """The inflated membrane: under pressures and volumes, against its equations, a published table and a plate."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 
@@ -18,7 +16,7 @@ from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactProblem
 from contact.verify import judge
 from formulations.section.laminate import Ply
-from formulations.section.laws import lame_constants
+from formulations.section.material import lame_constants
 from studies.scenes.benchmarks import inflated_membrane
 from studies.scenes.benchmarks.inflated_membrane import RADIUS, SECTOR, UNIT, VOLUME, FilledMembrane, MembraneModel
 from studies.scenes.closed_forms.membrane import InflatedMembrane

@@ -1,7 +1,5 @@
 """Shallow ironing: balance of both bodies, friction in its cone and against the slip, energy, and order."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The strip, the sandwich plate and the cylinder of cross-plies: what is printed, elasticity, and shells."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """Linear shells: Pagano's plate against elasticity, what shear adds, and loads over an area."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Loads of scenes by themselves: over areas, along edges, and pressure on interpolated positions."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

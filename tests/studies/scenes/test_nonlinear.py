@@ -4,8 +4,6 @@ Published values are ABAQUS S4R on one mesh, transcribed: they carry its errors.
 tolerance, the test says by how much, and which independent value decides.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Curves of scenes by power series, by arc length, and who decides."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The pinched rubber cylinder against a solid of the same law, and a ring that does not stretch."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

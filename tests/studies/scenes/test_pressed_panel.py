@@ -1,7 +1,5 @@
 """A curved panel of angle plies pressed on a plane: quadrilaterals of any shape have the force of its own lines."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

@@ -1,7 +1,5 @@
 """Walls under pressure against closed forms of membranes, and where thin and thick ones leave them."""
 
-from __future__ import annotations
-
 import pytest
 
 from contact.problem import Outcome

@@ -1,7 +1,5 @@
 """Scenes on quadrilaterals that follow no lines of curvature, against published values, on meshes that are stated."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import skfem

@@ -1,7 +1,5 @@
 """The rubber roller against a plane solid of the same law, and Hertz."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

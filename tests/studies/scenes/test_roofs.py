@@ -1,7 +1,5 @@
 """Hinged roofs of Sze against published curves and the 3D solid, on three meshes and extrapolated; their files."""
 
-from __future__ import annotations
-
 import json
 from functools import cache, partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The shallow cap: its shallow equations against plates and published numbers, the scene against both."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Solids as bodies of pairs: derivatives of the whole, Hertz between cylinders, a ring on a layer stiff and soft."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The tyre on ground that deforms: rigid ground as the limit, Navier's plate, springs, compliances in series."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The walk over stages and requested points: what it visits, in which unknowns, and where it ends."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The column against a wall: its beam, point contact by all algorithms, and line contact, whose end inertia sees."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Scenes whose walls need surfaces inside them: laminates, rubber, contact, against closed forms and solids."""
 
-from __future__ import annotations
-
 import itertools
 
 import meshio
@@ -10,7 +8,8 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from formulations.section.laminate import Ply
-from formulations.section.laws import LAWS, Hencky, NeoHooke
+from formulations.section.laws import LAWS, NeoHooke
+from formulations.section.material import Hencky
 from studies.ask.request import UsageError
 from studies.ask.scene import SceneModel
 from studies.scenes.benchmarks.pagano import COLUMNS, SQUARE

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
-from studies.experiments.shell_limits.ladder import COLUMNS, DEFAULT, FULL_3D, STRAIGHT, THREE
+from studies.experiments.shell_limits.bodies import DEFAULT, FULL_3D, THREE
+from studies.experiments.shell_limits.ladder import COLUMNS, STRAIGHT
 
 FACTORS = {"bad": 1.0, "better": 0.1, "best": 0.0}
 

@@ -1,7 +1,5 @@
 """All algorithms with friction on the reference problems: who ends, where, and with what."""
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

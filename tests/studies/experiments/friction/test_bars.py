@@ -1,7 +1,5 @@
 """Bars with friction: the strip against closed forms of the bar and of its model, the drum against the capstan."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

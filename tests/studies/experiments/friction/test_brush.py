@@ -1,7 +1,5 @@
 """The brush against its closed forms, and a block on a quarter circle: second order in rings, first in load steps."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

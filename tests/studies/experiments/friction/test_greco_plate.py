@@ -1,7 +1,5 @@
 """The GRECO plate: without friction, with mu = 1, and at both ends of the coefficient."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise, product

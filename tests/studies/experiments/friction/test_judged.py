@@ -1,7 +1,5 @@
 """Every reference before the judge, state by state: what a table compares is an answer of its problem."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

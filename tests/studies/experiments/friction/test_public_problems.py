@@ -1,7 +1,5 @@
 """The public problems: the shipped table against itself, and the small ones again."""
 
-from __future__ import annotations
-
 import os
 from functools import partial
 

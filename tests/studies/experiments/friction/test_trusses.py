@@ -1,7 +1,5 @@
 """A joint motion of body and foundation leaves friction as it was; a wheel between two plates turns as it must."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

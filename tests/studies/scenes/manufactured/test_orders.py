@@ -1,7 +1,5 @@
 """Observed orders of manufactured solutions: every measure, surface and element, with contact, and what is planted."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Exact solutions by themselves, without a mesh: strains against the tables, loads in balance, spectral derivatives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What measures state in vectors against their tables: the same, and a planted coefficient is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

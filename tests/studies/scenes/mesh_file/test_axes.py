@@ -1,7 +1,5 @@
 """Supports and forces in axes of *TRANSFORM: a deck turned in space moves as it did, and wedges are symmetric."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Shells from decks: against scenes on the same mesh, and what is refused with which words."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import meshio

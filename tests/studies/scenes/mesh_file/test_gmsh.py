@@ -1,7 +1,5 @@
 """Meshes of gmsh in both formats with the TOML beside them, against the same shell as a deck, and a closed form."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """A deck pressed on a foundation, against the scene of the same panel on its lines of curvature."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Decks with several sections, and with a thickness at each node, against beams in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """What shell decks of CalculiX's own tests say, in decks of our own; the answers are closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The tyre of the paper, end to end: forces, patch, symmetry, algorithms, and the isotropic tyre against 3D solids."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

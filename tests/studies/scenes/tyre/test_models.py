@@ -1,7 +1,5 @@
 """Parts of a tyre against the whole: the same displacements, pressures and forces; what is not symmetric is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

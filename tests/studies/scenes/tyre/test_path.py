@@ -1,14 +1,13 @@
 """The press of the tyre by arc length: through the limit point of the travel and on behind it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.load_stepping import EASY_ITERATIONS, WORTH
+from contact.continuation.candidates import EASY_ITERATIONS
+from contact.continuation.load_stepping import WORTH
 from contact.problem import Outcome
 from reports.figures.result_figures import draw_result
 from studies.ask.scene import UsageError

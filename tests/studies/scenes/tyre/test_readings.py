@@ -1,7 +1,5 @@
 """What is read off a patch, by pressures and places that are given."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The rim of a pressed tyre on locally refined grids: what the answers jump by from grid to grid."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

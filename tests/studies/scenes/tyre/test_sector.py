@@ -1,7 +1,5 @@
 """A sector of a tyre: its error against the whole, the estimate that bounds it, and what is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

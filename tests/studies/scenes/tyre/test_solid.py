@@ -1,7 +1,5 @@
 """The tyre as a 3D solid: what it refuses, its symmetry, and its forces against two other programs and the shell."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import meshio

@@ -1,7 +1,5 @@
 """Where short waves on the pressed tyre stop costing energy: the same travel on every grid and with both elements."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
