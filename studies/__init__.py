@@ -12,10 +12,7 @@ if TYPE_CHECKING:
     from studies.answers import Chosen, Run, Swept
     from studies.ask.scene import UsageError
     from studies.catalogue.descriptions import Description
-    from studies.notebook import choose, describe, solve, sweep
-    from studies.questions import advise, card, gradient, judge
-
-QUESTIONS = ("advise", "card", "gradient", "judge")
+    from studies.notebook import advise, card, choose, describe, gradient, judge, solve, sweep
 
 __all__ = [
     "Chosen",
@@ -37,10 +34,6 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    if name in QUESTIONS:
-        from studies import questions
-
-        return getattr(questions, name)
     from studies import notebook
 
     return getattr(notebook, name)

@@ -13,6 +13,7 @@ import os
 import re
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from studies.ask.request import PartError, UsageError
@@ -31,7 +32,7 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "resolve": ("problems", "solve one frozen contact problem again, alone, and judge it"),
     "export": ("exchange", "a scene as a deck, a mesh or a neutral sheet for another program"),
     "problems": ("problems", "frozen contact problems for other programs, and what their answers are worth"),
-    "leaderboard": ("leaderboard", "results of solvers on frozen contact problems as a page, the ranking first"),
+    "leaderboard": ("bench_solvers", "results of solvers on frozen contact problems as a page, the ranking first"),
     "judge-field": ("exchange", "hold what another program has found for a scene against it"),
     "run": ("campaigns", "solve the missing cells of a campaign"),
     "merge": ("campaigns", "take the cells of another store, recomputed before they are believed"),
@@ -73,14 +74,20 @@ class _Parser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         """With the examples of the command."""
-        from studies.commands.examples import examples
-
-        self.epilog = examples(self.prog)
+        lines = [f"  {self.prog} {words}".rstrip() for words in examples().get(self.prog.partition(" ")[2], ())]
+        self.epilog = "\n".join(["examples:", *lines]) if lines else ""
         return super().format_help()
 
     def error(self, message: str) -> NoReturn:
         print(f"{self.prog}: {message}", file=sys.stderr)
         raise SystemExit(WRONG_USE)
+
+
+def examples() -> dict[str, list[str]]:
+    """Lines that ``--help`` shows, by the words of a command."""
+    import tomllib  # for --help alone
+
+    return tomllib.loads((Path(__file__).parent / "commands" / "examples.toml").read_text(encoding="utf-8"))
 
 
 class _Version(argparse.Action):

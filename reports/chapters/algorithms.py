@@ -268,9 +268,4 @@ def seconds_by_algorithm(data: pd.DataFrame) -> Figure:
     return figure
 
 
-CHAPTER = chapter(
-    TEXT,
-    algorithms_page,
-    needs=("cycles", "false_success", "epsilon", "epsilon_laws"),
-    always=True,
-)
+CHAPTER = chapter(TEXT, algorithms_page, needs=("cycles", "false_success", "epsilon", "epsilon_laws"), always=True)

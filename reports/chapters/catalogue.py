@@ -60,8 +60,7 @@ class Catalogue:
         """The parts of some kinds in the order of their catalogues, each with the name and the title of its page."""
         parts = self.tables["parts"][["kind", "part", "meaning", "about", "source", "module"]].fillna("").astype(str)
         named = parts.assign(
-            name="sheets/" + parts["kind"] + "-" + parts["part"],
-            title=parts["kind"].map(KINDS) + ": " + parts["part"],
+            name="sheets/" + parts["kind"] + "-" + parts["part"], title=parts["kind"].map(KINDS) + ": " + parts["part"]
         )
         return named[named["kind"].isin(kinds)].itertuples(index=False, name="Sheet")
 

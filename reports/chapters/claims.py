@@ -32,9 +32,4 @@ def _subject(name: str, own: pd.DataFrame) -> Part:
     return TEXT("subject", name=name, steady=ordered[~timed], timed=ordered[timed], commands=shown)
 
 
-CHAPTER = chapter(
-    TEXT,
-    claims_page,
-    needs=(CLAIMS,),
-    always=True,
-)
+CHAPTER = chapter(TEXT, claims_page, needs=(CLAIMS,), always=True)

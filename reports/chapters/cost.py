@@ -172,9 +172,4 @@ def _regret(axes: Axes, regret: np.ndarray) -> None:
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
 
 
-CHAPTER = chapter(
-    TEXT,
-    cost_page,
-    needs=("rules", "work_precision", "grids_reaching", "tyre_models"),
-    always=True,
-)
+CHAPTER = chapter(TEXT, cost_page, needs=("rules", "work_precision", "grids_reaching", "tyre_models"), always=True)

@@ -73,8 +73,4 @@ def _findings(store: Store) -> Part:
     return TEXT("findings", count=len(found), steady=steady, timed=timed) if found else Part()
 
 
-CHAPTER = chapter(
-    TEXT,
-    appendix,
-    needs=NEEDED,
-)
+CHAPTER = chapter(TEXT, appendix, needs=NEEDED)

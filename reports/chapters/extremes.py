@@ -256,8 +256,5 @@ def _power(value: float) -> str:
 
 
 CHAPTER = chapter(
-    TEXT,
-    extremes_page,
-    needs=("extremes", "extremes_maps", "extremes_check", "extremes_limits"),
-    always=True,
+    TEXT, extremes_page, needs=("extremes", "extremes_maps", "extremes_check", "extremes_limits"), always=True
 )

@@ -127,8 +127,4 @@ def errors(found: pd.DataFrame) -> Figure:
     return figure
 
 
-CHAPTER = chapter(
-    TEXT,
-    faces_page,
-    needs=TABLES,
-)
+CHAPTER = chapter(TEXT, faces_page, needs=TABLES)

@@ -169,8 +169,4 @@ def _public(files: pd.DataFrame, name: str) -> list[str]:
     return [f"{int(taken.sum())} of {len(own)}", str(int(refused.sum()))]
 
 
-CHAPTER = chapter(
-    TEXT,
-    friction_page,
-    needs=(*TYRE, *FITTED, *OTHERS),
-)
+CHAPTER = chapter(TEXT, friction_page, needs=(*TYRE, *FITTED, *OTHERS))

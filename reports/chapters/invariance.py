@@ -157,8 +157,5 @@ def _random(store: Store) -> Part:
 
 
 CHAPTER = chapter(
-    TEXT,
-    invariance_page,
-    needs=("rigid_body", "rigid_body_powers", "rotation_sweep", "symmetry"),
-    always=True,
+    TEXT, invariance_page, needs=("rigid_body", "rigid_body_powers", "rotation_sweep", "symmetry"), always=True
 )

@@ -172,8 +172,4 @@ def _mesh(row: dict) -> str:
     return f"{row['mesh']} ({digits(row['seconds'], 2)} s)" if row["mesh"] else row["verdict"]
 
 
-CHAPTER = chapter(
-    TEXT,
-    measures_page,
-    always=True,
-)
+CHAPTER = chapter(TEXT, measures_page, always=True)

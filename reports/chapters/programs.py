@@ -147,8 +147,4 @@ def _beyond(row: Mapping[Hashable, Any]) -> str:
     return f"{told}, for a reason that is not known."
 
 
-CHAPTER = chapter(
-    TEXT,
-    programs_page,
-    needs=("programs", "program_agreement"),
-)
+CHAPTER = chapter(TEXT, programs_page, needs=("programs", "program_agreement"))

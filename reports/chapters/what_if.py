@@ -127,8 +127,4 @@ def design(every: pd.DataFrame, asked: pd.DataFrame) -> Figure:
     return figure
 
 
-CHAPTER = chapter(
-    TEXT,
-    what_if_page,
-    needs=("what_if", "even_footprint", "every_footprint"),
-)
+CHAPTER = chapter(TEXT, what_if_page, needs=("what_if", "even_footprint", "every_footprint"))

@@ -2,94 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+import tomllib
+from collections.abc import Mapping
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pandas as pd
 
 from studies.analysis.advice.choose import shipped_tables
 from studies.analysis.advice.held_out import held_out, summary
 from studies.analysis.disagreements import disagreements
-from studies.analysis.elements import ENOUGH, EQUAL, FARTHER, element_choice, thickness_share
+from studies.analysis.elements import element_choice, thickness_share
 from studies.analysis.evidence import Evidence, Tables
-from studies.analysis.friction import COST_BARS, FULL, GRECO, all_orders, by_algorithm, ends, step_orders
+from studies.analysis.friction import COST_BARS, orders
 from studies.analysis.ladders import convergence
 from studies.analysis.ladders import summary as summary_of_ladders
 from studies.analysis.outcomes import contact_summary, outcomes
-from studies.analysis.powers import (
-    BELOW,
-    NEAR,
-    NOTHING_LEFT,
-    THEORY,
-    contact_orders,
-    distortion_orders,
-    epsilon_laws,
-    law_rules,
-    manufactured_orders,
-    rigid_body_powers,
-)
-from studies.analysis.printed_pressures import DEPTH, tyre_comparison, tyre_readings
-from studies.analysis.programs import agreement, peer_factors
-from studies.analysis.shell_limits import boundaries
+from studies.analysis.powers import THEORY
+from studies.analysis.printed_pressures import tyre_comparison, tyre_readings
+from studies.analysis.programs import agreement
 from studies.analysis.statements.claims import claims_table
 from studies.analysis.statements.tables import statement_tables
-from studies.analysis.tyre import BEHIND, SAME, grids_reaching, solid_shell, tyre_budget, tyre_models
-from studies.analysis.uncertainty import TIMES, axial_states, error_budget, error_statements, input_effects, statements
+from studies.analysis.tyre import solid_shell, tyre_budget, tyre_models
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 from studies.catalogue.tables import catalogue_tables
-from studies.experiments.choices import measure_limits
 from studies.output.atomic import write_table
 from studies.run.collect import collect, machines
 from studies.run.rows import published, reference_rows
-from studies.solving.refinement.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
-from studies.solving.trials import PATIENCE
 
-FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # by the table that they are fitted to
-    "measure_limits": ("choices", measure_limits),
-    "grids_reaching": ("work_precision", grids_reaching),
-    "rigid_body_powers": ("small_motions", rigid_body_powers),
-    "epsilon_laws": ("epsilon", epsilon_laws),
-    "error_statements": ("error_coverage", error_statements),
-    "stated_errors": ("error_coverage", statements),
-    "ring_budget": ("crushed_ring", error_budget),
-    "ring_inputs": ("crushed_ring", input_effects),
-    "ring_states": ("crushed_ring", axial_states),
-    "law_rules": ("law_strain", law_rules),
-    "peer_factors": ("peers", peer_factors),
-    "manufactured_orders": ("manufactured", manufactured_orders),
-    "manufactured_contact_orders": ("manufactured_contact", contact_orders),
-    "distortion_orders": ("distortion", distortion_orders),
-    "shell_boundaries": ("shell_limits", boundaries),
-    "friction_drag_ends": ("friction_dragged", partial(ends, key="drag_mm")),
-    "friction_turn_ends": ("friction_turned", partial(ends, key="turn_deg")),
-    "friction_step_orders": ("friction_steps", step_orders),
-    "friction_algorithms": ("friction_agreement", by_algorithm),
-}
-
-RULES = {  # thresholds that the pages state
-    "formal_order": FORMAL,
-    "same_order": SAME_ORDER,
-    "same_value": SAME_VALUE,
-    "safe": SAFE,
-    "unsafe": UNSAFE,
-    "enough": ENOUGH,
-    "equal": EQUAL,
-    "farther": FARTHER,
-    "same_model": SAME,
-    "behind": BEHIND,
-    "core_depth": DEPTH,
-    "strain_rounding": NOTHING_LEFT,
-    "near_order": NEAR,
-    "coarse_below": BELOW,
-    **{name.replace("error_", "theory_"): order for name, order in THEORY.items()},
-    "expensive": TIMES,
-    "patience": PATIENCE,
-    "friction_full": FULL,
-    "friction_greco": GRECO,
-    **COST_BARS,
-}
+DECLARED = tomllib.loads(Path(__file__).with_name("fitted.toml").read_text(encoding="utf-8"))
 
 
 def analyse(store: Path, campaign: str) -> list[Path]:
@@ -120,7 +62,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
     solids = solid_shell(answers)
     every = pd.concat([table, collect(store, campaign, apart=True)], ignore_index=True)
     return {
-        "rules": pd.DataFrame([RULES]),
+        "rules": pd.DataFrame([rules()]),
         "machines": machines(every),
         **published(every),
         "convergence": sequences,
@@ -137,14 +79,21 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
     }
 
 
+def rules() -> dict[str, float]:
+    """Thresholds that the pages state."""
+    theory = {name.replace("error_", "theory_"): order for name, order in THEORY.items()}
+    return {name: resolve_name(place) for name, place in DECLARED["rules"].items()} | theory | COST_BARS
+
+
 def fitted(tables: Tables) -> dict[str, pd.DataFrame]:
     """What is fitted to the tables of experiments that are there."""
-    found = {name: (tables(source), fit) for name, (source, fit) in FITTED.items()}
-    made = {name: fit(table) for name, (table, fit) in found.items() if table is not None}
+    found = {name: (tables(source), fit) for name, (source, fit) in DECLARED["fitted"].items()}
+    made = {name: resolve_name(fit)(table) for name, (table, fit) in found.items() if table is not None}
     if (programs := tables("programs")) is not None:
         made["program_agreement"] = agreement(programs, tables("peers"))
-    if (orders := all_orders(tables)) is not None:
-        made["friction_orders"] = orders
+    families = {name: (tables(f"friction_{name}"), told) for name, told in DECLARED["friction_orders"].items()}
+    if each := [orders(name, table, **told) for name, (table, told) in families.items() if table is not None]:
+        made["friction_orders"] = pd.concat(each, ignore_index=True)
     return made
 
 

@@ -5,13 +5,12 @@ They are those of :mod:`studies.experiments.friction`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from studies.analysis.evidence import Tables
 from studies.experiments.friction.scenes import DELTA, MESH
 from studies.solving.refinement.richardson import holds_from, power_of
 from studies.solving.result import SOLVED, UNSUPPORTED
@@ -22,32 +21,6 @@ LAST = 4  # an order is fitted to so many of the finest
 FIRST = "semismooth"  # which all other algorithms are compared with
 COST_BARS = {"friction_cost": 2.5, "friction_factorisations": 1.2}  # over a step without friction; an iteration
 GRECO = 5e-4  # of a slip of that plate
-
-
-@dataclass(frozen=True)
-class Family:
-    """A table of errors: what tells its cases apart, the column of numbers, and the order that theory has of each."""
-
-    table: str
-    cases: tuple[str, ...]
-    number: str
-    theory: Mapping[str, int]
-
-
-FAMILIES = {
-    "strip": Family(
-        "friction_strip",
-        ("steps",),
-        "elements",
-        {"end_error": 2, "back_error": 2, "loop_error": 2, "front_error": 2, "counted_error": 1},
-    ),
-    "drum": Family("friction_drum", ("side",), "elements", {"end_error": 2, "slip_error": 2}),
-    "capstan": Family("friction_capstan", ("side", "mu", "theta_rad"), "elements", {"error": 2}),
-    "parking": Family(
-        "friction_parking", ("pressure", "core"), "rings", {"core_error": 2, "moment_error": 2, "loop_error": 2}
-    ),
-    "path": Family("friction_path", ("case",), "steps", {"end_error": 1, "work_error": 1}),
-}
 
 
 def ends(table: pd.DataFrame, key: str) -> pd.DataFrame:
@@ -79,6 +52,9 @@ def ends(table: pd.DataFrame, key: str) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+drag_ends, turn_ends = (partial(ends, key=key) for key in ("drag_mm", "turn_deg"))
+
+
 def _command(mu: float, key: str, stops: np.ndarray) -> str:
     """What solves the path of a coefficient."""
     way = ["drag_deg=90"] if key == "drag_mm" else []
@@ -93,22 +69,22 @@ def _from(at: np.ndarray, holds: np.ndarray) -> float:
     return float(at[first]) if first < len(at) else np.nan
 
 
-def orders(name: str, table: pd.DataFrame) -> pd.DataFrame:
+def orders(name: str, table: pd.DataFrame, cases: Sequence[str], of: str, theory: Mapping[str, int]) -> pd.DataFrame:
     """A row a case and error of a family: the finest number, the error there, its order and that of theory.
 
+    cases: columns that tell cases apart.  of: that of the number.  theory: the order of each error.
     The order is fitted to the LAST finest; NaN where an error is below FLOOR on one of them.
     """
-    family = FAMILIES[name]
     rows = []
-    for case, own in table.groupby(list(family.cases), sort=False):
-        finest = own.sort_values(family.number).iloc[-LAST:]
+    for case, own in table.groupby(list(cases), sort=False):
+        finest = own.sort_values(of).iloc[-LAST:]
         assert isinstance(case, tuple)
-        told = ", ".join(_told(key, value) for key, value in zip(family.cases, case, strict=True))
-        for error, theory in family.theory.items():
-            n, errors = finest[family.number].to_numpy(float), finest[error].to_numpy(float)
+        told = ", ".join(_told(key, value) for key, value in zip(cases, case, strict=True))
+        for error, order in theory.items():
+            n, errors = finest[of].to_numpy(float), finest[error].to_numpy(float)
             fitted = -power_of(n, errors) if np.min(np.abs(errors)) > FLOOR else np.nan
-            row = {"family": name, "case": told, "quantity": error.removesuffix("_error"), "of": family.number}
-            rows.append(row | {"finest": n[-1], "error": errors[-1], "order": fitted, "theory": theory})
+            row = {"family": name, "case": told, "quantity": error.removesuffix("_error"), "of": of}
+            rows.append(row | {"finest": n[-1], "error": errors[-1], "order": fitted, "theory": order})
     return pd.DataFrame(rows)
 
 
@@ -116,13 +92,6 @@ def _told(key: str, value: object) -> str:
     """What a case is, in words."""
     name = {"side": "", "case": "", "theta_rad": "theta "}.get(key, f"{key} ")
     return f"{name}{value:.3g}" if isinstance(value, float) else f"{name}{value}"
-
-
-def all_orders(tables: Tables) -> pd.DataFrame | None:
-    """The orders of all families whose tables are there; None without one."""
-    found = {name: tables(family.table) for name, family in FAMILIES.items()}
-    fitted = [orders(name, table) for name, table in found.items() if table is not None]
-    return pd.concat(fitted, ignore_index=True) if fitted else None
 
 
 def step_orders(steps: pd.DataFrame) -> pd.DataFrame:

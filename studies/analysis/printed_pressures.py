@@ -33,7 +33,6 @@ COLUMNS = (
     *("delta_mm", "phi_per_label", "best", "centre_MPa", "printed_centre_MPa", "core_rms", "core_nodes", "nodes"),
     *("printed_nodes", "both", "in_one_only", "outside", "force_N", "own_sum_N", "printed_sum_N", "handedness"),
 )
-NODE_COLUMNS = ("delta_mm", "row_label", "psi_deg", "pressure_MPa", "printed_MPa")
 SYMMETRY_COLUMNS = ("who", "delta_mm", "image", "blank_is_zero_MPa", "both_touch_MPa")
 READING_COLUMNS = (
     *("reading", "kind", "delta_mm", "stated", "best", "force_N", "printed_sum_N", "centre_MPa", "core_rms"),
@@ -49,11 +48,7 @@ WORDS = {
     "reading full-3d": ("full three-dimensional law", MODEL),
     "reading consistent": ("nodal forces by consistent coupling", MODEL),
 }
-DATUM = {
-    "gamma_deg": "cord angle {} deg",
-    "ply_thickness_mm": "ply {} mm thick",
-    "p0_MPa": "inflated by {} MPa",
-}
+DATUM = {"gamma_deg": "cord angle {} deg", "ply_thickness_mm": "ply {} mm thick", "p0_MPa": "inflated by {} MPa"}
 CELLS = (*(cell for cell in TYRE if cell.label in WORDS), *READINGS)
 IMAGES = {  # of maps with phi along the rows: psi reversed, phi reversed
     "central: p(psi, phi) - p(-psi, -phi)": (True, True),
@@ -69,7 +64,6 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
     areas.  handedness: correlation of the mirror-odd parts.  Empty without the paper's tyre at DELTA.
     """
     rows: list[dict[str, Any]] = []
-    nodes: list[pd.DataFrame] = []
     printed = printed_map()
     symmetry = [("printed", math.nan, *row) for row in asymmetries(printed)]
     for answer in answers.those(PAPER):
@@ -77,7 +71,6 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
         reads = [(delta, HALF, on_printed_nodes(own, printed, HALF)) for delta, own in maps.items()]
         for delta, _, read in reads:
             symmetry += [("ours", delta, *row) for row in asymmetries(read)]
-            nodes.append(_nodes(delta, read, printed))
         if DELTA in maps:
             reads.append((DELTA, LITERAL, on_printed_nodes(maps[DELTA], printed, LITERAL)))
         for delta, per_label, read in reads:
@@ -87,7 +80,6 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
     half = found[found["phi_per_label"] == HALF].sort_values("core_rms", kind="stable")
     return {
         "tyre_comparison": found.assign(best=found.index.isin(half.index[:1])),
-        "tyre_printed_nodes": pd.concat(nodes) if nodes else pd.DataFrame(columns=list(NODE_COLUMNS)),
         "tyre_symmetry": pd.DataFrame(symmetry, columns=list(SYMMETRY_COLUMNS)),
     }
 
@@ -137,12 +129,6 @@ def beside_printed(
     printed_sum = force(printed, per_label, answer.settings)
     found = {"delta_mm": delta, "phi_per_label": per_label, **compare(own, printed), "printed_sum_N": printed_sum}
     return {**found, "force_N": answer.value("force_N", delta_mm=delta)}
-
-
-def _nodes(delta: float, own: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
-    long = (each.rename_axis(index="row_label", columns="psi_deg").stack(future_stack=True) for each in (own, printed))
-    columns = dict(zip(NODE_COLUMNS[3:], long, strict=True))
-    return pd.DataFrame(columns).reset_index().assign(delta_mm=delta)[list(NODE_COLUMNS)]
 
 
 def printed_map() -> pd.DataFrame:

@@ -22,10 +22,10 @@ import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.untrusted import read_bytes
+from studies.arena.collected.candidates import Path as Walk
 from studies.arena.collected.candidates import frozen, on_path
 from studies.arena.collected.certified import confirm, find
 from studies.arena.collected.collection import Tell, silent
-from studies.arena.collected.paths import Path as Walk
 from studies.arena.collected.rule import condition
 from studies.ask.request import UsageError
 from studies.experiments.obstacles import obstacle

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.arena.collected.splits import TEST, split_of
+from studies.arena.collected.collection import TEST, split_of
 from studies.arena.results import ANOMALOUS, EXCLUDED, FAILED, MISSING, OK, STALE, Asked, Result, mean_cost, statuses
 from studies.ask.request import UsageError
 

@@ -196,11 +196,7 @@ def run_merge(options: argparse.Namespace) -> int:
     again = _how_many(options.again)
     with progress_bar("merge") as advance:
         summary = merge(
-            options.source,
-            options.store,
-            again,
-            advance,
-            lambda line: print(f"refused: {line}", file=sys.stderr),
+            options.source, options.store, again, advance, lambda line: print(f"refused: {line}", file=sys.stderr)
         )
     print(f"merge: {summary.line}")
     return FAILED if summary.refused else OK

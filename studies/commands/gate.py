@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import datetime
 import sys
 import tempfile
 from pathlib import Path
@@ -13,13 +12,7 @@ import pandas as pd
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.gate.baseline import HERE, Update, read_baseline
-from studies.gate.compare import (
-    NothingComparedError,
-    check,
-    failures,
-    lines,
-    update,
-)
+from studies.gate.compare import NothingComparedError, check, failures, lines, update
 from studies.gate.times import compare_times, samples_of_both, time_lines
 from studies.run.campaign import find
 from studies.run.collect import collect
@@ -34,7 +27,6 @@ def add_check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--update", action="store_true", help="replace the baseline; with --owner and --reason")
     parser.add_argument("--owner", default="", metavar="NAME", help="who answers for an update")
     parser.add_argument("--reason", default="", metavar="TEXT", help="why the baseline is replaced")
-    parser.add_argument("--date", metavar="YYYY-MM-DD", help="of an update, default today")
     parser.add_argument(
         "--time", nargs=2, type=Path, metavar=("BEFORE", "NOW"), help="two stores with times of the timing lane"
     )
@@ -44,8 +36,8 @@ def run_check(options: argparse.Namespace) -> int:
     """Compare, or update; 1 where something is worse."""
     if options.time is not None and (options.update or options.store is not None or options.baseline is not None):
         raise UsageError("--time compares two stores and no baseline")
-    if not options.update and (options.owner or options.reason or options.date):
-        raise UsageError("--owner, --reason and --date go with --update")
+    if not options.update and (options.owner or options.reason):
+        raise UsageError("--owner and --reason go with --update")
     if options.baseline is None:
         options.baseline = HERE / f"{_name(options.campaign)}.csv"
     try:
@@ -74,11 +66,7 @@ def _check(options: argparse.Namespace) -> int:
 
 def _update(options: argparse.Namespace) -> int:
     """Replace the baseline, print what changed; the request is checked before anything is solved."""
-    try:
-        date = datetime.date.fromisoformat(options.date) if options.date else datetime.date.today()
-    except ValueError:
-        raise UsageError(f"date = {options.date!r} must be YYYY-MM-DD") from None
-    signed = Update(options.owner, options.reason, date, options.campaign)
+    signed = Update(options.owner, options.reason, options.campaign)
     table = _collected(options)
     found = update(table, options.baseline, signed)
     print("\n".join(lines(found)), end="\n" if found else "")

@@ -17,6 +17,7 @@ from studies.catalogue.descriptions import describe, meaning_of
 from studies.commands import FAILED, OK
 from studies.commands.options import progress_bar
 from studies.output.atomic import write_text
+from studies.output.provenance import provenance
 from studies.output.terminal import columns
 from studies.scenes import SCENES
 
@@ -27,10 +28,7 @@ if TYPE_CHECKING:
 def add_list(parser: argparse.ArgumentParser) -> None:
     """Which catalogue."""
     parser.add_argument(
-        "what",
-        nargs="?",
-        choices=("scenes", "measures", "algorithms", "campaigns"),
-        help="one of them; left out: all",
+        "what", nargs="?", choices=("scenes", "measures", "algorithms", "campaigns"), help="one of them; left out: all"
     )
 
 
@@ -72,8 +70,8 @@ def add_card(parser: argparse.ArgumentParser) -> None:
 
 def run_card(options: argparse.Namespace) -> int:
     """Write the page and its picture, and print the verdict."""
+    from reports.card import card_page
     from studies.arena.card.card import card_of
-    from studies.arena.card.page import page
     from studies.arena.card.runs import subjects, write_layout
 
     if sum(given is not None for given in (options.part, options.of, options.template)) != 1:
@@ -87,7 +85,9 @@ def run_card(options: argparse.Namespace) -> int:
     with progress_bar("card") as bar:
         cards = [card_of(subject, lambda label: bar(0, 0, label)) for subject in found]
     picture = _picture(cards[0], target)
-    write_text(target, page(cards, f"footprint card {asked}", picture))
+    made = provenance()
+    version = f"{made['version']} at {str(made['commit'])[:12]}" if made.get("commit") else str(made["version"])
+    write_text(target, card_page([card.told for card in cards], f"footprint card {asked}", version, picture))
     for card in cards:
         print(card.verdict)
     print(f"{target}, {picture}")
@@ -106,8 +106,7 @@ def _target(out: Path, name: str) -> Path:
 def _picture(card: Card, page_file: Path) -> str:
     """Of the first part, beside the page; its name."""
     from reports.figures.comparisons import cost_ratios
-    from studies.arena.card.page import drawn
 
     path = page_file.with_suffix(".svg")
-    write_text(path, cost_ratios(drawn(card), card.subject.name, card.reference)())
+    write_text(path, cost_ratios(card.drawn, card.subject.name, card.reference)())
     return path.name

@@ -11,15 +11,7 @@ import numpy as np
 
 from studies.ask.request import Request, UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.commands.options import (
-    add_settings,
-    add_solving,
-    check_directory,
-    named,
-    of_file,
-    pairs,
-    progress_line,
-)
+from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.result import UNSTABLE, WRONG
 from studies.sweeps.members import LONGEST, MOST, Member

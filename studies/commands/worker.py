@@ -10,6 +10,7 @@ limited by the kernel, for each task anew: beyond that, allocations fail.
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import os
 import queue
@@ -20,6 +21,7 @@ import traceback
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 from studies.ask.request import PartError
@@ -114,11 +116,23 @@ def _table(task: Task, folder: Path | None) -> str:
     from studies.scenes.plugins import load
 
     load(task.use)
-    from studies.commands.tables import make_table
-
     assert folder is not None
     make_table(task.id, folder)
     return ""
+
+
+def make_table(name: str, directory: Path) -> bool:
+    """Make a table unless the one there was made by the same sources and data; returns whether it was made now."""
+    from studies.output.atomic import SCHEMA, write_table_once
+    from studies.run.lists import MAKERS
+    from studies.run.source_hash import data_of, sources_hash
+    from studies.scenes.plugins import modules
+
+    make = resolve_name(MAKERS[name])
+    data = b"".join(path.read_bytes() for path in data_of(make.__module__))
+    identity = f"{SCHEMA} {sources_hash([make.__module__, *modules()])}"
+    identity += f" {hashlib.sha256(data).hexdigest()}" if data else ""
+    return write_table_once(directory / f"{name}.csv", identity, make)
 
 
 def _fuzz(task: Task, folder: Path | None) -> str:

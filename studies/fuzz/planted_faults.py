@@ -10,6 +10,7 @@ import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 from scipy import sparse
@@ -26,7 +27,7 @@ from studies.fuzz import planted_in_friction
 from studies.fuzz.attempt import Asked
 from studies.fuzz.cases import SCENE, asked_of
 from studies.fuzz.examine import BROKEN, examine
-from studies.fuzz.planting import Fault, fault, swapped
+from studies.fuzz.planting import Fault, fault
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
 from studies.solving import certificate
@@ -45,7 +46,7 @@ def algorithm(name: str) -> Callable[[Solve], Fault]:
 
     def named(solve: Solve) -> Fault:
         faulty = type("Faulty", (Semismooth,), {"solve": solve})
-        return Fault(name, lambda: swapped(ALGORITHMS, "semismooth", faulty))
+        return Fault(name, lambda: patch.dict(ALGORITHMS, semismooth=faulty))
 
     return named
 

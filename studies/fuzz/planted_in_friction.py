@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from studies.ask.request import Value
 from studies.ask.settings import DRAG, MU
 from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
-from studies.fuzz.planting import Fault, fault, swapped
+from studies.fuzz.planting import Fault, fault
 from studies.solving import recording
 from studies.solving import solve as solving
 from studies.solving.certificate import certificate
@@ -72,7 +73,7 @@ def _unjudged() -> Iterator[None]:
     def unasked(*arguments: Any) -> dict[str, Any]:
         return {**certificate(*arguments), "failures": [], "diagnosis": []}
 
-    with swapped(recording, "certificate", unasked), along.planted():
+    with patch.object(recording, "certificate", unasked), along.planted():
         yield
 
 
@@ -108,7 +109,7 @@ def _settings_dropped() -> Iterator[None]:
         found = sound(contact, settings)
         return type(found)(epsilon=found.epsilon) if MU.key in settings else found
 
-    with swapped(solving, "configured", configured), swapped(state_laws, "configured", configured):
+    with patch.object(solving, "configured", configured), patch.object(state_laws, "configured", configured):
         yield
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any
+from unittest.mock import patch
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,7 @@ class Fault:
     """
 
     name: str
-    planted: Callable[[], AbstractContextManager[None]]
+    planted: Callable[[], AbstractContextManager[object]]
     kind: str = ""
 
 
@@ -24,7 +25,7 @@ def fault(name: str, place: Any, function: str, kind: str = "") -> Callable[[Cal
     """A fault of a function of a module or a class: what stands in its place is given the sound one first."""
 
     def named(faulty: Callable[..., Any]) -> Fault:
-        return Fault(name, lambda: swapped(place, function, _before(vars(place)[function], faulty)), kind)
+        return Fault(name, lambda: patch.object(place, function, _before(vars(place)[function], faulty)), kind)
 
     return named
 
@@ -32,22 +33,3 @@ def fault(name: str, place: Any, function: str, kind: str = "") -> Callable[[Cal
 def _before(sound: Callable[..., Any], faulty: Callable[..., Any]) -> Callable[..., Any]:
     """A plain function, which a class binds as it did the sound one."""
     return lambda *arguments, **options: faulty(sound, *arguments, **options)
-
-
-@contextmanager
-def swapped(place: Any, name: str, other: Any) -> Iterator[None]:
-    """An entry of a dictionary, or an attribute, while the context lasts."""
-    entry = isinstance(place, dict)
-    kept = place[name] if entry else vars(place)[name]
-
-    def put(value: Any) -> None:
-        if entry:
-            place[name] = value
-        else:
-            setattr(place, name, value)
-
-    put(other)
-    try:
-        yield
-    finally:
-        put(kept)

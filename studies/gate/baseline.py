@@ -130,11 +130,10 @@ def read_baseline(path: Path) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class Update:
-    """Who replaces a baseline, why and when, by which campaign; raises UsageError without an owner or a reason."""
+    """Who replaces a baseline, why, and by which campaign; raises UsageError without an owner or a reason."""
 
     owner: str
     reason: str
-    date: datetime.date
     campaign: str
 
     def __post_init__(self) -> None:
@@ -144,7 +143,7 @@ class Update:
     def record(self, path: Path, now: pd.DataFrame, changed: str) -> None:
         """Add a line to the list of updates beside the baseline ``path``; now: its new values."""
         line = {
-            "date": self.date.isoformat(),
+            "date": datetime.date.today().isoformat(),
             "owner": self.owner.strip(),
             "reason": " ".join(self.reason.split()),
             "campaign": self.campaign,

@@ -160,10 +160,7 @@ def _quantities(record: Mapping[str, Any], found: Recomputed) -> Iterator[str]:
     told = record["quantities"]
     last = seen_in(record["steps"][-1], record["counters"])
     seen, shaken = dict(found.seen.step or {}), dict(found.shaken.step or {})
-    for each, ours, others in (
-        (last, seen, shaken),
-        (told, found.seen.quantities, found.shaken.quantities),
-    ):
+    for each, ours, others in ((last, seen, shaken), (told, found.seen.quantities, found.shaken.quantities)):
         for name, value in plain(ours).items():
             _agrees(name, each.get(name), value, AGREE, plain(others)[name])
     for name, value in found.before.items():

@@ -98,7 +98,7 @@ def find(name: str, *, trust: bool = False) -> Campaign:
         return read(path)
     if name in LISTS:
         listed = LISTS[name]
-        return Campaign(name, listed.title, tuple(listed.cells()), listed.tables)
+        return Campaign(name, listed.title, tuple(listed.cells()), tuple(listed.tables))
     if name.endswith(".toml"):
         return read(Path(name), trust=trust)
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")

@@ -1,11 +1,13 @@
-"""The cells behind the pages of the report, as named lists that campaigns are put together from."""
+"""The cells behind the pages of the report, as named lists that campaigns are put together from (lists.toml)."""
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
@@ -178,97 +180,38 @@ MODELS = _of(
 )
 
 
-@dataclass(frozen=True)
-class CellList:
-    """A list that campaigns are put together from: its cells, and the tables of the whole store that belong to them.
-
-    cells: made when they are asked for; catalogues grow.
-    """
-
-    title: str
-    cells: Callable[[], Iterable[Cell]] = tuple
-    tables: tuple[str, ...] = ()
-
-
-LISTS: dict[str, CellList] = {
-    "tyre": CellList(
-        "The paper's tyre: travels, loads, sections, both Newton iterations, finer meshes",
-        lambda: (*TYRE, *READINGS, *BUDGET),
-    ),
-    "benchmarks": CellList("Scenes without contact against exact and published values", lambda: BENCHMARKS),
-    "measures": CellList(
-        "Every strain measure under growing loads, and all options of the element",
-        lambda: OPTIONS,
-        ("rigid_body", "small_motions", "rotation_sweep", "rotations"),
-    ),
-    "solid": CellList(
-        "The isotropic tyre as a shell and as a solid",
-        lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
-    ),
-    "convergence": CellList("Ladders of meshes: orders, limits, errors", lambda: CONVERGENCE),
-    "shares": CellList("Every sampling of the thickness strain, on two meshes each", share_cells),
-    "agreement": CellList(
-        "Every contact algorithm on one tyre, by loads and sections, and by other ways",
-        lambda: (*agreement(), *ROBUSTNESS),
-        ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
-    ),
-    "models": CellList("Parts of the tyre beside the whole, and what they save", lambda: MODELS, ("work_precision",)),
-    "sheets": CellList("The pictures of the scenes' sheets", sheet_cells),
-    "choices": CellList("What is enough in each regime of deformation, to 5 and 1 % (a table)", tables=("choices",)),
-    "statements": CellList("How often the interval of an error holds (a table)", tables=("error_coverage",)),
-    "experiment": CellList("A crushed ring that was measured (tables)", tables=("crushed_ring", "law_strain")),
-    "truth": CellList(
-        "Manufactured solutions (tables)",
-        tables=("manufactured", "manufactured_contact", "manufactured_statements"),
-    ),
-    "distortion": CellList(
-        "Meshes that follow no coordinates: what moved nodes cost (tables)", tables=("distortion", "distorted_shells")
-    ),
-    "limits": CellList("Where a shell is not enough (a table)", tables=("shell_limits",)),
-    "what-if": CellList(
-        "What a change of its data does to the tyre, and its most even footprint (tables)",
-        tables=("what_if", "even_footprint", "every_footprint"),
-    ),
-    "faults": CellList("After how many random cases planted faults are found (a table)", tables=("fuzz_faults",)),
-    "arena": CellList("The collection of frozen contact problems (tables)", tables=("problems", "problems_left_out")),
-    "faces": CellList(
-        "Two faces that meet: pairings, slaves, algorithms, cost, half-spheres, ironing (tables)",
-        tables=("faces", "faces_algorithms", "faces_cost", "faces_spheres", "faces_ironing"),
-    ),
-    "friction": CellList(
-        "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
-        tables=(
-            "friction_dragged",
-            "friction_turned",
-            "friction_patch",
-            "friction_steps",
-            "friction_symmetry",
-            "friction_crushed_ring",
-            "friction_cost",
-            "friction_agreement",
-            "friction_greco",
-            "friction_klarbring",
-            "friction_strip",
-            "friction_drum",
-            "friction_capstan",
-            "friction_parking",
-            "friction_rolling",
-            "friction_path",
-            "friction_joint_motion",
-            "friction_tied",
-            "friction_public",
-        ),
-    ),
-}
-LISTS["report"] = CellList(
-    "All of these lists but statements, and the tables of all pages",
-    lambda: (
+CELLS: dict[str, Callable[[], Iterable[Cell]]] = {  # made when they are asked for; catalogues grow
+    "tyre": lambda: (*TYRE, *READINGS, *BUDGET),
+    "benchmarks": lambda: BENCHMARKS,
+    "measures": lambda: OPTIONS,
+    "solid": lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
+    "convergence": lambda: CONVERGENCE,
+    "shares": share_cells,
+    "agreement": lambda: (*agreement(), *ROBUSTNESS),
+    "models": lambda: MODELS,
+    "sheets": sheet_cells,
+    "report": lambda: (
         *(*TYRE, *READINGS, *BUDGET, *SOLID, *BENCHMARKS, *OPTIONS, *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
     ),
-    (
-        *(table for name, each in LISTS.items() if name != "statements" for table in each.tables),
-        *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
-        *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check", "extremes_limits"),
-    ),
+}
+
+
+@dataclass(frozen=True)
+class CellList:
+    """A list that campaigns are put together from.
+
+    tables: of the whole store that belong to it, and by which function, ``module:name``, each is made.
+    """
+
+    title: str
+    cells: Callable[[], Iterable[Cell]]
+    tables: Mapping[str, str]
+
+
+DECLARED = tomllib.loads(Path(__file__).with_name("lists.toml").read_text(encoding="utf-8"))
+LISTS = {name: CellList(it["title"], CELLS.get(name, tuple), it.get("tables", {})) for name, it in DECLARED.items()}
+MAKERS = {table: maker for each in LISTS.values() for table, maker in each.tables.items()}
+LISTS["report"] = replace(
+    LISTS["report"], tables={name: maker for name, maker in MAKERS.items() if name not in LISTS["statements"].tables}
 )

@@ -12,50 +12,22 @@ tyre also at the travels of a filmstrip.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.ask.declarations import BENCHMARKS as PUBLISHED
-from studies.ask.declarations import CLOSED, CONTACT, LINEAR, ROTATIONS, SNAP, TYRE, Ladder
+from studies.ask.declarations import Ladder
 from studies.ask.scene import ladders_of, sheet_of
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 
 LADDER_LABEL = "convergence {ladder} {mesh} {element}"
-CLIMBED = {  # the scenes that declare ladders of each family, as they come in tables and pictures
-    ROTATIONS: (
-        "cantilever",
-        "sze-moment",
-        "sze-annulus",
-        "hemisphere",
-        "sze-pullout",
-        "sze-pinched",
-        "semicylinder",
-        "semicylinder-0-90-0",
-        "semicylinder-90-0-90",
-    ),
-    SNAP: ("roof-a", "roof-b", "roof-c", "roof-d", "roof-e", "roof-f", "shallow-cap"),
-    LINEAR: ("scordelis-lo", "pinched-cylinder", "free-hyperboloid", "pagano"),
-    CLOSED: ("pressurised-cylinder", "pressurised-sphere", "pressurised-torus"),
-    CONTACT: (
-        "strip-contact",
-        "heavy-strip",
-        "plate-contact",
-        "ring",
-        "collapsing-tube",
-        "walled-column",
-        "two-rings",
-        "pinched-ring",
-        "stack",
-        "face-patch",
-        "crossed-tubes",
-        "tyre-on-plate",
-    ),
-    TYRE: ("tyre",),
-}
+CLIMBED = tomllib.loads(Path(__file__).with_name("ladders.toml").read_text(encoding="utf-8"))
 
 
-def _declared(family: str, scenes: tuple[str, ...]) -> tuple[Ladder, ...]:
+def _declared(family: str, scenes: Iterable[str]) -> tuple[Ladder, ...]:
     return tuple(ladder for name in scenes for ladder in ladders_of(SCENES[name]) if ladder.family == family)
 
 

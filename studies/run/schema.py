@@ -1,4 +1,4 @@
-"""What the files of a store may hold: the type of every value, declared once, for records, failures and plans.
+"""What the files of a store may hold: the type of every value, declared once (kinds.toml).
 
 Numbers are finite (the reader of JSON sees to that; infinities are words), texts are short and printable on one line.
 Whether a value is right does not enter here.
@@ -7,8 +7,10 @@ Whether a value is right does not enter here.
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 LONGEST = 8000  # characters of a text
@@ -115,64 +117,29 @@ class Maybe:
 # the mapping: kinds by name, all else plain; None: whatever it is, with words for texts
 Kind = Callable[[Any], bool] | Each | Named | Maybe | Mapping[str, Any] | None
 
-ORIGIN = Named(scalar)
-MACHINE = {**dict.fromkeys(("version", "commit"), Maybe(word)), "date": word}
-STEP = {
-    **dict.fromkeys(("failures", "diagnosis"), Each(word)),
-    **dict.fromkeys(("kkt", "balances"), Named(number)),
-    **dict.fromkeys(("substeps", "newton_iterations", "limit_point", "rounding"), number),
-    "stability": {"word": word},
-}
-RECORD: Mapping[str, Kind] = {
-    "schema": whole,
-    "id": identity,
-    **dict.fromkeys(("scene", "measure", "contact", "newton", "mesh", "model", "model_reason"), word),
-    **dict.fromkeys(("outcome", "class", "reason"), word),
-    "settings": Named(setting),
-    "path_end": {"parameter": number, **dict.fromkeys(("kind", "found_by", "stage"), word)},
-    "quantities": Named(number),
-    "steps": Each(STEP),
-    **dict.fromkeys(("notes", "cuts", "files"), Each(word)),
-    **dict.fromkeys(("counters", "work", "timing_s"), Named(count)),
-    "provenance": {**MACHINE, **dict.fromkeys(("packages", "blas", "machine"), ORIGIN)},
-    "merged": {"status": word, "timing_s": Named(count)},
-    "case": Named(scalar),
-}
-FAILURE: Mapping[str, Kind] = {"schema": whole, "id": word, "class": word, "reason": word}
-REQUEST: Mapping[str, Kind] = {
-    **dict.fromkeys(("scene", "measure", "contact", "newton", "model", "model_reason"), word),
-    "mesh": mesh,
-    "steps": whole,
-    "settings": Named(setting),
-    "leaves": Each(leaf),
-}
 REQUEST_KEYS = ("scene", "mesh", "settings")
-ROW: Mapping[str, Kind] = {
-    **dict.fromkeys(("label", "scene", "command", "expected", "group", "reason"), word),
-    "id": Maybe(identity),
-    "options": Named(option),
-    "settings": Named(word),
-    "files": flag,
-    "request": Maybe(REQUEST),
-}
 ROW_KEYS = ("label", "id", "scene", "command", "options", "settings", "files", "request", "reason")
-PLAN: Mapping[str, Kind] = {
-    "schema": whole,
-    "campaign": file_name,
-    **dict.fromkeys(("title", "pages"), word),
-    "tables": Each(identity),
-    "cells": Each(ROW),
-}
+PLAIN = (word, identity, file_name, whole, flag, finite, count, number, scalar, setting, option, mesh, leaf, canary)
+WAYS: dict[str, Callable[[Kind], Each | Named | Maybe]] = {"each": Each, "named": Named, "maybe": Maybe}
 
-REFERENCE: Mapping[str, Kind] = {
-    **dict.fromkeys(("scene", "quantity", "kind", "source"), word),
-    **{"value": finite, "uncertainty": finite, "at": Named(scalar)},
-}
 
-TIMES: Mapping[str, Kind] = {
-    **{"canaries": Each(canary), "rounds": whole, "provenance": RECORD["provenance"]},
-    "cells": Each({"label": word, "id": file_name, **dict.fromkeys(("warm", "cold", "discarded"), Each(count))}),
-}
+def _read() -> dict[str, Kind]:
+    """The kinds of kinds.toml by name, each made of those before it."""
+    found: dict[str, Kind] = {kind.__name__: kind for kind in PLAIN}
+
+    def made(told: Any) -> Kind:
+        if isinstance(told, dict):
+            return {key: made(inside) for keys, inside in told.items() for key in keys.split()}
+        way, _, name = told.rpartition(" ")
+        return WAYS[way](found[name]) if way else found[name]
+
+    for name, told in tomllib.loads(Path(__file__).with_name("kinds.toml").read_text(encoding="utf-8")).items():
+        found[name] = made(told)
+    return found
+
+
+KINDS = _read()
+PLAN, RECORD, FAILURE, REFERENCE, TIMES = (KINDS[x] for x in ("plan", "record", "failure", "reference", "times"))
 
 
 def fault(value: Any, kind: Kind, at: str = "") -> str:

@@ -117,10 +117,7 @@ def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
     known = {(r.quantity, r.at.get("load_fraction")): r.value for r in SCENES[scene].references if r.kind == kind}
     names = dict.fromkeys(name for name, _ in known)
     values = {name: error * known.get((name, fraction), fraction * known[name, 1.0]) for name in names}
-    return {"load_fraction": fraction, **values, **JUDGED, "rounding": 1e-8} | {
-        "newton_iterations": 4,
-        "substeps": 1,
-    }
+    return {"load_fraction": fraction, **values, **JUDGED, "rounding": 1e-8} | {"newton_iterations": 4, "substeps": 1}
 
 
 def climbed(ladder: Ladder, n: int) -> dict[str, float]:

@@ -33,7 +33,7 @@ TEN = {  # question: words that its answer must have
     "How sure is advice?": r"meets the tolerance in \d+ % of \d+ cases",
 }
 ELSEWHERE = {  # rest on tables, or rows of them, that no page test makes up
-    *("another-solver", "another-algorithm", "units"),
+    *("another-solver", "another-algorithm", "units")
 }
 BODY = re.compile(r"\]\(([\w-]+\.md)")
 

@@ -10,7 +10,6 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from studies import cli
-from studies.commands.examples import EXAMPLES
 from studies.commands.options import named, pairs
 from studies.commands.sweep import ranges
 from studies.scenes import SCENES
@@ -35,7 +34,7 @@ def parsers() -> dict[str, argparse.ArgumentParser]:
     return found
 
 
-PARSERS = parsers()
+PARSERS, EXAMPLES = parsers(), cli.examples()
 
 
 def arguments(parser: argparse.ArgumentParser) -> list[argparse.Action]:

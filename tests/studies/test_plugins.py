@@ -212,8 +212,7 @@ def test_an_incomplete_part_is_one_line(group: str, tmp_path: Path, refused: Cal
 
 
 @pytest.mark.parametrize(
-    ("field", "says"),
-    [("", "no default for rounds"), ("    rounds: int = 2", "to be a class, not an instance")],
+    ("field", "says"), [("", "no default for rounds"), ("    rounds: int = 2", "to be a class, not an instance")]
 )
 def test_an_algorithm_that_is_not_configured_by_its_fields_is_one_line(
     field: str, says: str, tmp_path: Path, refused: Callable[..., str]

@@ -54,10 +54,7 @@ def table(out: Path) -> pd.DataFrame:
         (["panel", "--over", "nu"], "--over 'nu' must be KEY=A:B:N, a setting once"),
         (["panel", "--over", "nu=0:0.3:3", "--over", "nu=0:0.3:3"], "a setting once"),
         (["panel", *(f"--over={key}=1:2:2" for key in ("nu", "aspect", "E_ratio"))], "one setting or two"),
-        (
-            ["panel", "--over", "nu=0:0.3"],
-            "nu=0:0.3 must be A:B:N, N values from A to B",
-        ),
+        (["panel", "--over", "nu=0:0.3"], "nu=0:0.3 must be A:B:N, N values from A to B"),
         (["panel", "--over", "nu=0:0.3:1"], "N a whole number in [2, 1000]"),
         (["panel", "--over", "nu=0:0.3:1001"], "N a whole number in [2, 1000]"),
         (["panel", "--over", "nu=0:0.3:2.5"], "N a whole number in [2, 1000]"),
@@ -74,18 +71,9 @@ def table(out: Path) -> pd.DataFrame:
         (["panel", "--over", "nu=0:0.3:101", "--over", "E_ratio=1:2:100"], "10100 members: a sweep has at most 10000"),
         (["panel", "--over", "nu=0:0.3:3", "--mesh", "4"], "mesh '4' must be N1xN2"),
         (["panel", "--over", "nu=0:0.3:3", "--error", "0"], "error '0' must be"),
-        (
-            ["panel", "--mesh", "4x4", "--over", "nu=0:0.3:3", "--of", "nix"],
-            "no quantity 'nix'; it has force_N",
-        ),
-        (
-            ["ring", "--mesh", "1x16", "--over", "h_mm=1:4:4", "--error", "1%"],
-            "1x64 or more",
-        ),
-        (
-            ["tyre", "--mesh", "7x7", "--over", "gamma_deg=50:52:2"],
-            "mesh 7x7: both numbers must be even",
-        ),
+        (["panel", "--mesh", "4x4", "--over", "nu=0:0.3:3", "--of", "nix"], "no quantity 'nix'; it has force_N"),
+        (["ring", "--mesh", "1x16", "--over", "h_mm=1:4:4", "--error", "1%"], "1x64 or more"),
+        (["tyre", "--mesh", "7x7", "--over", "gamma_deg=50:52:2"], "mesh 7x7: both numbers must be even"),
     ],
 )
 def test_what_makes_no_sense_is_one_line_and_writes_nothing(words, says, tmp_path: Path, capsys) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,9 +17,9 @@ from formulations.geometry.grid import Grid
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
 from studies.arena.card.laws import laws_of, solver_laws
-from studies.arena.card.problems import HARD
+from studies.arena.card.problems import GROUPS, HARD
 from studies.arena.card.runs import ALGORITHM, MEASURE, REFERENCE, SOLVER, Subject, element, trials
-from studies.arena.card.trials import DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
+from studies.arena.card.trials import ALIKE, DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
 from studies.arena.solver_summaries import within
 from studies.experiments.conformance import LINES1, LINES2, TORUS, Check, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup
@@ -142,6 +143,34 @@ class Card:
         """How everybody ends at the hard points: a row a point, a column a part."""
         rows = self.tries[self.tries["group"] == HARD]
         return rows.pivot(index="problem", columns="who", values="ended").reindex(rows["problem"].unique())
+
+    @property
+    def drawn(self) -> pd.DataFrame:
+        """What is drawn: who, problem, how it ended, and the cost over that of the reference, operations if counted."""
+        ratios = self.ratios()
+        counted = ratios.loc[ratios["who"] == self.subject.name, "operations_ratio"].notna().any()
+        cost = "operations" if counted else "seconds"
+        table = ratios[["who", "problem", "ended"]].assign(ratio=ratios[f"{cost}_ratio"], cost=cost)
+        return table[table["who"] != self.reference]
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """All that the page says, by its names in the template."""
+        own, ratios = self.own, self.ratios()
+        counts = pd.crosstab(own["group"], own["ended"]).reindex(own["group"].unique()).reindex(columns=ENDS).fillna(0)
+        counts = counts.astype(int).assign(tried=counts.sum(axis=1).astype(int))
+        laws = [
+            {**vars(law), "word": "refused" if law.refused else "kept" if law.passed else "**broken**"}
+            | {"said": law.refused or law.said}
+            for law in sorted(self.laws, key=lambda law: (law.passed, bool(law.refused)))
+        ]
+        return {
+            **{"kind": self.subject.kind, "name": self.subject.name, "verdict": self.verdict, "alike": ALIKE},
+            **{"origin": f"`{self.subject.file}`" if self.subject.file else "the suite", "reference": self.reference},
+            **{"groups": counts.rename(GROUPS).rename_axis("group").reset_index(), "laws": laws, "twice": TWICE},
+            **{"own": ratios[ratios["who"] == self.subject.name], "place": self.place()},
+            "hard": self.tries.iloc[:0] if self.subject.kind == SOLVER else self.hard(),
+        }
 
 
 def _listed(names: Sequence[str], most: int = 5) -> str:

@@ -8,9 +8,12 @@ unknowns with dense random matrices, some made from their answer, and a second w
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -18,8 +21,8 @@ from scipy.optimize import nnls
 
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.problem import ContactProblem, ContactSolution, Outcome, linear_mechanics
+from studies.arena.collected.candidates import Path as Walk
 from studies.arena.collected.candidates import candidates
-from studies.arena.collected.paths import Path
 from studies.arena.collected.rule import Rule, Taken
 from studies.fuzz.posed import made as random_matrices
 
@@ -31,19 +34,6 @@ GROUPS = {
     HARD: "hard points",
 }
 CASES = range(24)  # of random matrices
-PUBLISHED = ("OBSTCLAL-10", "OBSTCLBL-10", "TORSION-c5-10", "Murty-10", "Fathi-10", "Csizmadia-10")
-PATHS = (
-    Path("strip-contact", "4x1", {"lam_over_a": "0.1"}),
-    Path("ring", "1x16", {"h_mm": "1", "delta_mm": "1,35,50"}),
-    Path("panel", "6x6"),
-    Path("panel", "6x6", {"foundation": "ball"}),
-    Path("panel", "6x6", {"E_ratio": "1000"}),
-    Path("panel", "6x6", {"inflation": "1", "load": "follower"}),
-    Path("panel", "6x6", {"shape": "plate"}),
-    Path("tyre", "6x6", {"load": "follower", "delta_mm": "5,20"}, looks=2),
-    Path("tyre", "6x6", {"delta_mm": "5,20"}, looks=2),  # an indefinite tangent
-    Path("tyre", "6x6", {"coupling": "consistent", "delta_mm": "5,20"}, looks=2),
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,36 +64,17 @@ class Asked:
         return f"{self.why}: {told}" if self.why else told
 
 
-SMALL = (
-    Asked(SCENE, "strip-contact", "8x1"),
-    Asked(SCENE, "heavy-strip", "8x1"),
-    Asked(SCENE, "plate-contact", "8x1"),
-    Asked(SCENE, "ring", "1x16", {"delta_mm": "1,35"}),
-    Asked(SCENE, "panel", "6x6"),
-    Asked(SCENE, "panel", "6x6", {"foundation": "ball"}),
-    Asked(SCENE, "tyre", "6x6", {"delta_mm": "5,20"}),
-    Asked(SCENE, "tyre", "6x6", {"delta_mm": "5,20", "coupling": "consistent"}),
-)
-POINTS = (
-    Asked(HARD, "panel", "4x4", {"h_over_R": "0.001"}, "very thin"),
-    Asked(HARD, "panel", "4x4", {"E_ratio": "1000"}, "stiff ratio"),
-    Asked(HARD, "panel", "4x4", {"nu": "0.49999"}, "nearly incompressible"),
-    Asked(HARD, "panel", "4x4", {"shape": "plate", "delta_mm": "0"}, "touch without pressure"),
-    Asked(HARD, "panel", "4x4", {"shape": "plate", "delta_mm": "1e-08"}, "hardly a travel"),
-    Asked(HARD, "panel", "4x4", {"shape": "plate", "delta_mm": "0", "inflation": "0.1"}, "contact everywhere"),
-    Asked(HARD, "panel", "4x4", {"foundation": "ball", "ball_mm": "0.1", "delta_mm": "0.5"}, "one node"),
-    Asked(HARD, "panel", "4x4", {"delta_mm": "5"}, "a large step"),
-    Asked(HARD, "tyre", "6x6", {"delta_mm": "20", "p0_MPa": "0.05"}, "indefinite tangent"),
-    Asked(HARD, "tyre", "6x6", {"delta_mm": "20", "load": "follower"}, "follower load"),
-)
-BENT = (Asked(SCENE, "cantilever", "8x1"), Asked(SCENE, "hemisphere", "6x6"))  # without contact
+DECLARED: dict[str, list[Any]] = tomllib.loads(Path(__file__).with_name("problems.toml").read_text(encoding="utf-8"))
+PATHS = tuple(Walk(**each) for each in DECLARED["paths"])
+SMALL, BENT = (tuple(Asked(SCENE, **each) for each in DECLARED[name]) for name in ("small", "bent"))
+POINTS = tuple(Asked(HARD, **each) for each in DECLARED["points"])
 
 
 @lru_cache(maxsize=1)
 def sample() -> tuple[Taken, ...]:
     """Frozen problems with their certified answers, always the same in the same order."""
     rule = Rule()
-    wanted = (each for each in candidates(PATHS) if "scene" in each.origin or each.name in PUBLISHED)
+    wanted = (each for each in candidates(PATHS) if "scene" in each.origin or each.name in DECLARED["published"])
     return tuple(taken for taken in map(rule.taken, wanted) if taken is not None)
 
 

@@ -1,18 +1,20 @@
 """Steps without friction that the collection may take: iterates along paths, published problems, and derived forms.
 
 What an algorithm gets at an iterate of a path is kept as it was met: tangent and residual with the memory of the
-element, gaps, and the curvature of the gap under the forces there. Which candidates are taken is a rule
-(:mod:`studies.arena.collected.rule`); no file is written here.
+element, gaps, and the curvature of the gap under the forces there. Paths are listed in paths.toml; which candidates are
+taken is a rule (:mod:`studies.arena.collected.rule`); no file is written here.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import product
 from typing import ClassVar
 
 import numpy as np
@@ -24,7 +26,6 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, L
 from contact.solvers.sparse import checked_solve, factorise, symmetric
 from studies.arena.collected.certified import Certified, NotCertifiedError, exact_on
 from studies.arena.collected.collection import HERE, Candidate
-from studies.arena.collected.paths import Path
 from studies.ask.settings import configured
 from studies.experiments.obstacles import CLASSICS, Bounded, classic, obstacle, torsion
 from studies.scenes.complete import complete
@@ -35,6 +36,30 @@ TOUCHING, CONDENSED = "touching", "condensed"
 PRESSED, RAISED = 1, 2  # candidates of a step by the answer that its touching form is made from
 LARGE = 120_000  # entries of K beyond which a step has no derived forms: they would fill the collection
 DENSE = 300  # candidates whose compliance is written as a full matrix
+
+
+@dataclass(frozen=True)
+class Path:
+    """A request; looks: how many iterates of a solve are looked at, its first ones and its last, 0 for all."""
+
+    scene: str
+    mesh: str
+    settings: Mapping[str, str] = field(default_factory=dict)
+    looks: int = 0
+
+    @property
+    def name(self) -> str:
+        """The request as one word."""
+        told = [f"{key}={value}".replace(",", "_") for key, value in self.settings.items()]
+        return "-".join([self.scene, self.mesh, *told])
+
+
+def paths() -> Iterator[Path]:
+    """All that the collection looks along, in their order (paths.toml)."""
+    for each in tomllib.loads(HERE.joinpath("paths.toml").read_text(encoding="utf-8"))["looked"]:
+        meshes, looks = each.pop("meshes"), each.pop("looks", 0)
+        wanted = [(scene, settings) for scene, several in each.items() for settings in several]
+        yield from (Path(scene, mesh, settings, looks) for mesh, (scene, settings) in product(meshes, wanted))
 
 
 @dataclass(eq=False)

@@ -107,10 +107,7 @@ def rounding(condition: float) -> float:
 
 def _compare(step: FrozenStep, answer: Certified, du: np.ndarray, forces: np.ndarray, same: float, whose: str) -> None:
     """Raises NotCertifiedError where displacements (n,) or nodal forces (m,) differ by more than rounding, ``same``."""
-    for what, one, other in (
-        ("displacements", answer.du, du),
-        ("forces", _nodal(step, answer.pressure), forces),
-    ):
+    for what, one, other in (("displacements", answer.du, du), ("forces", _nodal(step, answer.pressure), forces)):
         apart, size = float(np.max(np.abs(one - other), initial=0.0)), float(np.max(np.abs(other), initial=0.0))
         if not apart <= same * size:
             raise NotCertifiedError(f"{what} of {answer.found_by} are {apart:.1e} off {whose}, of {size:.1e}")

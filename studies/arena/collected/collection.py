@@ -6,6 +6,8 @@ the business of :mod:`.rule` and :mod:`.frictional`, which have a collection eac
 
 from __future__ import annotations
 
+import hashlib
+import re
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,7 +19,6 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
-from studies.arena.collected.splits import split_of
 from studies.output.atomic import write_by, write_table, write_text
 
 HERE = files("studies.arena.collected")
@@ -29,6 +30,13 @@ FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and of a step with friction, 
 LEFT_OUT = ["name", "family", "why"]
 KEPT = files("studies.arena").joinpath("kept")  # a folder of files
 FORMAT = "format.md"  # what all files are in words
+TUNE, TEST = "tune", "test"
+SALT = 2  # the first by which each kind of matrix is in both
+FIFTH = 5  # one source of so many is for tuning
+FORM = re.compile(r"-(touching|condensed)$")
+ITERATE = re.compile(r"-s\d+(i\d+)?$")
+MESH = re.compile(r"-\d+x\d+(?=-|$)")
+POINTS = re.compile(r"-\d+$")  # of a published problem
 Tell = Callable[[str], None]
 Step = TypeVar("Step", FrozenStep, FrozenFrictionalStep)
 
@@ -150,6 +158,18 @@ def _kept(name: str) -> pd.DataFrame:
     with HERE.joinpath(name).open(encoding="utf-8") as file:
         found = pd.read_csv(file, keep_default_na=False)
     return found.assign(split=found["name"].map(split_of))
+
+
+def split_of(name: str) -> str:
+    """TUNE or TEST, of a problem: for tuning, or ranked by; by a hash of what it is of.
+
+    A scene with its settings, or a published source, is in one of the two with all its meshes, loads, iterates and
+    derived forms: what is tuned on one says nothing of the other by being nearly the same matrix.
+    """
+    source = name
+    for each in (FORM, ITERATE, MESH, POINTS):
+        source = each.sub("", source)
+    return TUNE if int(hashlib.sha256(f"{SALT} {source}".encode()).hexdigest(), 16) % FIFTH == 0 else TEST
 
 
 def _differing(row: Mapping[Hashable, Any], step: FrozenStep, sizes: Mapping[str, float]) -> list[str]:

@@ -16,10 +16,9 @@ from string import Template
 
 import pandas as pd
 
-from studies.arena.collected.collection import HERE, LICENCE, VERSION, kept_names
+from studies.arena.collected.collection import HERE, LICENCE, TEST, TUNE, VERSION, kept_names
 from studies.arena.collected.frictional import FRICTIONAL
 from studies.arena.collected.rule import STEPS
-from studies.arena.collected.splits import TEST, TUNE
 from studies.output.atomic import write_text
 
 CARD, CHECKSUMS = "README.md", "SHA256SUMS"

@@ -36,7 +36,6 @@ from scipy.sparse.linalg import LinearOperator, onenormest, splu
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import positive_definite
 from contact.solvers.sparse import symmetric
-from studies.arena.collected import paths as listed
 from studies.arena.collected.candidates import (
     CONDENSED,
     TOUCHING,
@@ -44,6 +43,7 @@ from studies.arena.collected.candidates import (
     derived,
     form_of,
     on_path,
+    paths,
     published,
     touching,
 )
@@ -204,7 +204,7 @@ def chosen(found: Iterable[Candidate[FrozenStep]], rule: Rule, tell: Tell = sile
 def choose(directory: Path, tell: Tell = silent, only: str = "") -> pd.DataFrame:
     """Apply the rule: write all files, the manifest and what was left out; only: the scene of paths, default all."""
     rule, rows, states = Rule(), [], {}
-    for taken in chosen(all_candidates(path for path in listed.paths() if only in ("", path.scene)), rule, tell):
+    for taken in chosen(all_candidates(path for path in paths() if only in ("", path.scene)), rule, tell):
         candidate = taken.candidate
         rows.append(taken.row | {"bytes": write(directory, candidate).stat().st_size})
         if candidate.states is not None:
@@ -230,7 +230,7 @@ def _again(kept: pd.DataFrame) -> Iterator[Candidate[FrozenStep]]:
     No form where nothing is known of who touches or it is not met, which ``unlike`` says then.
     """
     names, states = set(kept["name"]), raised_states()
-    ways = [published(), *(on_path(path) for path in listed.paths() if _begins(names, path.name))]
+    ways = [published(), *(on_path(path) for path in paths() if _begins(names, path.name))]
     for candidate in (each for way in ways for each in way):
         touches, dual = f"{candidate.name}-{TOUCHING}", f"{candidate.name}-{CONDENSED}"
         if names & {candidate.name, touches, dual}:

@@ -8,10 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.everything import fitted
-from studies.analysis.friction import FAMILIES, by_algorithm, ends, orders, step_orders
+from studies.analysis.everything import DECLARED, fitted
+from studies.analysis.friction import by_algorithm, ends, orders, step_orders
 from studies.experiments.friction.bars import capstan_table
 from support.stores.friction import DRAGS, LOST, NAIVE, SOFT, TURNS, agreement, made_up_friction, moved, steps
+
+FAMILIES = DECLARED["friction_orders"]
 
 
 def test_a_drag_is_full_from_where_it_stays_within_a_hundredth_of_its_bound() -> None:
@@ -44,7 +46,7 @@ def test_what_does_not_hold_at_the_end_holds_from_nowhere() -> None:
 
 
 def test_orders_are_those_that_errors_were_made_with() -> None:
-    found = orders("strip", made_up_friction()["friction_strip"]).set_index("quantity")
+    found = orders("strip", made_up_friction()["friction_strip"], **FAMILIES["strip"]).set_index("quantity")
     assert found["order"].drop("front").round(9).to_dict() == {"end": 2.0, "back": 2.0, "loop": 2.0, "counted": 1.0}
     assert math.isnan(found.loc["front", "order"])  # rounding
     assert found.loc["end", "error"] == pytest.approx(0.1 / 80**2)
@@ -53,19 +55,19 @@ def test_orders_are_those_that_errors_were_made_with() -> None:
 def test_an_error_below_the_floor_on_one_mesh_has_no_order() -> None:
     table = made_up_friction()["friction_path"]
     table.loc[2, "end_error"] = 1e-9
-    found = orders("path", table).set_index("quantity")["order"]
+    found = orders("path", table, **FAMILIES["path"]).set_index("quantity")["order"]
     assert math.isnan(found["end"])
     assert found["work"] == pytest.approx(1.0)
 
 
 def test_families_name_columns_that_the_experiments_make() -> None:
     table = capstan_table(((0.2, 1.0),), (4, 8), ("on",))
-    found = orders("capstan", table)
+    found = orders("capstan", table, **FAMILIES["capstan"])
     assert list(found["case"]) == ["on, mu 0.2, theta 1"]
     assert found["order"][0] == pytest.approx(2.0, abs=0.2)
     made = made_up_friction()
-    for family in FAMILIES.values():
-        assert {*family.cases, family.number, *family.theory} - {"front_error"} <= set(made[family.table])
+    for name, of in FAMILIES.items():
+        assert {*of["cases"], of["of"], *of["theory"]} - {"front_error"} <= set(made[f"friction_{name}"])
 
 
 def test_the_order_of_steps_needs_no_limit() -> None:
@@ -78,14 +80,8 @@ def test_the_order_of_steps_needs_no_limit() -> None:
 
 def test_failures_and_other_steps_are_counted_and_are_in_no_median() -> None:
     found = by_algorithm(agreement()).set_index("algorithm")
-    assert found.loc[NAIVE, ["cases", "solved", "failed", "agrees", "other_steps", "both"]].tolist() == [
-        3,
-        2,
-        1,
-        1,
-        1,
-        1,
-    ]
+    counts = found.loc[NAIVE, ["cases", "solved", "failed", "agrees", "other_steps", "both"]]
+    assert counts.tolist() == [3, 2, 1, 1, 1, 1]
     assert found.loc[NAIVE, "iterations_ratio"] == 3.0
     assert found.loc[NAIVE, "off"] == 1e-12  # that of the same steps
     assert found.loc[SOFT, ["exact", "agrees"]].tolist() == [0, 0]

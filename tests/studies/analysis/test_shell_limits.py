@@ -10,16 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.shell_limits import (
-    SHIPPED,
-    beyond,
-    boundaries,
-    boundary,
-    decided,
-    error_at,
-    known_limits,
-    order,
-)
+from studies.analysis.shell_limits import SHIPPED, beyond, boundaries, boundary, decided, error_at, known_limits, order
 from studies.cli import main
 from studies.experiments.shell_limits.bodies import DEFAULT, FULL_3D
 from studies.experiments.shell_limits.ladder import CASES, COLUMNS, STRAIGHT, Case, shell_limits

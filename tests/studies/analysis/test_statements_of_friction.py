@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from reports.formats import Line
-from studies.analysis.friction import COST_BARS, FAMILIES, by_algorithm, ends, orders, step_orders
+from studies.analysis.everything import fitted
+from studies.analysis.friction import COST_BARS, by_algorithm, ends, step_orders
 from support.sentences import said
 from support.stores.friction import (
     DRAGS,
@@ -147,8 +148,7 @@ def test_answers_of_springs_are_counted_by_how_many_there_are() -> None:
 
 
 def test_orders_beside_theory() -> None:
-    tables = made_up_friction()
-    made = pd.concat([orders(name, tables[family.table]) for name, family in FAMILIES.items()])
+    made = fitted(made_up_friction().get)["friction_orders"]
     found = text("friction-orders", friction_orders=made)
     assert "1 are below 1e-08, 3 fall with orders from 1.00 to 1.00 where theory says 1" in found
     assert "11 fall with orders from 2.00 to 2.00 where theory says 2" in found

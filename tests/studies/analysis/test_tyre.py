@@ -8,16 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.printed_pressures import (
-    HALF,
-    LITERAL,
-    asymmetries,
-    compare,
-    core,
-    force,
-    printed_map,
-    words,
-)
+from studies.analysis.printed_pressures import HALF, LITERAL, asymmetries, compare, core, force, printed_map, words
 from studies.analysis.tyre import tyre_budget
 from studies.output.atomic import SCHEMA, write_json
 from studies.run.answers import Answers

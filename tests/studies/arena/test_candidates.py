@@ -8,10 +8,18 @@ import numpy as np
 
 from contact.verify import judge
 from studies.arena.answers import accuracy
-from studies.arena.collected.candidates import condensed, of_complementarity, on_path, published, raised, touching
+from studies.arena.collected.candidates import (
+    Path,
+    condensed,
+    of_complementarity,
+    on_path,
+    paths,
+    published,
+    raised,
+    touching,
+)
 from studies.arena.collected.certified import Certified, find
 from studies.arena.collected.formats import read_lcp
-from studies.arena.collected.paths import Path, paths
 from support.problems.arena_steps import known_step, lopsided
 
 OBSTACLE = 1e-9

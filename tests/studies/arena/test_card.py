@@ -18,10 +18,10 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
+from reports.card import card_page
 from studies.arena.card import problems, runs
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, laws_of
-from studies.arena.card.page import page
 from studies.arena.card.problems import sample
 from studies.arena.card.runs import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
 from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, within
@@ -82,7 +82,7 @@ def test_nodes_dropped_at_random_are_false_claims_that_are_named(few: None) -> N
     assert {"answers are those of non-negative least squares", "the same question has the same answer"} <= {
         law.law for law in found.broken
     }
-    text = page([found], "footprint card hasty.py")
+    text = card_page([found.told], "footprint card hasty.py", "1")
     assert all(name in text for name in false["problem"])
 
 
@@ -97,7 +97,7 @@ def test_a_right_one_that_solves_twice_passes_and_costs_twice(few: None) -> None
     place = found.place().set_index("figure")
     assert place.loc["solved share", "rank"] == 1
     assert place.loc["operations", "best"] == 1.0
-    assert "median **2.00**" in page([found], "footprint card twice.py")
+    assert "median **2.00**" in card_page([found.told], "footprint card twice.py", "1")
 
 
 @pytest.mark.slow
@@ -175,7 +175,7 @@ def test_ratios_are_of_problems_that_both_solve_and_of_another_part_of_ours() ->
 
 
 def test_the_page_shows_every_failure_with_its_reason() -> None:
-    text = page([made_up(SOLVED, FALSE, FAILED, REFUSED)], "footprint card new.py", "card-new.svg")
+    text = card_page([made_up(SOLVED, FALSE, FAILED, REFUSED).told], "footprint card new.py", "1", "card-new.svg")
     assert text.count("because") == 3
     assert "![Cost over that of semismooth, problem by problem](card-new.svg)" in text
     assert text.index("**`new` FAILS") < text.index("## Problems")
@@ -330,9 +330,7 @@ def test_the_layout_of_a_submission_has_an_algorithm_that_passes(few: None, tmp_
     place = tmp_path / "new"
     assert main(["card", "--template", str(place)]) == 0
     names = {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
-    assert names == {
-        *("README.md", "my_algorithm.py", ".github/workflows/card.yml"),
-    }
+    assert names == {*("README.md", "my_algorithm.py", ".github/workflows/card.yml")}
     assert "footprint card my_algorithm.py --check" in (place / ".github/workflows/card.yml").read_text("utf-8")
     (subject,) = subjects(str(place / "my_algorithm.py"))
     found = card_of(beside(subject, "semismooth"))

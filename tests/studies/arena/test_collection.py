@@ -12,10 +12,9 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.collected import certified, rule
-from studies.arena.collected.candidates import RAISED, on_path
+from studies.arena.collected.candidates import RAISED, Path, on_path
 from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find, rounding
 from studies.arena.collected.collection import KEPT, Candidate, kept_names, sums, write
-from studies.arena.collected.paths import Path
 from studies.arena.collected.rule import (
     LARGEST,
     MOST,
@@ -38,10 +37,7 @@ def test_certified_is_the_built_in_answer() -> None:
     found = confirm(step, find(step))
     assert np.allclose(found.du, du, atol=1e-10 * np.abs(du).max())
     assert np.allclose(found.pressure, pressure, atol=1e-9)
-    assert found.confirmed_by == (
-        "equations on the set in extended precision",
-        "convex programme by an interior point",
-    )
+    assert found.confirmed_by == ("equations on the set in extended precision", "convex programme by an interior point")
 
 
 def test_equations_on_a_set_are_solved_beyond_double_precision() -> None:
@@ -130,7 +126,7 @@ def test_the_rule_names_what_it_leaves_out() -> None:
 
 def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -> None:
     """Chosen, removed, damaged and made again by the manifest: the same bytes, derived forms included."""
-    monkeypatch.setattr(rule.listed, "paths", lambda: iter([STRIP]))
+    monkeypatch.setattr(rule, "paths", lambda: iter([STRIP]))
     monkeypatch.setattr(rule, "published", lambda: iter(()))
     taken = list(chosen(on_path(STRIP), Rule()))
     states = {t.candidate.name: t.candidate.states for t in taken if t.candidate.states is not None}

@@ -24,13 +24,7 @@ from studies.cli import main
 from studies.experiments.membrane import Membrane, membrane_table
 from studies.scenes.closed_forms.contact import SphereObstacle
 from support.entries import EXACT_ONLY, FILES, NAMES, SPENT
-from support.problems.contact_problems import (
-    Quadratic,
-    definite,
-    dual_by_nnls,
-    random_quadratic,
-    solve_from_rest,
-)
+from support.problems.contact_problems import Quadratic, definite, dual_by_nnls, random_quadratic, solve_from_rest
 
 ROOT = Path(__file__).parents[3]
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one

@@ -19,14 +19,7 @@ from studies.arena.collected.certified import EQUATIONS, PROGRAMMES, NotCertifie
 from studies.arena.collected.certified import confirm_with_friction as confirm
 from studies.arena.collected.certified import find_with_friction as find
 from studies.arena.collected.collection import FRICTION_SUMS, SUMS, write
-from studies.arena.collected.frictional import (
-    FAMILIES,
-    FRICTIONAL,
-    choose_frictional,
-    random_steps,
-    row,
-    strips,
-)
+from studies.arena.collected.frictional import FAMILIES, FRICTIONAL, choose_frictional, random_steps, row, strips
 from studies.arena.collected.rule import STEPS
 from studies.arena.solver_run import problems_in
 from studies.ask.request import UsageError

@@ -16,10 +16,9 @@ from contact.interchange.linearised_step import FrozenStep
 from studies.arena import held_out, results
 from studies.arena.collected import dataset
 from studies.arena.collected.certified import confirm, find
-from studies.arena.collected.collection import KEPT, kept_names
+from studies.arena.collected.collection import KEPT, TEST, TUNE, kept_names, split_of
 from studies.arena.collected.frictional import FRICTIONAL
 from studies.arena.collected.rule import STEPS
-from studies.arena.collected.splits import TEST, TUNE, split_of
 from studies.arena.ranking import board
 from studies.arena.result_files import read_all, read_result
 from studies.arena.results import Asked, Counted, Result, Solved, harness, here, results_of

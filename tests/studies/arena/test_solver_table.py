@@ -133,11 +133,7 @@ def test_who_is_missing_or_does_not_apply_is_listed(table: pd.DataFrame) -> None
 def test_a_run_that_was_interrupted_goes_on(tmp_path: Path) -> None:
     """Nothing is asked twice, nothing is left out, and what is read is what was written."""
     step, du, pressure = known_step()
-    field = [
-        Told("right", du=du, pressure=pressure),
-        Told("liar", du=du, pressure=2 * pressure),
-        Told("absent", "no"),
-    ]
+    field = [Told("right", du=du, pressure=pressure), Told("liar", du=du, pressure=2 * pressure), Told("absent", "no")]
     problems = [("a", step), ("b", step)]
     path, asked = tmp_path / "samples.csv", partial(recorded, tolerances=(1e-4,), rounds=2)
     path.write_text(",".join(SAMPLE_COLUMNS) + "\n")  # interrupted before the first answer

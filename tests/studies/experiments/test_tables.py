@@ -4,14 +4,17 @@ import hashlib
 import sys
 from itertools import pairwise
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pandas as pd
 import pytest
 
-from studies.commands import tables
-from studies.commands.tables import TABLES, make_table
+from studies.analysis import everything
+from studies.commands import worker
+from studies.commands.worker import make_table
 from studies.output.atomic import write_table_once
-from studies.run.lists import LISTS
+from studies.run import source_hash
+from studies.run.lists import LISTS, MAKERS
 from studies.run.plan import planned
 from studies.run.scene_cells import LADDERS, ladder_cells
 from studies.run.source_hash import data_of, hashed
@@ -55,7 +58,14 @@ def test_a_table_stopped_between_its_two_files_is_made_again(tmp_path: Path, mon
 
 
 def test_the_report_has_all_tables() -> None:
-    assert {*LISTS["report"].tables, *LISTS["statements"].tables} == set(TABLES)
+    assert {*LISTS["report"].tables, *LISTS["statements"].tables} == set(MAKERS)
+
+
+def test_every_table_has_a_function_that_makes_it() -> None:
+    made = {name: resolve_name(maker) for name, maker in MAKERS.items()}
+    assert all(map(callable, made.values()))
+    assert len(set(made.values())) == len(MAKERS)  # each its own
+    assert all(callable(resolve_name(fit)) for _, fit in everything.DECLARED["fitted"].values())
 
 
 def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
@@ -87,27 +97,33 @@ def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
     assert fewer - {cell.label for cell in made} == instead
 
 
+def _module(table: str) -> str:
+    """That of the function which makes a table."""
+    return str(resolve_name(MAKERS[table]).__module__)
+
+
 @pytest.mark.parametrize(
     ("name", "beside"),
     [("problems", True), ("friction_crushed_ring", True), ("friction_public", False), ("choices", False)],
 )
 def test_data_decide_the_tables_that_are_made_of_them(name: str, beside: bool) -> None:
     """By the folder that they lie in, or alone with the module that names them, and with nothing else beside it."""
-    module = TABLES[name].__module__
+    module = _module(name)
     assert bool(data_of(module)) == beside
     if beside:
         return
     path = Path(str(sys.modules[module].__file__)).with_suffix(".csv")
     assert hashlib.sha256(path.read_bytes()).hexdigest() in hashed([module])[module]
-    assert path not in data_of(TABLES["rigid_body"].__module__) + data_of(TABLES["friction_strip"].__module__)
+    assert path not in data_of(_module("rigid_body")) + data_of(_module("friction_strip"))
 
 
 def test_a_table_is_made_once_for_its_sources_and_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     data, sources = tmp_path / "shipped.csv", ["some"]
     data.write_text("x\n1\n")
-    monkeypatch.setitem(TABLES, "shipped", lambda: pd.read_csv(data))
-    monkeypatch.setattr(tables, "data_of", lambda module: [data])
-    monkeypatch.setattr(tables, "sources_hash", lambda modules: sources[-1])
+    monkeypatch.setitem(MAKERS, "shipped", "")
+    monkeypatch.setattr(worker, "resolve_name", lambda maker: lambda: pd.read_csv(data))
+    monkeypatch.setattr(source_hash, "data_of", lambda module: [data])
+    monkeypatch.setattr(source_hash, "sources_hash", lambda modules: sources[-1])
     for change in (lambda: None, lambda: data.write_text("x\n2\n"), lambda: sources.append("others")):
         change()
         assert make_table("shipped", tmp_path / "store")
@@ -115,5 +131,5 @@ def test_a_table_is_made_once_for_its_sources_and_data(tmp_path: Path, monkeypat
 
 
 def test_the_crushed_ring_with_friction_reads_a_file_of_the_scenes() -> None:
-    names = {path.name for path in data_of(TABLES["friction_crushed_ring"].__module__)}
+    names = {path.name for path in data_of(_module("friction_crushed_ring"))}
     assert "contact_crushed_ring.csv" in names

@@ -50,7 +50,7 @@ def gate(solved: Path, tmp_path: Path) -> list[str]:
         "--baseline",
         str(tmp_path / "small.csv"),
     ]
-    assert main([*asked, "--update", "--owner", "Anna", "--reason", "the first", "--date", "2026-01-31"]) == 0
+    assert main([*asked, "--update", "--owner", "Anna", "--reason", "the first"]) == 0
     return asked
 
 
@@ -58,9 +58,7 @@ def test_a_baseline_is_made_recorded_and_kept(gate: list[str], capsys: pytest.Ca
     assert main(gate) == 0
     assert "6 cells of small" in capsys.readouterr().out
     log = pd.read_csv(Path(gate[-1]).parent / UPDATES)
-    assert log[["date", "owner", "reason", "cells", "changed"]].values.tolist() == [
-        ["2026-01-31", "Anna", "the first", 6, "first baseline"]
-    ]
+    assert log[["owner", "reason", "cells", "changed"]].values.tolist() == [["Anna", "the first", 6, "first baseline"]]
 
 
 @pytest.mark.slow
@@ -90,8 +88,7 @@ def test_what_is_worse_is_a_table_and_exit_code_1(gate: list[str], capsys: pytes
         (["--update"], "a baseline is updated with --owner NAME and --reason TEXT only"),
         (["--update", "--owner", "Anna"], "a baseline is updated with --owner NAME and --reason TEXT only"),
         (["--update", "--reason", "why"], "a baseline is updated with --owner NAME and --reason TEXT only"),
-        (["--update", "--owner", "Anna", "--reason", "why", "--date", "soon"], "date = 'soon' must be YYYY-MM-DD"),
-        (["--owner", "Anna"], "--owner, --reason and --date go with --update"),
+        (["--owner", "Anna"], "--owner and --reason go with --update"),
         (["--update", "--time", "a", "b"], "--time compares two stores and no baseline"),
     ],
 )

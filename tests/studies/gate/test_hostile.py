@@ -229,14 +229,20 @@ READERS = (["table", "tiny"], ["analyse", "tiny"], ["report"], ["compare", "{}",
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", READERS, ids=lambda words: words[0])
-@pytest.mark.parametrize("name", RECORDS)
-def test_records_of_a_store_that_is_read(
-    name: str, command: list[str], there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("what", "name"), [*(("record", each) for each in RECORDS), *(("plan", each) for each in PLANS)]
+)
+def test_a_store_that_is_read(
+    what: str, name: str, there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    change, says = RECORDS[name]
-    changed(there.archive.record_path(there.ids[CELL]), change)
-    _read(command, there, tmp_path, says, capsys)
+    """By every command that reads one."""
+    archive = there.archive
+    path = archive.record_path(there.ids[CELL]) if what == "record" else archive.index_path("tiny")
+    change, says = (RECORDS if what == "record" else PLANS)[name]
+    changed(path, change)
+    for words in READERS:
+        assert re.search(says, said(_words(words, there, tmp_path), capsys)), words
+        assert not (tmp_path / "pages").exists()
 
 
 @pytest.mark.slow
@@ -249,22 +255,6 @@ def test_odd_records_of_a_store_end_in_a_line_or_are_shown(
         code = main(_words(words, there, tmp_path))
         told = capsys.readouterr()
         assert code == 0 or (code in (1, 2) and told.err.count("\n") == 1), (words, told.err)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("command", READERS, ids=lambda words: words[0])
-@pytest.mark.parametrize("name", PLANS)
-def test_plans_of_a_store_that_is_read(
-    name: str, command: list[str], there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    change, says = PLANS[name]
-    changed(there.archive.index_path("tiny"), change)
-    _read(command, there, tmp_path, says, capsys)
-
-
-def _read(command: list[str], there: Elsewhere, tmp_path: Path, says: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert re.search(says, said(_words(command, there, tmp_path), capsys))
-    assert not (tmp_path / "pages").exists()
 
 
 def _words(command: list[str], there: Elsewhere, tmp_path: Path) -> list[str]:

@@ -211,9 +211,9 @@ def test_side_by_side_it_is_the_same_store(solved: Path, tmp_path: Path) -> None
 @pytest.mark.slow
 def test_a_cluster_of_dask_makes_the_same_store(solved: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="needs the extra dask")
-    with (
-        distributed.LocalCluster(processes=False, n_workers=1, threads_per_worker=2, dashboard_address=None) as cluster,
-    ):
+    with distributed.LocalCluster(
+        processes=False, n_workers=1, threads_per_worker=2, dashboard_address=None
+    ) as cluster:
         again(tmp_path, tmp_path / "store", engine=f"dask:{cluster.scheduler_address}")
     gc.collect()  # the worker, and its processes with it
     assert content(tmp_path / "store") == content(solved)

@@ -8,12 +8,13 @@ import subprocess
 import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from studies.commands.tables import TABLES
 from studies.run import plan
+from studies.run.lists import MAKERS
 from studies.run.plan import SOLVERS, planned
 from studies.run.source_hash import (
     BESIDE_A_CELL,
@@ -174,7 +175,7 @@ def test_our_modules_spell_out_the_data_beside_them() -> None:
 
 
 def test_a_table_depends_on_the_scenes_that_it_solves() -> None:
-    modules = closure([TABLES["epsilon"].__module__])
+    modules = closure([resolve_name(MAKERS["epsilon"]).__module__])
     assert {"studies.experiments.epsilon", "studies.scenes.tyre.scene", "contact.newton.step"} <= modules
     assert not {"studies.cli", "studies.run.running", "studies.experiments.locking"} & modules
 
