@@ -23,7 +23,7 @@ from studies.output.atomic import write_by, write_table, write_text
 
 HERE = files("studies.arena.collected")
 LICENCE = "MIT"
-VERSION = 1  # of the collection: another choice of problems is another version
+VERSION = 2  # of the collection: another choice of problems is another version
 ROUNDING = 1e-6  # relative, of the sums: what paths of Newton's method make of different rounding
 SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
 FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and of a step with friction, by these, too

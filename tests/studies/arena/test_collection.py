@@ -13,7 +13,7 @@ from scipy import sparse
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.collected import certified, rule
 from studies.arena.collected.candidates import RAISED, Path, on_path
-from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find, rounding
+from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find
 from studies.arena.collected.collection import KEPT, Candidate, kept_names, sums, write
 from studies.arena.collected.rule import (
     LARGEST,
@@ -25,7 +25,6 @@ from studies.arena.collected.rule import (
     keep_agreeing,
     kind,
     raised_states,
-    traits,
 )
 from support.problems.arena_steps import indefinite, known_step, lopsided
 
@@ -91,6 +90,17 @@ def test_a_gap_that_is_closed_before_and_after_is_closed_to_the_last_digit(monke
                 confirm(step, right)
 
 
+def test_an_answer_of_zero_is_zero_to_the_last_digit() -> None:
+    """Forces that balance where nothing moves: displacements of rounding are none, larger ones some."""
+    K, G = sparse.csc_matrix([[2.0, -1.0], [-1.0, 2.0]]), sparse.csr_matrix(np.eye(2))
+    step = FrozenStep(K, np.array([3.0, 5.0]), G, np.zeros(2), np.ones(2), 5.0)
+    right = find(step)
+    assert not right.du.any()
+    assert confirm(step, replace(right, du=np.array([1e-15, -1e-15]))).confirmed_by
+    with pytest.raises(NotCertifiedError, match="displacements"):
+        confirm(step, replace(right, du=np.array([1e-12, -1e-12])))
+
+
 def test_kinds_and_condition() -> None:
     """The condition is that of the scaled matrix."""
     step, _, _ = known_step()
@@ -154,7 +164,7 @@ def test_what_is_kept_is_as_the_manifest_says_and_small() -> None:
     assert names
     folder = File(str(KEPT))
     assert not STEPS.unlike(folder, kept.loc[names])
-    assert sum(path.stat().st_size for path in folder.iterdir()) < 2e6
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 2.2e6
     touching = kept[kept["form"] == "touching"]
     states = raised_states()
     assert {name: len(own) for name, own in states.items()} == dict(touching["candidates"].items())
@@ -224,30 +234,3 @@ def test_the_kept_manifest_keeps_the_rule() -> None:
     assert kept["bytes"].max() <= MOST
     classes = ["family", "adds"]
     assert (kept[classes] != "").all(axis=None)
-
-
-@pytest.mark.slow
-def test_a_sample_of_the_kept_manifest_is_made_and_certified_again(tmp_path: File) -> None:
-    """Every tenth problem of under 3,000 unknowns, from its path; its answer by two ways.
-
-    A convex one has one answer, the one of the manifest, up to who touches within rounding. Another has several: which
-    of them is found is a matter of the last digit, and each that both ways take is one.
-    """
-    kept = STEPS.manifest()
-    sample = kept[(kept["unknowns"] < 3000)].iloc[::10]
-    STEPS.make(tmp_path, sample)
-    assert not STEPS.unlike(tmp_path, sample)
-    for row in sample.to_dict("records"):
-        step = FrozenStep.read(tmp_path / f"{row['name']}.npz")
-        first = find(step)
-        own = traits(step, first)
-        found = confirm(step, first, own.condition)
-        assert own.kind == row["kind"], row["name"]
-        if own.kind == "definite":
-            forces = step.problem().nodal_forces(found.pressure)
-            least = rounding(own.condition)
-            gap = step.gap + step.G @ found.du
-            sure = int(np.sum(forces > least * forces.max()))
-            closed = gap <= least * max(np.abs(step.gap).max(), np.abs(gap).max())
-            assert sure <= row["pressed"] <= np.sum(closed | (forces > 0)), row["name"]
-            assert float(forces.sum()) == pytest.approx(row["force_N"], rel=max(1e-5, least)), row["name"]
