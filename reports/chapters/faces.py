@@ -88,10 +88,12 @@ def _spheres(spheres: pd.DataFrame) -> Iterator[dict[str, str]]:
 
 
 def _ironed(ironed: pd.DataFrame) -> dict[str, Any]:
-    """The meshes; what H/V changes by between the last two, and what friction is short of it on the last."""
-    before, last = ironed.iloc[-2], ironed.iloc[-1]
-    told = {"changed": abs(last["ratio"] / before["ratio"] - 1), "apart": 1 - last["loss"] / last["ratio"]}
-    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], "way": last["reached_mm"], **told}
+    """The meshes; what H/V changes by between the last two of solids, and at most by the other slab."""
+    before, last = (row for _, row in ironed[ironed["slab"] == "solid"].iloc[-2:].iterrows())
+    by_slab = ironed.pivot(index="mesh", columns="slab", values="ratio").dropna()
+    told = {"changed": abs(last["ratio"] / before["ratio"] - 1), "ripple": last["ripple"] / last["ratio"]}
+    told["apart"] = float((by_slab["shell"] / by_slab["solid"] - 1).abs().max())
+    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], **told}
 
 
 def _cell(row: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +16,8 @@ from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
 from studies.ask.scene import Request, UsageError
 from studies.output.vtu import Layer, solid_layer
+
+GROWTH = 1.3  # of elements, one beside the other
 
 
 def tied(
@@ -45,6 +48,13 @@ def towards_start(n: int, length: float, near: float, share: float) -> np.ndarra
 def _sinh_ratio(s: np.ndarray | float, b: float) -> np.ndarray:
     """sinh(b s)/sinh(b) for b > 0, without overflow."""
     return np.asarray(np.exp(b * (np.asarray(s) - 1)) * np.expm1(-2 * b * np.asarray(s)) / np.expm1(-2 * b))
+
+
+def growing(first: float, length: float) -> np.ndarray:
+    """Lines from 0 to a length, no two farther apart than ``first`` and those before by the factor GROWTH allow."""
+    n = math.ceil(math.log1p(length * (GROWTH - 1) / first) / math.log(GROWTH) - 1e-9)
+    at = GROWTH ** np.arange(n + 1.0) - 1
+    return np.asarray(at * length / at[-1]) if n else np.zeros(1)
 
 
 @dataclass(frozen=True, eq=False)

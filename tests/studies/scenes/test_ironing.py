@@ -7,7 +7,7 @@ import pytest
 
 from contact.verify import PAIR
 from studies.scenes.complete import complete
-from studies.scenes.faces.ironing import HIGH, THICK, WIDTH, Ironing, reaction
+from studies.scenes.faces.ironing import HIGH, OURS, THICK, WIDTH, WITHIN, Ironing, reaction
 from studies.scenes.faces.model import FacesModel
 from studies.scenes.faces.solids import PlacedSolid
 from studies.solving.result import Result
@@ -16,6 +16,7 @@ from studies.solving.solve import solve
 BALANCE = 1e-7  # of the force: what Newton leaves
 MU = 0.3
 COARSE = "1x24"
+SLABS, KEYS = ("solid", "shell"), ("V_N_mm", "H_N_mm")
 
 
 def solved(mesh: str = COARSE, steps: int = 2, contact: str = "semismooth", **settings: Any) -> Result:
@@ -84,16 +85,58 @@ def test_elements_across_change_nothing() -> None:
 @pytest.mark.slow
 def test_forces_of_the_press_converge_whoever_is_the_master() -> None:
     """Against the limit of meshes beyond these."""
-    for slave, bound in (("first", 0.01), ("second", 0.015)):
+    for slave, bound in (("first", 0.012), ("second", 0.018)):
         found = [solved(f"1x{n}", 4, mu=MU, slide_mm=0.05, slave=slave).steps[0] for n in (30, 60)]
-        errors = [abs(each["V_N_mm"] / 314.0 - 1) for each in found]
+        errors = [abs(each["V_N_mm"] / OURS[0] - 1) for each in found]
         assert errors[1] < errors[0] / 2
         assert errors[1] < bound
 
 
+def test_a_slab_as_a_shell_is_pressed_as_one_of_solids_is() -> None:
+    """On a coarse mesh they differ by what it is wrong by."""
+    V, H = np.array(
+        [
+            [solved(lines="way", slab=slab, mu=MU, depth_mm=0.4, slide_mm=0.05).steps[0][key] for slab in SLABS]
+            for key in KEYS
+        ]
+    )
+    assert V[1] == pytest.approx(V[0], rel=0.02)
+    assert H[1] == pytest.approx(H[0], rel=0.02)
+
+
+@pytest.mark.slow
+def test_solids_and_a_shell_have_one_limit_of_the_press() -> None:
+    for slab in SLABS:
+        found = solved("1x120", 20, lines="way", slab=slab, mu=MU, slide_mm=0.01).steps[0]
+        assert found["V_N_mm"] == pytest.approx(OURS[0], rel=WITHIN["V_N_mm"])
+        assert found["H_over_V"] == pytest.approx(OURS[1] / OURS[0], rel=WITHIN["H_over_V"])
+
+
+@pytest.mark.slow
+def test_solids_and_a_shell_slide_alike() -> None:
+    """Means over 0.2 mm; on this mesh H/V is 4 % above its limit, from which the slabs differ by less."""
+    means = np.array([_means(slab) for slab in SLABS])
+    V, ratio = means[:, 0], means[:, 1] / means[:, 0]
+    np.testing.assert_allclose(V, OURS[2], rtol=WITHIN["V_N_mm"])
+    assert ratio[1] == pytest.approx(ratio[0], rel=0.015)
+    np.testing.assert_allclose(ratio, OURS[3] / OURS[2], rtol=0.05)
+
+
+def _means(slab: str) -> np.ndarray:
+    """V and H over the last leg of a slide far from the ends."""
+    result = solved("1x120", 13, lines="way", slab=slab, mu=MU, start_mm=4.1, slide_mm=(1.0, 1.2))
+    leg = result.visits[-1]
+    seen = [leg.stage.observe(leg.problem_at(at), state, at).step or {} for at, state in leg.point.way]
+    way, V, H = (np.array([each[k] for each in seen]) for k in ("way_mm", *KEYS))
+    return np.array([np.trapezoid(each, way) for each in (V, H)]) / (way[-1] - way[0])
+
+
 @pytest.mark.slow
 def test_in_a_steady_slide_friction_loses_what_the_die_does() -> None:
-    """Work of H over five elements beside the dissipation, which is short of it by what nodes lose that let go."""
+    """Work of H over five elements beside the dissipation, which is short of it by what nodes lose that let go.
+
+    On these even elements of 0.2 mm H/V is 3 % above its limit.
+    """
     result = solved("1x60", 10, mu=MU, slide_mm=(1.0, 2.0, 3.0, 4.0))
     leg = result.visits[-1]
     seen = [leg.stage.observe(leg.problem_at(at), state, at).step or {} for at, state in leg.point.way]
