@@ -222,7 +222,7 @@ WRONG = {
     "unknown algorithm": (["solve", "tyre", "--contact", "magic"], "semismooth"),
     "unknown newton": (["solve", "tyre", "--newton", "lazy"], "mixed"),
     "unavailable model": (["solve", "tyre", "--model", "eighth"], "auto"),
-    "unknown key": (["solve", "tyre", "--set", "colour=red"], "gamma_deg"),
+    "unknown key": (["solve", "tyre", "--set", "colour=red"], "see footprint show"),
     "not KEY=VALUE": (["solve", "tyre", "--set", "gamma_deg"], "KEY=VALUE"),
     "mesh text": (["solve", "tyre", "--mesh", "fine"], "N1xN2"),
     "mesh the other way round": (
@@ -256,7 +256,7 @@ WRONG = {
     "half a ply": (["solve", "tyre", "--set", "plies=2.5"], "whole number"),
     "unknown choice": (["solve", "tyre", "--set", "load=heavy"], "dead, follower"),
     "key of another scene": (["solve", "cantilever", "--set", "gamma_deg=3"], "load_fraction"),
-    "setting of another algorithm": (["solve", "tyre", "--set", "backend=osqp"], "settle"),
+    "setting of another algorithm": (["solve", "tyre", "--set", "backend=osqp"], "see footprint show tyre"),
     "unknown backend": (["solve", "tyre", "--contact", "qp", "--set", "backend=magic"], "osqp, clarabel"),
     "unknown method": (["solve", "tyre", "--contact", "lcp", "--set", "method=magic"], "lemke, active-set, nnls"),
     "springs of infinite stiffness": (
