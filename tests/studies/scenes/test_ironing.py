@@ -114,12 +114,12 @@ def test_solids_and_a_shell_have_one_limit_of_the_press() -> None:
 
 @pytest.mark.slow
 def test_solids_and_a_shell_slide_alike() -> None:
-    """Means over 0.2 mm; on this mesh H/V is 4 % above its limit, from which the slabs differ by less."""
+    """Means over 0.2 mm; on this mesh H/V is 5 % above its limit, from which the slabs differ by less."""
     means = np.array([_means(slab) for slab in SLABS])
     V, ratio = means[:, 0], means[:, 1] / means[:, 0]
     np.testing.assert_allclose(V, OURS[2], rtol=WITHIN["V_N_mm"])
     assert ratio[1] == pytest.approx(ratio[0], rel=0.015)
-    np.testing.assert_allclose(ratio, OURS[3] / OURS[2], rtol=0.05)
+    assert np.all((ratio > OURS[3] / OURS[2]) & (ratio < 0.354))
 
 
 def _means(slab: str) -> np.ndarray:
@@ -135,7 +135,7 @@ def _means(slab: str) -> np.ndarray:
 def test_in_a_steady_slide_friction_loses_what_the_die_does() -> None:
     """Work of H over five elements beside the dissipation, which is short of it by what nodes lose that let go.
 
-    On these even elements of 0.2 mm H/V is 3 % above its limit.
+    On these even elements of 0.2 mm H/V is 4 % above its limit.
     """
     result = solved("1x60", 10, mu=MU, slide_mm=(1.0, 2.0, 3.0, 4.0))
     leg = result.visits[-1]
