@@ -17,7 +17,7 @@ from studies.output.shown import Shown
 from studies.scenes import SCENES
 from studies.solving.choice import Choice
 from studies.solving.result import Result
-from studies.solving.variants import ELEMENT, MEASURE, REFERENCE, SURFACES
+from studies.solving.variants import ELEMENT, FACES, MEASURE, REFERENCE, SURFACES
 from studies.sweeps import sweep as sweeping
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 HEADLINE = 4  # quantities, or reasons, that are shown
 AS_ASKED = "as asked for"  # of the element of the reference
-FIGURES = {MEASURE: "measures.svg", SURFACES: "surfaces.svg", ELEMENT: "elements.svg"}
+FIGURES = {MEASURE: "measures.svg", SURFACES: "surfaces.svg", FACES: "faces.svg", ELEMENT: "elements.svg"}
 
 
 def _frame(rows: Sequence[Mapping[str, Any]], columns: list[str] | None = None) -> pd.DataFrame:
@@ -256,7 +256,7 @@ def write_choice(found: Choice, out: Path) -> None:
 
     pictures = {}
     for axis, name in FIGURES.items():
-        others = [verdict for verdict in found.verdicts[1:] if verdict.ladder.variant.axis == axis]
+        others = [each for each in found.verdicts[1:] if each.ladder.variant.axis == axis and each.ladder.paths]
         if found.truth is None or not others:
             continue
         wall = others[0].ladder.variant.wall  # that all of them have
