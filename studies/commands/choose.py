@@ -14,8 +14,9 @@ from studies.answers import write_choice
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
 from studies.output.terminal import columns
-from studies.solving.choice import Choice, Offer
+from studies.solving.choice import Choice
 from studies.solving.choose import BUDGET, ERROR, choose
+from studies.solving.offers import Offer
 from studies.solving.refinement.cascade import parse_budget
 from studies.solving.refinement.error_control import parse_error
 

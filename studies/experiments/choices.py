@@ -16,8 +16,9 @@ import pandas as pd
 
 from studies.ask.request import text_of
 from studies.experiments.error_coverage import settings_of
-from studies.solving.choice import Choice, Offer
+from studies.solving.choice import Choice
 from studies.solving.choose import choose, loosened
+from studies.solving.offers import Offer
 
 ERRORS = (0.05, 0.01)
 SMALL, LARGE, PATCH = "small rotations", "large rotations", "contact"

@@ -16,7 +16,8 @@ from typing import Any
 
 from studies.ask.request import Request
 from studies.ask.scene import Scene, has_contact
-from studies.solving.choice import Choice, Offer, offers_of, recommended
+from studies.solving.choice import Choice
+from studies.solving.offers import Offer, offers_of, recommended
 from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
 from studies.solving.refinement.grids import element_size, first_grid, near, on_one_grid
 from studies.solving.refinement.limits import Estimate

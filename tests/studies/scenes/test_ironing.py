@@ -16,6 +16,7 @@ from studies.solving.solve import solve
 BALANCE = 1e-7  # of the force: what Newton leaves
 MU = 0.3
 COARSE = "1x24"
+ALIKE = 0.015  # of H/V, what slabs differ by on one mesh
 SLABS, KEYS = ("solid", "shell"), ("V_N_mm", "H_N_mm")
 
 
@@ -85,8 +86,8 @@ def test_elements_across_change_nothing() -> None:
 @pytest.mark.slow
 def test_forces_of_the_press_converge_whoever_is_the_master() -> None:
     """Against the limit of meshes beyond these."""
-    for slave, bound in (("first", 0.012), ("second", 0.018)):
-        found = [solved(f"1x{n}", 4, mu=MU, slide_mm=0.05, slave=slave).steps[0] for n in (30, 60)]
+    for slave, finest, bound in (("first", 60, 0.01), ("second", 84, 0.015)):
+        found = [solved(f"1x{n}", 4, mu=MU, slide_mm=0.05, slave=slave).steps[0] for n in (30, finest)]
         errors = [abs(each["V_N_mm"] / OURS[0] - 1) for each in found]
         assert errors[1] < errors[0] / 2
         assert errors[1] < bound
@@ -118,8 +119,9 @@ def test_solids_and_a_shell_slide_alike() -> None:
     means = np.array([_means(slab) for slab in SLABS])
     V, ratio = means[:, 0], means[:, 1] / means[:, 0]
     np.testing.assert_allclose(V, OURS[2], rtol=WITHIN["V_N_mm"])
-    assert ratio[1] == pytest.approx(ratio[0], rel=0.015)
-    assert np.all((ratio > OURS[3] / OURS[2]) & (ratio < 0.354))
+    assert ratio[1] == pytest.approx(ratio[0], rel=ALIKE)
+    limit = OURS[3] / OURS[2]
+    assert np.all((ratio > limit) & (ratio < limit * 1.05 * (1 + ALIKE)))
 
 
 def _means(slab: str) -> np.ndarray:
