@@ -77,10 +77,8 @@ class Condensed(Exchange):
 
     def near(self, active: np.ndarray) -> Condensed:
         """The same linearisation, factorised on the set (m,) where that costs less than to solve for it here."""
-        nodes = np.flatnonzero(active)
         if np.any(active & ~self._holdable):  # what is left of a set that can be held can be held
-            holding(self._ports.acting[nodes], nodes)
-            self._holdable = active.copy()
+            self._holdable = _held_together(self._ports.acting, active, self._holdable)
         changed = np.flatnonzero(active ^ self.base)
         again = self._flops + SETUP * self._matrix.nnz if self._flops else np.inf
         if not len(changed) or dense_solution(len(changed)) + self.cost(changed) <= again:
@@ -187,6 +185,20 @@ def closed(
     grip = holding(acting[nodes], nodes)
     du[grip.pivot] -= grip.over(gap[nodes] + sprung[nodes] + rows[nodes] @ du)
     return du
+
+
+def _held_together(acting: sparse.csr_matrix, active: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """The set (m,) with all that could be held ``before``, if they can be held together; else the set alone.
+
+    Raises what :func:`contact.newton.pivots.holding` does.
+    """
+    both, nodes = np.flatnonzero(active | before), np.flatnonzero(active)
+    try:
+        holding(acting[both], both)
+    except ValueError:
+        holding(acting[nodes], nodes)
+        return active.copy()
+    return active | before
 
 
 def _solved(M: np.ndarray, b: np.ndarray) -> np.ndarray:
