@@ -39,7 +39,7 @@ def energy_balance(
     last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
     ends = [problem.energy(u), -problem.energy(since)]
     # what the pressures say less what the model says, with the same weight whatever the panels
-    told = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
+    refined = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
     noise = last_digits(at_end, u) * float(np.linalg.norm(du))
 
     def residual(t: float) -> np.ndarray:
@@ -56,7 +56,7 @@ def energy_balance(
             for t, weight in LOBATTO
         ]
         size = max(sum(map(abs, works + ends)), last_digit / BALANCE) or 1.0
-        mismatches.append(abs(sum(ends) - sum(works) - told) / size)
+        mismatches.append(abs(sum(ends) - sum(works) - refined) / size)
         if mismatches[-1] <= BALANCE:
             return mismatches[-1], noise / size
     unresolved = np.ptp(mismatches[-3:]) >= UNRESOLVED * mismatches[-1]
@@ -85,9 +85,9 @@ def pair_balance(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -
     if problem.faces is None:
         return None, None
     nodal = problem.nodal_forces(pressure)
-    found = [_of_pair(faces, u, nodal[own]) for faces, own in problem.faces.parts]
-    moments = [moment for _, moment in found if moment is not None]
-    return float(np.max([force for force, _ in found])), float(np.max(moments)) if moments else None
+    sums = [_of_pair(faces, u, nodal[own]) for faces, own in problem.faces.parts]
+    moments = [moment for _, moment in sums if moment is not None]
+    return float(np.max([force for force, _ in sums])), float(np.max(moments)) if moments else None
 
 
 def _of_pair(faces: Faces, u: np.ndarray, nodal: np.ndarray) -> tuple[float, float | None]:

@@ -25,5 +25,5 @@ def by_the_exact_law(springs: float = 1e4, *, naive: bool = False) -> dict[str, 
 
     naive: whether trial-and-error leaves cycles with friction unanswered.
     """
-    found = {name: kind(epsilon=np.inf if is_exact(name) else springs) for name, kind in ALGORITHMS.items()}
-    return found | {TrialAndError.name: TrialAndError(epsilon=np.inf, naive=naive)}
+    algorithms = {name: kind(epsilon=np.inf if is_exact(name) else springs) for name, kind in ALGORITHMS.items()}
+    return algorithms | {TrialAndError.name: TrialAndError(epsilon=np.inf, naive=naive)}

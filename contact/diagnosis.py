@@ -66,9 +66,9 @@ def diagnose(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, *, ep
     tolerance = max(1e-8, min(verdict.rounding, ROUNDING_ALONE))
     if float(np.linalg.norm(rest)) > tolerance * scale:
         return [_rest_named(problem, u, pressure, lin.residual, rest, scale)]
-    found = _pressure_named(problem, pressure, asked) if "equilibrium" in failed else ""
+    named = _pressure_named(problem, pressure, asked) if "equilibrium" in failed else ""
     shift = _shift(gap[asked > ALIKE * np.max(np.abs(asked), initial=0.0)], closed)
-    findings = [found, shift if {"penetration", "complementarity"} & set(failed) else ""]
+    findings = [named, shift if {"penetration", "complementarity"} & set(failed) else ""]
     return [finding for finding in findings if finding] or [violated]
 
 

@@ -43,5 +43,5 @@ class Event:
 
 def events(history: Iterable[Mapping[str, Any]], kind: EventKind | None = None) -> list[Event]:
     """The events of a history that are of the kind, in order; of any kind by default."""
-    told = [row["event"] for row in history if "event" in row]
-    return told if kind is None else [event for event in told if kind & event.kind]
+    every = [row["event"] for row in history if "event" in row]
+    return every if kind is None else [event for event in every if kind & event.kind]

@@ -122,8 +122,8 @@ class Sensitivity:
         Raises SingularMatrixError, LcpError, and ValueError where undecided candidates are coupled.
         """
         if not self.one_sided:
-            found = self._respond(change)
-            return found, found
+            answer = self._respond(change)
+            return answer, answer
         grows, shrinks = (self._on_side(change, sign) for sign in (1.0, -1.0))
         return grows, Rates(-shrinks.u, -shrinks.pressure)
 
@@ -171,10 +171,10 @@ class Sensitivity:
             # friction that slips follows its bound where it is: that is a load
             given = np.where(slips, -change.bound[:, None] * laws.direction, 0.0)
             ways = np.column_stack([change.gap, np.where(slips, change.slip, change.stretched)])
-            found = step.under(change.residual - S.T @ given.ravel(), ways.ravel()).step(laws)
+            stepped = step.under(change.residual - S.T @ given.ravel(), ways.ravel()).step(laws)
             weights = problem.weights
-            pressure = np.divide(found.normal, weights, out=np.zeros_like(weights), where=weights > 0)
-            return Rates(found.du, pressure, found.friction + given)
+            pressure = np.divide(stepped.normal, weights, out=np.zeros_like(weights), where=weights > 0)
+            return Rates(stepped.du, pressure, stepped.friction + given)
 
         return respond
 

@@ -80,10 +80,10 @@ class Slip:
     @cached_property
     def directions(self) -> np.ndarray:
         """Tangents (m, 2, 3) of the foundation at the anchors, in its own frame; with one way left, it is the first."""
-        found = self._tangents.copy()
+        tangents = self._tangents.copy()
         for i, ways in self._with_one_way.items():
-            found[i] = ways.T @ found[i]
-        return found
+            tangents[i] = ways.T @ tangents[i]
+        return tangents
 
     @cached_property
     def _tangents(self) -> np.ndarray:
@@ -93,7 +93,7 @@ class Slip:
     @cached_property
     def _with_one_way(self) -> dict[int, np.ndarray]:
         """Candidates that supports leave at most one way in the tangent plane, with their ways (2, 2) as columns."""
-        A, R, found = self.candidates.operator, self.motion.rotation, {}
+        A, R, single = self.candidates.operator, self.motion.rotation, {}
         for i in range(len(self.anchors)):
             entries = slice(A.indptr[3 * i], A.indptr[3 * i + 3])
             used, place = np.unique(A.indices[entries], return_inverse=True)
@@ -102,8 +102,8 @@ class Slip:
                 block[np.repeat(np.arange(SPACE), np.diff(A.indptr[3 * i : 3 * i + 4])), place] = A.data[entries]
                 ways, sizes, _ = np.linalg.svd(self._tangents[i] @ R.T @ block)
                 if len(sizes) < 2 or sizes[1] <= NO_WAY * sizes[0]:
-                    found[i] = ways
-        return found
+                    single[i] = ways
+        return single
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm]."""

@@ -72,8 +72,8 @@ class Verdict:
     @property
     def kkt(self) -> dict[str, float]:
         """The four residuals by name, and those of friction."""
-        found = {name: getattr(self, name) for name in KKT}
-        return found if self.law is None else {**found, **self.law.by_name}
+        measured = {name: getattr(self, name) for name in KKT}
+        return measured if self.law is None else {**measured, **self.law.by_name}
 
     @property
     def balances(self) -> dict[str, float]:
@@ -85,10 +85,10 @@ class Verdict:
     @property
     def certificate(self) -> dict[str, Any]:
         """What a result says of itself: {failures, kkt, balances, rounding, scales}; certified when nothing failed."""
-        told = {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
+        fields = {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
         if self.law is not None:
-            return told | {"scales": {"length_mm": self.law.length, "force_N": self.law.force}}
-        return told | {"scales": {"length_mm": self.length, "pressure_MPa": self.pressure}}
+            return fields | {"scales": {"length_mm": self.law.length, "force_N": self.law.force}}
+        return fields | {"scales": {"length_mm": self.length, "pressure_MPa": self.pressure}}
 
     def exceeded(
         self,
@@ -242,11 +242,11 @@ def _with_friction(
     if faces is not None and sliding is not None:
         faces, law = Rubbed(faces, sliding, friction, give * normal), replace(law, slip=sliding.measured)
     sprung = replace(problem, gap=lambda u: problem.gap(u) + give * normal, faces=faces)
-    found = judge(under(sprung, law, friction), u, normal, since=since)
-    found = replace(found, length=max(found.length, float(np.max(give * np.abs(normal), initial=0.0))))
-    opened = (normal <= 0) | (sprung.gap(u) > found.gap_bound())
-    large, none = (found.length, found.pressure), (GAP, POSITION)
-    return replace(found, law=residuals_of_law(law, u, (normal, friction), give, opened, large, none))
+    verdict = judge(under(sprung, law, friction), u, normal, since=since)
+    verdict = replace(verdict, length=max(verdict.length, float(np.max(give * np.abs(normal), initial=0.0))))
+    opened = (normal <= 0) | (sprung.gap(u) > verdict.gap_bound())
+    large, none = (verdict.length, verdict.pressure), (GAP, POSITION)
+    return replace(verdict, law=residuals_of_law(law, u, (normal, friction), give, opened, large, none))
 
 
 def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, epsilon: float) -> dict[str, float]:

@@ -71,14 +71,14 @@ def residuals_of_law(
     shortest = none[0] + none[1] * law.slip_size / L
     held = bound - t > CONE * F
     turns = ~(held | opened)
-    found = {
+    residuals = {
         "cone": float(np.max(t - bound, initial=0.0)) / F,
         "open": float(np.max(t[opened], initial=0.0)) / F,
         "stick": float(np.max(_size(slip)[held], initial=0.0)) / L,
         "direction": float(np.max(_chord(slip[turns], friction[turns], shortest * L, CONE * F), initial=0.0)),
         "generated": max(0.0, float(np.sum(friction * slip))) / (float(np.sum(t)) * L or 1.0),
     }
-    return LawResiduals(found, length, force, shortest)
+    return LawResiduals(residuals, length, force, shortest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +110,8 @@ class Rubbed:
     @property
     def parts(self) -> tuple[tuple[Faces, slice], ...]:
         """Each pair by itself."""
-        found = zip(self.faces.parts, self.sliding.each, strict=True)
-        return tuple((Rubbed(pair, own, self.friction[its], self.given[its]), its) for (pair, its), own in found)
+        pairs = zip(self.faces.parts, self.sliding.each, strict=True)
+        return tuple((Rubbed(pair, own, self.friction[its], self.given[its]), its) for (pair, its), own in pairs)
 
 
 def under(contact: ContactProblem, law: Coulomb, friction: np.ndarray) -> ContactProblem:

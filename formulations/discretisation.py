@@ -126,10 +126,10 @@ class Discretisation:
         if self.walls is None:
             return self.laminate.stresses(strains, section)
         laminates, kind = self.walls.laminates, self.walls.kind
-        found = np.zeros((len(strains), max(len(each.plies) for each in laminates), 2, 3))
+        stress = np.zeros((len(strains), max(len(each.plies) for each in laminates), 2, 3))
         for k, laminate in enumerate(laminates):
-            found[kind == k, : len(laminate.plies)] = laminate.stresses(strains[kind == k], section)
-        return found
+            stress[kind == k, : len(laminate.plies)] = laminate.stresses(strains[kind == k], section)
+        return stress
 
     @cached_property
     def _stiffness(self) -> dict[str, np.ndarray]:

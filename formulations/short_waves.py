@@ -39,8 +39,8 @@ def short_waves(shell: ShellModel, u: np.ndarray) -> ShortWaves:
     if shell.discretisation.wall is not None:
         raise ValueError("short waves are those of a wall between two faces")
     angles = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
-    found = [np.linalg.eigh(A) for A in acoustic_tensors(shell, u, angles)]
-    values, vectors = (np.array([each[i][..., 0] for each in found]) for i in (0, 1))
+    eigen = [np.linalg.eigh(A) for A in acoustic_tensors(shell, u, angles)]
+    values, vectors = (np.array([each[i][..., 0] for each in eigen]) for i in (0, 1))
     best = np.argmin(values, axis=0)
     every = np.arange(len(best))
     return ShortWaves(values[best, every], angles[best], vectors[best, every])

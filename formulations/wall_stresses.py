@@ -57,15 +57,15 @@ class WallStresses:
         law = shell.wall_stresses(u, taken).reshape(len(grid.elements), plies * POINTS, 6)
         field = law.reshape(*(len(line) - 1 for line in grid.lines), plies, POINTS, 6)
         centres = [0.5 * length * (line[1:] + line[:-1]) for line, length in zip(grid.lines, shape.A[0], strict=True)]
-        found = np.zeros((*field.shape[:-1], 3))
+        transverse = np.zeros((*field.shape[:-1], 3))
         g = 1 + k * d
         for a, row in ((0, (S11, S12)), (1, (S12, S22))):
             along = _divergence(g * field[..., row[0]], field[..., row[1]], centres)
-            found[..., a] = _through(g**a * along, d) / g ** (a + 1)
-        inwards = _divergence(g * found[..., 0], found[..., 1], centres) - k * field[..., S22]
-        found[..., 2] = (_through(inwards, d) - pressure * g[0, 0]) / g
+            transverse[..., a] = _through(g**a * along, d) / g ** (a + 1)
+        inwards = _divergence(g * transverse[..., 0], transverse[..., 1], centres) - k * field[..., S22]
+        transverse[..., 2] = (_through(inwards, d) - pressure * g[0, 0]) / g
         ply = np.repeat(np.arange(plies), POINTS)
-        return cls(d.ravel(), ply, law, found.reshape(len(law), -1, 3))
+        return cls(d.ravel(), ply, law, transverse.reshape(len(law), -1, 3))
 
 
 def _divergence(first: np.ndarray, second: np.ndarray, centres: list[np.ndarray]) -> np.ndarray:
@@ -79,8 +79,8 @@ def _divergence(first: np.ndarray, second: np.ndarray, centres: list[np.ndarray]
 
 def _through(divergence: np.ndarray, d: np.ndarray) -> np.ndarray:
     """- int of the divergence (..., plies, POINTS) from the inner face to the distances d (plies, POINTS)."""
-    found, start = np.empty_like(divergence), np.zeros(divergence.shape[:-2])
+    integral, start = np.empty_like(divergence), np.zeros(divergence.shape[:-2])
     for ply, at in enumerate(d):
-        found[..., ply, :] = start[..., None] - cumulative_simpson(divergence[..., ply, :], x=at, initial=0.0)
-        start = found[..., ply, -1]
-    return found
+        integral[..., ply, :] = start[..., None] - cumulative_simpson(divergence[..., ply, :], x=at, initial=0.0)
+        start = integral[..., ply, -1]
+    return integral

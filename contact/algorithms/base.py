@@ -100,35 +100,35 @@ class ContractError(TypeError):
 
 def answered(algorithm: ContactAlgorithm, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """What the algorithm answers; what it does not count is 0. Raises ContractError."""
-    found = algorithm.solve(problem, start)
-    wrong = _wrong(found, len(start.u), len(problem.weights))
+    solution = algorithm.solve(problem, start)
+    wrong = _wrong(solution, len(start.u), len(problem.weights))
     if wrong:
         raise ContractError(f"contact algorithm {algorithm.name!r}: solve returned {wrong}")
-    if found.counters.keys() >= {*COUNTERS}:
-        return found
-    return replace(found, counters={**dict.fromkeys(COUNTERS, 0), **found.counters})
+    if solution.counters.keys() >= {*COUNTERS}:
+        return solution
+    return replace(solution, counters={**dict.fromkeys(COUNTERS, 0), **solution.counters})
 
 
-def _wrong(found: object, n: int, m: int) -> str:
+def _wrong(returned: object, n: int, m: int) -> str:
     """What is no answer in n unknowns with m candidates; empty for an answer."""
-    if not isinstance(found, ContactSolution):
-        return f"{_named(found)}, not a ContactSolution"
+    if not isinstance(returned, ContactSolution):
+        return f"{_named(returned)}, not a ContactSolution"
     for name, kind, word, size in (
         ("u", "f", "floats", n),
         ("pressure", "f", "floats", m),
         ("active", "b", "booleans", m),
     ):
-        given = getattr(found, name)
+        given = getattr(returned, name)
         if not isinstance(given, np.ndarray) or given.dtype.kind != kind or given.shape != (size,):
             return f"{name} as {_named(given)}, not as {word} of shape ({size},)"
-    if not isinstance(found.outcome, Outcome):
-        return f"outcome as {_named(found.outcome)}, not as an Outcome"
-    counts = found.counters
+    if not isinstance(returned.outcome, Outcome):
+        return f"outcome as {_named(returned.outcome)}, not as an Outcome"
+    counts = returned.counters
     if not isinstance(counts, Mapping) or not all(
         isinstance(value, int | float | np.number) for value in counts.values()
     ):
         return "counters that are no numbers by name"
-    rows = found.history
+    rows = returned.history
     if not isinstance(rows, tuple) or not all(isinstance(row, Mapping) for row in rows):
         return "a history that is no tuple of rows"
     if not all(isinstance(row["event"], Event) for row in rows if "event" in row):

@@ -107,9 +107,9 @@ def _condensed(method: str, run: NewtonRun, at: Iterate) -> Step:
                 M, q = principal_pivot(size[:, None] * M * size, size * q, back)
             except LcpError as error:
                 raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {error}") from None
-            found = _solve(method, M, q, back)
-        events.append(found.event)
-        return (found.z > 0) ^ back
+            answer = _solve(method, M, q, back)
+        events.append(answer.event)
+        return (answer.z > 0) ^ back
 
     return replace(decide_set(run, at, linear, decide)[0], event=next(filter(None, reversed(events)), None))
 
@@ -136,9 +136,9 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
             columns = np.hstack([columns, response(factor, *sides)])
             nodes = np.append(nodes, entering)
             M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
-            found = _solve(method, M, free[nodes], at.active[nodes])
-            multiplier[nodes], event = found.z, found.event
-            pushed_in = free + columns @ found.z < -rounding
+            answer = _solve(method, M, free[nodes], at.active[nodes])
+            multiplier[nodes], event = answer.z, answer.event
+            pushed_in = free + columns @ answer.z < -rounding
             pushed_in[nodes] = False
             entering = np.flatnonzero(pushed_in)
     du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
@@ -164,8 +164,8 @@ def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> L
         except LcpError as error:
             why = str(error)
     try:
-        found = active_set(M, q, expected)
+        answer = active_set(M, q, expected)
     except LcpError as error:
         raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {why}; by the active set: {error}") from None
     instead = Event(EventKind.SUBSTITUTE, f"lcp by {method}: {why}; the active set was used instead")
-    return LcpSolution(found.z, found.pivots, instead)
+    return LcpSolution(answer.z, answer.pivots, instead)

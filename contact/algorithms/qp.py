@@ -135,12 +135,12 @@ class Qp(NewtonAlgorithm):
 
     def _finished(self, step: Step, claimed: np.ndarray, shift: float, words: Sequence[str]) -> Step:
         """The step with what the history says of it; claimed (m,): the set that the backend has found."""
-        told = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []
-        told += words
+        messages = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []
+        messages += words
         wrong = int(np.sum(claimed ^ step.active))
         if wrong:
-            told.append(f"set of {self.backend} corrected at {wrong} nodes by exact steps")
-        events = [Event(EventKind.SUBSTITUTE, text) for text in told] + ([step.event] if step.event else [])
+            messages.append(f"set of {self.backend} corrected at {wrong} nodes by exact steps")
+        events = [Event(EventKind.SUBSTITUTE, text) for text in messages] + ([step.event] if step.event else [])
         return replace(step, event=reduce(add, events) if events else None, updates=0)
 
     def _answer(self, whole: Programme, at: Iterate, y: np.ndarray) -> Answer:
@@ -152,20 +152,22 @@ class Qp(NewtonAlgorithm):
         x, near = np.zeros_like(whole.q), at.active | (at.gap <= np.min(at.gap))
         while True:
             part = Programme(whole.P, whole.q, sparse.csc_matrix(whole.A[near]), whole.b[near], (x, y[near]))
-            found = ask(self.backend, part, self.eps, self.polish)
-            x, y = found.x, np.zeros_like(whole.b)
-            y[near] = found.y
+            answer = ask(self.backend, part, self.eps, self.polish)
+            x, y = answer.x, np.zeros_like(whole.b)
+            y[near] = answer.y
             pushed_in = (whole.A @ x < whole.b) & ~near
-            if not (found.claimed and pushed_in.any()):
-                return Answer(x, y, found.claimed, found.status)
+            if not (answer.claimed and pushed_in.any()):
+                return Answer(x, y, answer.claimed, answer.status)
             near |= pushed_in
 
 
 def _settled(run: NewtonRun, at: Iterate) -> Step:
     """The step of a body with the travel of its foundation, or a multiplier, for an unknown."""
     step = settle_set(run, at, at.active)
-    told = Event(EventKind.SUBSTITUTE, "an unknown is no displacement, no programme has it: set found by exact steps")
-    return replace(step, event=told + step.event if step.event else told)
+    substitute = Event(
+        EventKind.SUBSTITUTE, "an unknown is no displacement, no programme has it: set found by exact steps"
+    )
+    return replace(step, event=substitute + step.event if step.event else substitute)
 
 
 def _must_be_symmetric(K: sparse.csc_matrix) -> None:

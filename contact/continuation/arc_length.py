@@ -125,9 +125,11 @@ class ArcLength:
             last = points[-1]
             if curve.tally.counters["factorisations"] > self.most:
                 return points, Outcome.GIVEN_UP, f"arc length after t = {last.factor:.6g}"
-            found, onwards = self._advance(curve, last, step * direction, watchful=step > self.watched * first)
-            crossings = [_at_factor(curve, last, found, t) for t in ahead if found is not None and found.factor >= t]
-            if found is None or None in crossings:
+            reached, onwards = self._advance(curve, last, step * direction, watchful=step > self.watched * first)
+            crossings = [
+                _at_factor(curve, last, reached, t) for t in ahead if reached is not None and reached.factor >= t
+            ]
+            if reached is None or None in crossings:
                 step /= 2
                 if step < self.smallest * first:
                     return points, Outcome.STEP_LIMIT, f"arc length after t = {last.factor:.6g}"
@@ -136,18 +138,18 @@ class ArcLength:
             del ahead[: len(crossings)]
             if not ahead:
                 return points, Outcome.CONVERGED, ""
-            moved += float(np.linalg.norm(found.u - last.u))
-            loaded += abs(found.factor - last.factor)
+            moved += float(np.linalg.norm(reached.u - last.u))
+            loaded += abs(reached.factor - last.factor)
             before, curve = curve.m, curve.scaled(moved, loaded)
             onwards[:-1] *= curve.m / before
             direction = onwards / np.linalg.norm(onwards)
-            points.append(found)
-            on_point(found.factor)
-            if self.to_limit and not found.rising:
+            points.append(reached)
+            on_point(reached.factor)
+            if self.to_limit and not reached.rising:
                 return points, Outcome.LIMIT_POINT, f"the path turns back after t = {last.factor:.6g}"
-            if found.factor < self.lowest:
+            if reached.factor < self.lowest:
                 return points, Outcome.LIMIT_POINT, f"the path goes back below t = {self.lowest:g}"
-            step = self._next_step(step, found.iterations, self.largest * first)
+            step = self._next_step(step, reached.iterations, self.largest * first)
         return points, Outcome.ITERATION_LIMIT, f"{self.max_points} points of the curve did not reach t = {ahead[0]:g}"
 
     def _advance(
@@ -160,18 +162,18 @@ class ArcLength:
         by none elsewhere.
         """
         length = float(np.linalg.norm(ahead))
-        found = curve.on_plane(last, curve.place(last) + ahead, ahead / length, f"step {length:.6g}")
-        if found is None:
+        reached = curve.on_plane(last, curve.place(last) + ahead, ahead / length, f"step {length:.6g}")
+        if reached is None:
             return None, ahead
-        chord = curve.place(found) - curve.place(last)
+        chord = curve.place(reached) - curve.place(last)
         if length < self.straight * np.linalg.norm(chord) or ahead @ chord < 0.5 * length**2:
             return None, ahead  # too sharp; or a tolerance so loose that the plane itself is not met
         try:
-            onwards = curve.tangent(found, chord)
+            onwards = curve.tangent(reached, chord)
         except SingularMatrixError:
             return None, ahead
-        found = replace(found, rising=bool(onwards[-1] > 0))
-        return (None if watchful and _elsewhere(last, found) else found), onwards
+        reached = replace(reached, rising=bool(onwards[-1] > 0))
+        return (None if watchful and _elsewhere(last, reached) else reached), onwards
 
     def _next_step(self, step: float, iterations: int, largest: float) -> float:
         if iterations <= self.easy:
@@ -179,11 +181,11 @@ class ArcLength:
         return 0.6 * step if iterations >= self.hard else step
 
 
-def _elsewhere(last: ArcPoint, found: ArcPoint) -> bool:
+def _elsewhere(last: ArcPoint, reached: ArcPoint) -> bool:
     """Whether the numbers of negative eigenvalues say that branches lie between the points."""
-    if last.negative is None or found.negative is None:
+    if last.negative is None or reached.negative is None:
         return False
-    return abs(found.negative - last.negative) > (found.rising != last.rising)
+    return abs(reached.negative - last.negative) > (reached.rising != last.rising)
 
 
 def _at_factor(curve: AnyCurve, before: ArcPoint, after: ArcPoint, factor: float) -> ArcPoint | None:
@@ -198,9 +200,9 @@ def _with_limits(curve: AnyCurve, points: Sequence[ArcPoint]) -> tuple[list[ArcP
     refined, unresolved = [points[0]], ""
     for before, after in pairwise(points):
         if before.rising != after.rising:
-            found = limit_point(curve, before, after)
-            if found is not None:
-                refined.append(found)
+            turning = limit_point(curve, before, after)
+            if turning is not None:
+                refined.append(turning)
             elif not unresolved:
                 unresolved = f"the limit point after t = {before.factor:.6g} could not be resolved"
         refined.append(after)
@@ -236,13 +238,13 @@ def limit_point(curve: AnyCurve, before: ArcPoint, after: ArcPoint) -> ArcPoint 
         low, high = _End.of(curve, before, normal), _End.of(curve, after, normal)
         for _ in range(LIMIT_ATTEMPTS):
             guess = _hermite(low, high, low.slope[-1] / (low.slope[-1] - high.slope[-1]))
-            found = curve.on_plane(low.point, guess, normal, "limit point")
-            if found is None:
+            middle = curve.on_plane(low.point, guess, normal, "limit point")
+            if middle is None:
                 return None
             s = float(normal @ guess)
             if abs(s - s_last) <= LIMIT_TOLERANCE * np.linalg.norm(guess):
-                return replace(found, limit=True)
-            end, s_last = _End.of(curve, found, normal), s
+                return replace(middle, limit=True)
+            end, s_last = _End.of(curve, middle, normal), s
             low, high = (end, high) if end.slope[-1] * low.slope[-1] > 0 else (low, end)
     except SingularMatrixError:  # a bifurcation
         return None

@@ -94,8 +94,8 @@ def _descended(
 
 def _most_negative(problem: ContactProblem, state: ContactSolution, epsilon: float, judged: Stability) -> np.ndarray:
     """The mode (n,) of the most negative eigenvalue among the softest of those that the verdict has counted."""
-    found = spectrum(problem, state, epsilon, negative=judged.negative or 0)
-    return np.asarray(found.modes[:, int(np.argmin(found.eigenvalues))])
+    lowest = spectrum(problem, state, epsilon, negative=judged.negative or 0)
+    return np.asarray(lowest.modes[:, int(np.argmin(lowest.eigenvalues))])
 
 
 def _down(
@@ -114,17 +114,17 @@ def _down(
     mu = first = 2 * abs(float(push @ (K @ push))) / float(push @ (D * push))
     at, last = replace(state, u=state.u + PUSH * size * push), PUSH * size
     for _ in range(STEPS):
-        found = answered(algorithm, held_at(problem, at.u, mu * D), at)
-        tally.add(replace(found, history=()))
-        moved = float(np.linalg.norm(found.u - at.u))
-        if not found.outcome.converged or moved > LEAP * last:
+        lower = answered(algorithm, held_at(problem, at.u, mu * D), at)
+        tally.add(replace(lower, history=()))
+        moved = float(np.linalg.norm(lower.u - at.u))
+        if not lower.outcome.converged or moved > LEAP * last:
             mu *= STIFFER
             continue
         if moved <= ARRIVED * size and mu <= first:
             break
         # softer springs while steps grow would leave the tangent negative; where they shrink it no longer is
         mu *= SOFTER if moved < last else 1.0
-        at, last = found, moved
+        at, last = lower, moved
     end = answered(algorithm, problem, at)
     tally.add(replace(end, history=()))
     return replace(end, counters=dict(tally.counters))

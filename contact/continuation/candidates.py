@@ -69,12 +69,12 @@ def none_known(index: int, last: State, parameter: float) -> Start | None:
     return None
 
 
-def after_in_vain(vain: ContactSolution, found: ContactSolution, why: Event) -> ContactSolution:
+def after_in_vain(vain: ContactSolution, answer: ContactSolution, why: Event) -> ContactSolution:
     """What was found from the last state of the path, after a start from elsewhere that has led to none."""
-    counters = {key: vain.counters.get(key, 0) + value for key, value in found.counters.items()}
+    counters = {key: vain.counters.get(key, 0) + value for key, value in answer.counters.items()}
     *rows, last = vain.history or ({},)
     event = Event(EventKind.FAILED, f"not from the state of another grid: {why}; from the last of the path")
-    return replace(found, counters=counters, history=(*rows, {**last, "event": event}, *found.history))
+    return replace(answer, counters=counters, history=(*rows, {**last, "event": event}, *answer.history))
 
 
 REACH = 1.0  # of the deepest penetration at the start of the step: who is nearer than that may touch
@@ -107,14 +107,14 @@ def solve_within_reach(
         at = start if before is None else before
         rubbed = None if start.friction is None else start.friction.only(chosen)
         begin = replace(at, pressure=at.pressure[chosen], active=at.active[chosen], friction=rubbed)
-        found = _spread(problem, answered(algorithm, near, begin), chosen, before)
-        missed = ~chosen & (problem.gap(found.u) < 0)
-        if not (found.outcome.converged and missed.any()):
-            return found
-        *rows, last = found.history or ({},)
-        told = f"{int(missed.sum())} candidates that were left out penetrate: they are taken in"
-        event = Event(EventKind.TAKEN_IN, told)
-        before = replace(found, history=(*rows, {**last, "event": event}))
+        spread = _spread(problem, answered(algorithm, near, begin), chosen, before)
+        missed = ~chosen & (problem.gap(spread.u) < 0)
+        if not (spread.outcome.converged and missed.any()):
+            return spread
+        *rows, last = spread.history or ({},)
+        message = f"{int(missed.sum())} candidates that were left out penetrate: they are taken in"
+        event = Event(EventKind.TAKEN_IN, message)
+        before = replace(spread, history=(*rows, {**last, "event": event}))
         chosen |= missed
 
 

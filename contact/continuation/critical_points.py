@@ -101,13 +101,13 @@ def why_it_ends(
         since = f": {_many(unstable)} negative at {t + 0.0:g}" if unstable else ""
         return Ending(PathEnd.NEITHER, f"too few converged steps to tell why{since}")
     try:
-        found = [spectrum(problem_at(t), state, epsilon) for t, state in states]
+        spectra = [spectrum(problem_at(t), state, epsilon) for t, state in states]
     except (SingularMatrixError, ValueError) as error:
         return Ending(PathEnd.NEITHER, f"the tangent does not tell why: {error}")
     (first, _), (last, _) = states[0], states[-1]
-    free = all(len(each.eigenvalues) for each in found)
-    limit = _limit_point(states, found) if free else None
-    passed = _passed(first, found)
+    free = all(len(each.eigenvalues) for each in spectra)
+    limit = _limit_point(states, spectra) if free else None
+    passed = _passed(first, spectra)
     if limit is not None:
         at, signs, mode = limit
         return Ending(PathEnd.LIMIT_POINT, f"limit point of the path at about {at:.7g}: {signs}{passed}", at, mode)
@@ -116,16 +116,16 @@ def why_it_ends(
         return turned
     if not free:
         return Ending(PathEnd.NEITHER, "no limit point: nothing is free to move")
-    least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
-    told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
+    least, before = (abs(each.eigenvalues[0]) for each in (spectra[-1], spectra[0]))
+    least_size = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
-        sentence = f"bifurcation near {last:.7g}: {told}, and the path does not speed up along its mode{passed}"
+        sentence = f"bifurcation near {last:.7g}: {least_size}, and the path does not speed up along its mode{passed}"
         return Ending(PathEnd.BIFURCATION, sentence)
-    sentence = f"no limit point: {told}{passed}; the solver fails, and the tangent gives no reason"
+    sentence = f"no limit point: {least_size}{passed}; the solver fails, and the tangent gives no reason"
     return Ending(PathEnd.NEITHER, sentence)
 
 
-def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[float, str, np.ndarray] | None:
+def _limit_point(states: Sequence[State], spectra: Sequence[Spectrum]) -> tuple[float, str, np.ndarray] | None:
     """Parameter, signs and mode of the limit point just ahead, or None.
 
     Mode, speed and eigenvalue must all three behave as at a fold. Its mode is the one along which the path accelerates.
@@ -134,8 +134,8 @@ def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[fl
     """
     (t0, a), (t1, b), (t2, c) = states[-3:]
     before, after = (b.u - a.u) / (t1 - t0), (c.u - b.u) / (t2 - t1)
-    mode = found[-1].modes[:, int(np.argmax(np.abs((after - before) @ found[-1].modes)))]
-    mu, likeness = np.array([each.like(mode) for each in found[-3:]]).T
+    mode = spectra[-1].modes[:, int(np.argmax(np.abs((after - before) @ spectra[-1].modes)))]
+    mu, likeness = np.array([each.like(mode) for each in spectra[-3:]]).T
     cosine = float(_cosines(after, mode[:, None])[0])
     if cosine < ALONG or likeness.min() < SAME_MODE or not 0 < mu[2] / mu[1] < 1:
         return None
@@ -146,13 +146,13 @@ def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[fl
     if not abs(limit - t2) <= NEAR * abs(t2 - states[0][0]):
         return None
     falls = f"falls to zero like a square root, from {mu[0]:.3g} to {mu[2]:.3g} N/mm in the last {abs(t2 - t0):.2g}"
-    told = f"an eigenvalue of the tangent {falls}, and the path speeds up along its mode (cosine {cosine:.2f})"
-    return float(limit), told, mode
+    message = f"an eigenvalue of the tangent {falls}, and the path speeds up along its mode (cosine {cosine:.2f})"
+    return float(limit), message, mode
 
 
-def _passed(first: float, found: Sequence[Spectrum]) -> str:
+def _passed(first: float, spectra: Sequence[Spectrum]) -> str:
     """What the number of negative eigenvalues adds."""
-    before, now = found[0].negative, found[-1].negative
+    before, now = spectra[0].negative, spectra[-1].negative
     if not now or before is None:
         return ""
     return f"; {_many(now)} negative, {before or 'none'} at {first + 0.0:g}" + (
@@ -191,10 +191,10 @@ def _turned_at_a_change(
         return None
     limit = float(t1 + np.copysign(ahead[changes], t1 - t0))
     does = "lifts off" if last.active[changes] else "touches"
-    told = f"limit point of the path at about {limit:.7g}: it turns back where candidate {changes} {does}, "
-    told += f"{counts[0]} negative eigenvalues of the tangent before and {counts[1]} behind it"
+    message = f"limit point of the path at about {limit:.7g}: it turns back where candidate {changes} {does}, "
+    message += f"{counts[0]} negative eigenvalues of the tangent before and {counts[1]} behind it"
     return Ending(
-        PathEnd.LIMIT_POINT, told, limit, (last.u - before.u) / (float(np.linalg.norm(last.u - before.u)) or 1.0)
+        PathEnd.LIMIT_POINT, message, limit, (last.u - before.u) / (float(np.linalg.norm(last.u - before.u)) or 1.0)
     )
 
 

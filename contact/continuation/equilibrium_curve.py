@@ -91,9 +91,9 @@ class Curve:
     def tangent(self, point: ArcPoint, along: np.ndarray) -> np.ndarray:
         """Unit tangent at a converged point, K du = f dt, in the sense of ``along``."""
         forward = np.append(np.zeros_like(point.u), 1.0)
-        found = self._solve(self.run.linearise(point.u, None), along / np.linalg.norm(along), forward)
-        found[:-1] *= self.m
-        return found / np.linalg.norm(found)
+        t = self._solve(self.run.linearise(point.u, None), along / np.linalg.norm(along), forward)
+        t[:-1] *= self.m
+        return t / np.linalg.norm(t)
 
     def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint | None:
         """Newton from ``guess`` on the plane through it with the given normal; None when it fails.

@@ -43,11 +43,11 @@ def follow(
     at = start
     for load in loads:
         stage = stage_at(load, at.anchors)
-        found = algorithm.solve(stage.problem, at.solution)
-        if found.outcome is not Outcome.CONVERGED:
-            yield PathState(load, found, at.anchors)
+        solution = algorithm.solve(stage.problem, at.solution)
+        if solution.outcome is not Outcome.CONVERGED:
+            yield PathState(load, solution, at.anchors)
             return
-        at = PathState(load, found, stage.anchored(found.u), dissipation(stage.problem, found))
+        at = PathState(load, solution, stage.anchored(solution.u), dissipation(stage.problem, solution))
         yield at
 
 

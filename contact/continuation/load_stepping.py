@@ -166,26 +166,26 @@ class Stepper:
         tried = self._tried(trial, problem, solve_within_reach(algorithm, problem, state, start))
         if tried.failure is None:
             return tried
-        found = solve_within_reach(algorithm, problem, state)
-        return self._tried(trial, problem, after_in_vain(tried.solution, found, tried.failure))
+        solution = solve_within_reach(algorithm, problem, state)
+        return self._tried(trial, problem, after_in_vain(tried.solution, solution, tried.failure))
 
-    def _tried(self, trial: float, problem: ContactProblem, found: ContactSolution) -> Attempt:
+    def _tried(self, trial: float, problem: ContactProblem, solution: ContactSolution) -> Attempt:
         """What has been found at a parameter, and why it is no state of the path, if it is none."""
         before, state = self.states[-1]
-        failure = None if found.outcome.converged else why(found)
+        failure = None if solution.outcome.converged else why(solution)
         if failure is None and problem.standing is not None:  # where it was is only then looked at
-            through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
+            through = crossings(self.problem_at(before).standing, state.u, problem.standing, solution.u)
             failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
         beyond = 0
         counted = problem.coulomb is None  # friction has no potential: negative eigenvalues say nothing of its path
-        if failure is None and self.cut and counted and found.active.any():  # is the difficult way still the same?
-            more = branches_passed(self.problem_at, self.states[0], (trial, found), self.algorithm.epsilon)
+        if failure is None and self.cut and counted and solution.active.any():  # is the difficult way still the same?
+            more = branches_passed(self.problem_at, self.states[0], (trial, solution), self.algorithm.epsilon)
             beyond = max(0, more - self.passed)
         if beyond:
             eigenvalues = "1 more eigenvalue is" if beyond == 1 else f"{beyond} more eigenvalues are"
             since = f"than at {(before if self.passed else self.states[0][0]) + 0.0:g}"
             failure = Event(EventKind.FAILED, f"a state beyond the path, {eigenvalues} negative {since}")
-        return Attempt(trial, found, failure, beyond, float(norm(found.u - state.u, check_finite=False)))
+        return Attempt(trial, solution, failure, beyond, float(norm(solution.u - state.u, check_finite=False)))
 
     def accept(self, attempt: Attempt, passing: Event | None = None) -> Stepper:
         """At the new state; after an easy step the next one grows, up to the one asked for."""
@@ -275,10 +275,12 @@ class Stepper:
 
     def _spent(self, attempt: Attempt, event: Event | None) -> Stepper:
         """With the counters and the history of the attempt, whose last row tells the event."""
-        found = attempt.solution
-        counters = {key: self.counters.get(key, 0) + value for key, value in found.counters.items()}
+        solution = attempt.solution
+        counters = {key: self.counters.get(key, 0) + value for key, value in solution.counters.items()}
         # an algorithm without a history still gets a row, for the event
-        rows = [{"parameter": attempt.parameter, "iteration": i, **row} for i, row in enumerate(found.history or ({},))]
+        rows = [
+            {"parameter": attempt.parameter, "iteration": i, **row} for i, row in enumerate(solution.history or ({},))
+        ]
         if event is not None:
             rows[-1]["event"] = event
-        return replace(self, counters=counters, history=(*self.history, *rows), cause=found.outcome)
+        return replace(self, counters=counters, history=(*self.history, *rows), cause=solution.outcome)

@@ -110,10 +110,10 @@ class PressedCurve:
         run = NewtonRun(problem, self.algorithm.epsilon, tally=self.tally)
         A, b = problem.stiffness(run.linearise(x, None), x, point.pressure), np.zeros_like(x)
         b[-1] = _size(A)
-        found, pressing = run.response(x, A, np.flatnonzero(point.active), b)
-        found[:-1] *= self.m
-        size = float(np.linalg.norm(found))
-        return found / size, pressing / size
+        rate, pressing = run.response(x, A, np.flatnonzero(point.active), b)
+        rate[:-1] *= self.m
+        size = float(np.linalg.norm(rate))
+        return rate / size, pressing / size
 
     def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint | None:
         """The point on the plane through ``guess`` with the given normal, from the converged ``start``; None if none.
@@ -123,27 +123,31 @@ class PressedCurve:
         """
         problem = self._bordered(normal, np.append(guess[:-1] / self.m, guess[-1]))
         begin = ContactSolution(np.append(start.u, start.factor), start.pressure, start.active, Outcome.CONVERGED)
-        found = answered(self.algorithm, problem, begin)
-        passed = crossings(problem.standing, begin.u, problem.standing, found.u) if found.outcome.converged else []
-        t = float(found.u[-1])
-        rows: list[dict[str, object]] = [{"parameter": t, "iteration": i, **row} for i, row in enumerate(found.history)]
+        solution = answered(self.algorithm, problem, begin)
+        passed = (
+            crossings(problem.standing, begin.u, problem.standing, solution.u) if solution.outcome.converged else []
+        )
+        t = float(solution.u[-1])
+        rows: list[dict[str, object]] = [
+            {"parameter": t, "iteration": i, **row} for i, row in enumerate(solution.history)
+        ]
         if rows:
             rows[0].setdefault("event", Event(EventKind.POINT, event))
         if passed:
             rows = rows or [{"parameter": t}]
             rows[-1]["event"] = Event(EventKind.FAILED | EventKind.PASSED, str(passed[0]))
-        self.tally.add(replace(found, history=tuple(rows)))
-        if passed or not found.outcome.converged:
+        self.tally.add(replace(solution, history=tuple(rows)))
+        if passed or not solution.outcome.converged:
             return None
-        spent = int(found.counters.get("newton_iterations", 0))
-        return self.counted(ArcPoint(found.u[:-1], t, spent, pressure=found.pressure, active=found.active))
+        spent = int(solution.counters.get("newton_iterations", 0))
+        return self.counted(ArcPoint(solution.u[:-1], t, spent, pressure=solution.pressure, active=solution.active))
 
     def counted(self, point: ArcPoint) -> ArcPoint:
         """The point with the number of negative eigenvalues of the tangent there, at fixed travel."""
         for what in ("assemblies", "factorisations"):
             self.tally.counters[what] += 1
-        found = negative_eigenvalues(self.problem_at(point.factor), point.state, self.algorithm.epsilon)
-        return replace(point, negative=found)
+        count = negative_eigenvalues(self.problem_at(point.factor), point.state, self.algorithm.epsilon)
+        return replace(point, negative=count)
 
     def _bordered(self, normal: np.ndarray, through: np.ndarray) -> ContactProblem:
         """The problem with the plane through the given (u, t) for its last row, in the size of the others."""

@@ -84,14 +84,14 @@ class _March:
         lin, direction = self.curve.loaded(at.u, 0.0), np.append(np.zeros_like(at.u), 1.0)
         self.points.append(at)
         while len(self.pieces) < self.how.most_pieces:
-            found, failed = None, ""
+            advanced, failed = None, ""
             try:
-                found = self._reached(self._series(at, lin, direction), lin)
+                advanced = self._reached(self._series(at, lin, direction), lin)
             except SingularMatrixError as error:
                 failed = f": {error}"
-            if found is None:
+            if advanced is None:
                 return Outcome.STEP_LIMIT, f"power series after t = {at.factor:.6g}{failed}"
-            piece, lin = found
+            piece, lin = advanced
             ended = self._pass(piece)
             if ended is not None:
                 return ended
@@ -124,8 +124,8 @@ class _March:
         for k in range(1, order):
             with self.curve.tally.timed("assembly_s"):
                 left = expansion.add(x[k, :-1])
-            found = solve(np.append(-left, 0.0))
-            x[k + 1] = found - (found @ (weights * x[1])) * x[1]
+            solved = solve(np.append(-left, 0.0))
+            x[k + 1] = solved - (solved @ (weights * x[1])) * x[1]
         if not np.isfinite(x).all():
             raise SingularMatrixError("the orders of the series are not finite")
         return Piece.of(x, m, max(PRECISION * self.how.tolerance, FINEST))
@@ -177,5 +177,5 @@ class _March:
         if run.balanced(at):
             return point
         normal = tangent if target is None else np.append(np.zeros_like(u), 1.0)
-        found = self.curve.on_plane(point, self.curve.place(point), normal, "correction")
-        return point if found is None else replace(found, rising=point.rising)
+        balanced = self.curve.on_plane(point, self.curve.place(point), normal, "correction")
+        return point if balanced is None else replace(balanced, rising=point.rising)

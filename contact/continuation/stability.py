@@ -96,13 +96,17 @@ def stability(problem: ContactProblem, state: ContactSolution, epsilon: float = 
         return Stability(None, why=CONSISTENT)
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     try:
-        found, overlooked = _counted(problem, state, K, epsilon), None
-        if found.negative and problem.element_modes is not None:
+        inertia, overlooked = _counted(problem, state, K, epsilon), None
+        if inertia.negative and problem.element_modes is not None:
             overlooked = problem.element_modes(state.u)
-            found = _apart(problem, state, K, epsilon, found, overlooked)
+            inertia = _apart(problem, state, K, epsilon, inertia, overlooked)
     except ValueError as error:  # a candidate without an unknown, or two that share one
         return Stability(None, why=str(error))
-    return found if found.symmetric or not found.negative else _divergent(problem, state, epsilon, found, overlooked)
+    return (
+        inertia
+        if inertia.symmetric or not inertia.negative
+        else _divergent(problem, state, epsilon, inertia, overlooked)
+    )
 
 
 def _counted(problem: ContactProblem, state: ContactSolution, K: sparse.csc_matrix, epsilon: float) -> Stability:
@@ -120,7 +124,7 @@ def _apart(
     state: ContactSolution,
     K: sparse.csc_matrix,
     epsilon: float,
-    found: Stability,
+    whole: Stability,
     overlooked: Overlooked,
 ) -> Stability:
     """What is ``found``, the modes of elements apart, by the coordinate along which they move."""
@@ -128,16 +132,16 @@ def _apart(
     stiffened = added(K, first)
     one = _counted(problem, state, stiffened, epsilon)
     both = _counted(problem, state, added(stiffened, second), epsilon)
-    spent = found.factorisations + one.factorisations + both.factorisations
-    counts = [count.negative or 0 for count in (found, one, both)]
+    spent = whole.factorisations + one.factorisations + both.factorisations
+    counts = [count.negative or 0 for count in (whole, one, both)]
     alone = [max(before - after, 0) for before, after in pairwise(counts)]
-    if any(alone) and found.symmetric and counts[0] <= MODES:  # near its critical points a body is as soft
+    if any(alone) and whole.symmetric and counts[0] <= MODES:  # near its critical points a body is as soft
         spent += 2
         excess = sum(alone) - _alternating(problem, state, epsilon, counts[0], overlooked)
         for axis in np.argsort(alone):
             alone[axis], excess = max(alone[axis] - max(excess, 0), 0), excess - alone[axis]
     if not any(alone):
-        return replace(found, factorisations=spent)
+        return replace(whole, factorisations=spent)
     cuts = [max(n, 2) if count else 1 for n, count in zip(overlooked.cuts, alone, strict=True)]
     return replace(
         both,
@@ -154,25 +158,27 @@ def _alternating(
 ) -> int:
     """How many of the negative eigenvalues have modes that alternate; at a critical point the body's has no size."""
     try:
-        found = spectrum(problem, state, epsilon, negative=negative)
+        lowest = spectrum(problem, state, epsilon, negative=negative)
         softest = spectrum(problem, state, epsilon).eigenvalues
     except SingularMatrixError:
         return 0
     critical = CRITICAL * float(np.min(softest[softest > 0], initial=np.inf)) if np.any(softest > 0) else 0.0
-    return overlooked.alternating(found.modes[:, found.eigenvalues < -critical])
+    return overlooked.alternating(lowest.modes[:, lowest.eigenvalues < -critical])
 
 
 def _divergent(
-    problem: ContactProblem, state: ContactSolution, epsilon: float, found: Stability, overlooked: Overlooked | None
+    problem: ContactProblem, state: ContactSolution, epsilon: float, inertia: Stability, overlooked: Overlooked | None
 ) -> Stability:
     """By the softest eigenvalues of an unsymmetric tangent whose symmetric part has the signs ``found``."""
-    spent = found.factorisations + 1
+    spent = inertia.factorisations + 1
     try:
-        softest = spectrum(_stiffened(problem, overlooked if found.element_modes else None), state, epsilon).eigenvalues
+        softest = spectrum(
+            _stiffened(problem, overlooked if inertia.element_modes else None), state, epsilon
+        ).eigenvalues
     except SingularMatrixError as error:
-        return replace(found, negative=None, why=f"the tangent is not symmetric: {error}", factorisations=spent)
+        return replace(inertia, negative=None, why=f"the tangent is not symmetric: {error}", factorisations=spent)
     divergent = int(np.sum(softest < 0))
-    return replace(found, negative=divergent or None, why="" if divergent else WORK, factorisations=spent)
+    return replace(inertia, negative=divergent or None, why="" if divergent else WORK, factorisations=spent)
 
 
 def _stiffened(problem: ContactProblem, overlooked: Overlooked | None) -> ContactProblem:
@@ -194,11 +200,11 @@ def _signs(M: sparse.csc_matrix, multipliers: int, *, ordered: bool) -> tuple[in
     A shift of the diagonal by ROUNDING takes the latter from the former; nothing is shifted where all are positive.
     Those of multipliers do not count.
     """
-    found = negative_pivots(M, ordered=ordered, multipliers=multipliers)
-    if found == 0:
+    counted = negative_pivots(M, ordered=ordered, multipliers=multipliers)
+    if counted == 0:
         return 0, 0, 1
     diagonal = np.abs(M.diagonal())
     diagonal[diagonal == 0] = np.max(diagonal, initial=0.0) or 1.0
     shift = sparse.csc_matrix(sparse.diags_array(ROUNDING * diagonal))
     sure = negative_pivots(added(M, shift), ordered=ordered, multipliers=multipliers)
-    return min(sure, found), max(found - sure, 0), 2
+    return min(sure, counted), max(counted - sure, 0), 2

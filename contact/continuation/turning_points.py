@@ -65,12 +65,12 @@ def by_arc_length(
         reached = [(point.factor, point.state) for point in trace.points[-3:]]
         outcome = outcome if outcome is Outcome.GIVEN_UP else Outcome.STEP_LIMIT
         end = why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
-    found = replace(last.state, counters=trace.counters, history=tuple(trace.history))
+    end_state = replace(last.state, counters=trace.counters, history=tuple(trace.history))
     event = trace.history[-1].get("event") if trace.history else None
     if end is not None and event is not None and EventKind.PASSED & event.kind:
         end = replace(end, sentence=f"{event}; {end.sentence}")
     way = tuple((point.factor, point.state) for point in trace.points[1 : trace.points.index(last) + 1])
-    return Turned(last.factor, found, outcome, len(trace.points) - 1, end, way)
+    return Turned(last.factor, end_state, outcome, len(trace.points) - 1, end, way)
 
 
 def _corner(curve: PressedCurve, trace: Trace) -> Ending | None:
@@ -84,20 +84,22 @@ def _corner(curve: PressedCurve, trace: Trace) -> Ending | None:
         return None
     if not (ahead[-1] > 0 > behind[-1] and at - last.factor <= CORNER * (last.factor - trace.points[0].factor)):
         return None
-    told = f"limit point of the path at {at:.7g}: it turns back where the contact set changes, with a regular tangent"
+    message = (
+        f"limit point of the path at {at:.7g}: it turns back where the contact set changes, with a regular tangent"
+    )
     mode = behind[:-1] / (float(np.linalg.norm(behind[:-1])) or 1.0)
-    return Ending(PathEnd.LIMIT_POINT, told, at, mode)
+    return Ending(PathEnd.LIMIT_POINT, message, at, mode)
 
 
 def _limit(curve: PressedCurve, trace: Trace, last: ArcPoint) -> Ending:
     """What the points on both sides of the limit point say of it."""
     before, after = trace.points[-3 if last.limit else -2], trace.points[-1]
-    told = f"limit point of the path at {last.factor:.7g}: it turns back"
+    message = f"limit point of the path at {last.factor:.7g}: it turns back"
     if before.negative is not None and after.negative is not None:
-        told += "; negative eigenvalues of the tangent on the motions that the contact set leaves free: "
-        told += f"{before.negative} before, {after.negative} behind it"
+        message += "; negative eigenvalues of the tangent on the motions that the contact set leaves free: "
+        message += f"{before.negative} before, {after.negative} behind it"
     try:
         mode = curve.tangent(last, curve.place(after) - curve.place(before))[:-1]
     except SingularMatrixError:
         mode = after.u - last.u
-    return Ending(PathEnd.LIMIT_POINT, told, last.factor, mode / (float(np.linalg.norm(mode)) or 1.0))
+    return Ending(PathEnd.LIMIT_POINT, message, last.factor, mode / (float(np.linalg.norm(mode)) or 1.0))

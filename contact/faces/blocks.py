@@ -34,9 +34,9 @@ def _padded(rows: np.ndarray, group: np.ndarray) -> np.ndarray:
     """Rows (p, i, j) of points in the order of their groups (p,) as (groups, i times points of the largest, j)."""
     start = np.flatnonzero(np.diff(group, prepend=-1))
     place = np.arange(len(group)) - start[group]
-    found = np.zeros((len(start), place.max() + 1, *rows.shape[1:]))
-    found[group, place] = rows
-    return found.reshape(len(start), -1, rows.shape[2])
+    blocks = np.zeros((len(start), place.max() + 1, *rows.shape[1:]))
+    blocks[group, place] = rows
+    return blocks.reshape(len(start), -1, rows.shape[2])
 
 
 def inverse(m: np.ndarray) -> np.ndarray:

@@ -74,12 +74,12 @@ class Bulged:
         shares (kept, c): of the corners of the slave.
         """
         middle = force[kept, None, None] * self._middle(kept)
-        found = summed(self._local(kept, shares), middle, group, corners, len(self.x))
+        blocks = summed(self._local(kept, shares), middle, group, corners, len(self.x))
         weight = sparse.diags_array(force)
         mixed = (
             sum(dxi.T @ weight @ each for each, dxi in zip(self._over, self._dxi, strict=True)) @ self._heights.slopes
         )
-        return sparse.csr_matrix(found + mixed + mixed.T + self._heights.curvature(self._phi.T @ force))
+        return sparse.csr_matrix(blocks + mixed + mixed.T + self._heights.curvature(self._phi.T @ force))
 
     @cached_property
     def _heights(self) -> Heights:
@@ -127,25 +127,25 @@ class Bulged:
         near = self.near
         _, slope = shape(near.xi)
         columns, ends = self.master[near.quad].ravel(), 4 * np.arange(len(near.gap) + 1)
-        found = []
+        derivatives = []
         for own in np.moveaxis(self._A, 1, 0):
             values = np.einsum("pb,plb->pl", near.gap[:, None] * own, slope)
             turned = sparse.csr_matrix((values.ravel(), columns, ends), shape=(len(near.gap), len(self.x)))
             moved = along(self.apart, np.einsum("pb,pcb->pc", own, near.a))
-            found.append(sparse.csr_matrix(moved + along(turned, near.direction)))
-        return found
+            derivatives.append(sparse.csr_matrix(moved + along(turned, near.direction)))
+        return derivatives
 
     def _local(self, kept: np.ndarray, shares: np.ndarray) -> np.ndarray:
         """v, w_1, w_2, n . w_12 (kept, 10, 3c) by the positions of the c corners of both patches."""
         N, slope = shape(self.near.xi[kept])
         width = shares.shape[1]
-        found = np.zeros((len(kept), 10, width + 4, 3))
+        local = np.zeros((len(kept), 10, width + 4, 3))
         every = np.arange(3)
-        found[:, every, :, every] = np.column_stack([shares, -N])
-        found[:, 3 + every, width:, every] = slope[..., 0]
-        found[:, 6 + every, width:, every] = slope[..., 1]
-        found[:, 9, width:] = twist()[:, None] * self.near.direction[kept, None]
-        return found.reshape(len(kept), 10, -1)
+        local[:, every, :, every] = np.column_stack([shares, -N])
+        local[:, 3 + every, width:, every] = slope[..., 0]
+        local[:, 6 + every, width:, every] = slope[..., 1]
+        local[:, 9, width:] = twist()[:, None] * self.near.direction[kept, None]
+        return local.reshape(len(kept), 10, -1)
 
     def _middle(self, kept: np.ndarray) -> np.ndarray:
         """d2b at held heights, in what :meth:`_local` has (kept, 10, 10)."""
@@ -159,7 +159,7 @@ class Bulged:
         by_p = np.einsum("pcb,ci->pbi", a, v) + np.einsum("p,pc,bci->pbi", g, n, w)
         dxi = np.einsum("pab,pbi->pai", A, by_p)
         left = v - np.einsum("pcb,pbi->pci", a, dxi)
-        found = np.einsum("pe,peab,pai,pbj->pij", k, second, dxi, dxi) / 2
+        middle = np.einsum("pe,peab,pai,pbj->pij", k, second, dxi, dxi) / 2
         for each in (0, 1):
             other, share = dxi[:, 1 - each], c[:, each, None, None]
             turned = w[each] + t[:, :, None] * other[:, None]
@@ -167,5 +167,5 @@ class Bulged:
             term += g[:, None, None] * s[:, None] * other[:, None]
             term -= np.einsum("pc,bci,pbj->pij", a[:, :, each], w, dxi)
             term -= np.einsum("pc,pc->p", t, a[:, :, each])[:, None, None] * dxi[:, 0, :, None] * dxi[:, 1, None]
-            found += share * term
-        return np.asarray(found + np.swapaxes(found, 1, 2))
+            middle += share * term
+        return np.asarray(middle + np.swapaxes(middle, 1, 2))

@@ -79,8 +79,8 @@ class Bulges:
         i, j = patches[:, ENDS[:, 0]], patches[:, ENDS[:, 1]]
         border, crease = _borders(x, patches, i, j)
         corner, (rim, bent) = np.bincount(patches.ravel(), minlength=len(x)) == 1, np.zeros((2, len(x)), bool)
-        for found, edges in ((rim, border), (bent, crease)):
-            found[i[edges]] = found[j[edges]] = True
+        for marked, edges in ((rim, border), (bent, crease)):
+            marked[i[edges]] = marked[j[edges]] = True
         d = x[j] - x[i]
         d /= np.linalg.norm(d, axis=2, keepdims=True)
         ways, across = _mirrors(x, patches, moves, np.stack([i[border], j[border]]), d[border])

@@ -195,8 +195,8 @@ def _share(x: np.ndarray, corners: np.ndarray, t: np.ndarray) -> tuple[np.ndarra
 
 def _normal(corners: np.ndarray) -> np.ndarray:
     """Unit normals (p, 3) of patches by their diagonals."""
-    found = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
 def slips(x: np.ndarray, positions: np.ndarray, quads: np.ndarray, anchors: np.ndarray) -> np.ndarray:

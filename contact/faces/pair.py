@@ -88,10 +88,10 @@ class Pair:
         x = self.positions(u)
         points = self.sampling.points @ x
         if self.bulges is None:
-            found = distances(points, x, self.master)
+            distance = distances(points, x, self.master)
         else:
-            found = curved_distances(points, x, self.master, self.bulges, self.sampling.place)
-        return np.asarray(self.sampling.average @ found)
+            distance = curved_distances(points, x, self.master, self.bulges, self.sampling.place)
+        return np.asarray(self.sampling.average @ distance)
 
     @property
     def mirrors(self) -> np.ndarray:
@@ -131,16 +131,16 @@ class Paired:
     def gap(self) -> np.ndarray:
         """g (m,), zero where it is rounding of coordinates: that must not say who touches at rest."""
         gamma = self.near.gap if self._over is None else self.near.gap - self._over.height
-        found = np.asarray(self.pair.sampling.average @ gamma)
-        return np.where(np.abs(found) <= np.finfo(float).eps * self.pair.size, 0.0, found)
+        averaged = np.asarray(self.pair.sampling.average @ gamma)
+        return np.where(np.abs(averaged) <= np.finfo(float).eps * self.pair.size, 0.0, averaged)
 
     @property
     def rows(self) -> sparse.csr_matrix:
         """dg (m, 3k) by the positions of the points."""
-        found = along(self._apart, self.near.direction)
+        normal = along(self._apart, self.near.direction)
         if self._over is not None:
-            found = found - self._over.rows
-        return sparse.csr_matrix(self.pair.sampling.average @ found)
+            normal = normal - self._over.rows
+        return sparse.csr_matrix(self.pair.sampling.average @ normal)
 
     @property
     def direction(self) -> np.ndarray:
@@ -182,11 +182,11 @@ class Paired:
         kept, first, group = kept[np.argsort(group, kind="stable")], kept[first], np.sort(group)
         corners = np.column_stack([sampling.corners[0][first], self.pair.master[near.quad[first]]])
         middle = on_points[kept, None, None] * self._middle(kept)
-        found = summed(self._local(kept), middle, group, corners, len(self.x))
+        blocks = summed(self._local(kept), middle, group, corners, len(self.x))
         if self._over is not None:
             over = self._over.curvature(on_points, kept, sampling.corners[1][kept], group, corners)
-            return sparse.csr_matrix(found - over)
-        return found
+            return sparse.csr_matrix(blocks - over)
+        return blocks
 
     def _local(self, kept: np.ndarray) -> np.ndarray:
         """p_1, p_2, q_1, q_2 and, where one is beyond an edge, t_1 . v, t_2 . v (kept, 4 or 6, 3c).
@@ -197,12 +197,12 @@ class Paired:
         N, slope = shape(near.xi[kept])
         a, n, free = near.a[kept], near.direction[kept], near.free[kept]
         apart = np.column_stack([own, -N])[:, None, :, None]
-        found = np.zeros((len(kept), 4 if free.all() else 6, apart.shape[2], 3))
-        found[:, :2] = apart * np.swapaxes(a, 1, 2)[:, :, None]
-        found[:, 2:4, own.shape[1] :] = np.swapaxes(slope, 1, 2)[..., None] * n[:, None, None]
+        local = np.zeros((len(kept), 4 if free.all() else 6, apart.shape[2], 3))
+        local[:, :2] = apart * np.swapaxes(a, 1, 2)[:, :, None]
+        local[:, 2:4, own.shape[1] :] = np.swapaxes(slope, 1, 2)[..., None] * n[:, None, None]
         if not free.all():
-            found[:, 4:] = apart * np.swapaxes(_across(a, n, free), 1, 2)[:, :, None]
-        return found.reshape(*found.shape[:2], -1)
+            local[:, 4:] = apart * np.swapaxes(_across(a, n, free), 1, 2)[:, :, None]
+        return local.reshape(*local.shape[:2], -1)
 
     def _middle(self, kept: np.ndarray) -> np.ndarray:
         """d2gamma in what :meth:`_local` has (kept, 4 or 6, 4 or 6)."""
@@ -214,27 +214,27 @@ class Paired:
         twisted = np.tensordot(twist(), self.x[self.pair.master[near.quad[kept]]], (0, 1))
         b[:, 0, 1] = b[:, 1, 0] = whole * np.einsum("pc,pc->p", near.direction[kept], twisted)
         across = inverse(m - g[:, None, None] * b)
-        found = np.zeros((len(kept), *(4 if free.all() else 6,) * 2))
-        found[:, :2, :2] = -inverse(m) @ b @ across
-        found[:, :2, 2:4] = found[:, 2:4, :2] = -across * both
-        found[:, 2:4, 2:4] = -g[:, None, None] * across * both
+        middle = np.zeros((len(kept), *(4 if free.all() else 6,) * 2))
+        middle[:, :2, :2] = -inverse(m) @ b @ across
+        middle[:, :2, 2:4] = middle[:, 2:4, :2] = -across * both
+        middle[:, 2:4, 2:4] = -g[:, None, None] * across * both
         if not free.all():
             sharp = np.abs(g) > KINK * near.size[kept]
             bent = np.divide(1.0, g, out=np.zeros_like(g), where=sharp)
-            found[:, 4, 4], found[:, 5, 5] = bent * ~whole, bent * ~free.any(axis=1)
-        return found
+            middle[:, 4, 4], middle[:, 5, 5] = bent * ~whole, bent * ~free.any(axis=1)
+        return middle
 
 
 def _across(a: np.ndarray, n: np.ndarray, free: np.ndarray) -> np.ndarray:
     """Unit vectors (p, 3, 2) at right angles to n that the closest point does not follow; zero where it does."""
-    found = np.zeros_like(a)
+    across = np.zeros_like(a)
     edge, corner = np.flatnonzero(free.sum(axis=1) == 1), np.flatnonzero(~free.any(axis=1))
     along = a[edge, :, np.argmax(free[edge], axis=1)]
-    found[edge, :, 0] = np.cross(n[edge], along)
+    across[edge, :, 0] = np.cross(n[edge], along)
     first = a[corner, :, 0] - np.einsum("pc,pc->p", a[corner, :, 0], n[corner])[:, None] * n[corner]
-    found[corner, :, 0], found[corner, :, 1] = first, np.cross(n[corner], first)
-    size = np.linalg.norm(found, axis=1, keepdims=True)
-    return np.divide(found, size, out=found, where=size > 0)
+    across[corner, :, 0], across[corner, :, 1] = first, np.cross(n[corner], first)
+    size = np.linalg.norm(across, axis=1, keepdims=True)
+    return np.divide(across, size, out=across, where=size > 0)
 
 
 class Met(Protocol):
@@ -285,8 +285,8 @@ def between(linearise: Linearise, pair: Posed) -> ContactProblem:
         if key not in kept:
             while len(kept) >= KEPT:
                 del kept[next(iter(kept))]
-            found = pair.at(u)
-            kept[key] = found, sparse.csr_matrix(found.rows @ A)
+            paired = pair.at(u)
+            kept[key] = paired, sparse.csr_matrix(paired.rows @ A)
         return kept[key]
 
     def curvature(u: np.ndarray, force: np.ndarray) -> sparse.csc_matrix:

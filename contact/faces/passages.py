@@ -122,9 +122,9 @@ def _near(x: np.ndarray, corners: np.ndarray) -> Iterator[tuple[np.ndarray, np.n
     tree, far = cKDTree(middle.mean(axis=0)), half + np.max(radius + halves)
     for start in range(0, x.shape[1], AT_ONCE):
         part = slice(start, start + AT_ONCE)
-        found = tree.query_ball_point(x[:, part].mean(axis=0), far[part])
-        point = start + np.repeat(np.arange(len(found)), [len(each) for each in found])
-        quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
+        within = tree.query_ball_point(x[:, part].mean(axis=0), far[part])
+        point = start + np.repeat(np.arange(len(within)), [len(each) for each in within])
+        quad = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in within)])
         begin = x[0, point] - middle[0, quad]
         way = x[1, point] - middle[1, quad] - begin
         size = np.einsum("pc,pc->p", way, way)

@@ -64,8 +64,8 @@ def closest(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
 def _polynomial(x: np.ndarray, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x - X(0) (3, p) and the c (3, 3, p) of X = X(0) + c_1 xi_1 + c_2 xi_2 + c_3 xi_1 xi_2."""
     signs = np.column_stack([np.ones(4), CORNERS, CORNERS.prod(axis=1)]) / 4
-    found = np.einsum("lk,plc->kcp", signs, corners)
-    return x.T - found[0], found[1:]
+    coefficients = np.einsum("lk,plc->kcp", signs, corners)
+    return x.T - coefficients[0], coefficients[1:]
 
 
 def _offset(xi: np.ndarray, from_middle: np.ndarray, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -90,6 +90,6 @@ def normals(positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
     _, slope = shape(CORNERS)
     a = np.einsum("mla,qlc->qmca", slope, corners)
     own, nodes = np.cross(a[..., 0], a[..., 1]).reshape(-1, 3), quads.ravel()
-    found = np.stack([np.bincount(nodes, each, minlength=len(positions)) for each in own.T], axis=1)
-    size = np.linalg.norm(found, axis=1, keepdims=True)
-    return np.divide(found, size, out=found, where=size > 0)
+    normal = np.stack([np.bincount(nodes, each, minlength=len(positions)) for each in own.T], axis=1)
+    size = np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.divide(normal, size, out=normal, where=size > 0)

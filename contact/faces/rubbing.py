@@ -78,8 +78,8 @@ class Rubbing:
         """Anchors (m, 3) below the candidates less (m, 3) [mm]; of those in a plane of symmetry in that plane."""
         pair, x = self.pair, self.pair.positions(u)
         at = x[self.nodes] - less
-        found = _on_face(at, x, pair.master)
-        corners = pair.master[found[:, 0].astype(np.intp)]
+        anchors = _on_face(at, x, pair.master)
+        corners = pair.master[anchors[:, 0].astype(np.intp)]
         which, ends = ends_in_planes(self.nodes, pair.reference, pair.operator, corners)
         start, end = np.moveaxis(x[np.take_along_axis(corners[which], ends, axis=1)], 1, 0)
         off, way = at[which] - start, end - start
@@ -87,8 +87,8 @@ class Rubbing:
         along = np.divide(2 * _dot(off, way), size, out=np.zeros_like(size), where=size > 0) - 1
         along = np.where(np.abs(along) <= BEYOND, along, np.clip(along, -1, 1))
         low, high = np.moveaxis(CORNERS[ends], 1, 0)
-        found[which, 1:] = (1 - along) / 2 * low + (1 + along) / 2 * high
-        return found
+        anchors[which, 1:] = (1 - along) / 2 * low + (1 + along) / 2 * high
+        return anchors
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm]."""
@@ -109,12 +109,12 @@ class Rubbing:
         axis, (e1, e2, *_) = axes[:, :, 0], _frame(z)
         along = np.concatenate([_dot(e1, axis), _dot(e2, axis)], axis=1)
         size = np.linalg.norm(along, axis=1)
-        found = np.tile(np.eye(2), (m, 1, 1))
-        found[held > 1] = 0.0
+        free = np.tile(np.eye(2), (m, 1, 1))
+        free[held > 1] = 0.0
         one = (held == 1) & (size > NO_WAY)
-        found[one] = 0.0
-        found[one, 0] = np.stack([along[one, 1], -along[one, 0]], axis=1) / size[one, None]
-        return found
+        free[one] = 0.0
+        free[one, 0] = np.stack([along[one, 1], -along[one, 0]], axis=1) / size[one, None]
+        return free
 
     def measured(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm] by another way, for the judge."""
@@ -138,13 +138,13 @@ class Rubbing:
     def jacobian(self, u: np.ndarray) -> sparse.csr_matrix:
         """ds/du (2m, n)."""
         m = len(self.nodes)
-        found = sparse.csr_matrix(self._rows(u) @ self.pair.operator)
+        S = sparse.csr_matrix(self._rows(u) @ self.pair.operator)
         size = np.zeros(m)
-        row = np.repeat(np.arange(2 * m), np.diff(found.indptr))
-        np.maximum.at(size, row // 2, np.abs(found.data))
-        found.data[np.abs(found.data) <= ROUNDED * size[row // 2]] = 0.0
-        found.eliminate_zeros()
-        return found
+        row = np.repeat(np.arange(2 * m), np.diff(S.indptr))
+        np.maximum.at(size, row // 2, np.abs(S.data))
+        S.data[np.abs(S.data) <= ROUNDED * size[row // 2]] = 0.0
+        S.eliminate_zeros()
+        return S
 
     def forces(self, u: np.ndarray, friction: np.ndarray) -> np.ndarray:
         """S^T t (k, 3) [N] on all points of both faces."""
@@ -161,8 +161,8 @@ class Rubbing:
         unknowns = (3 * columns[:, :, None] + np.arange(3)).reshape(len(kept), size)
         places = np.repeat(unknowns, size, axis=1).ravel(), np.tile(unknowns, size).ravel()
         k = self.pair.operator.shape[0]
-        found = sparse.coo_matrix((blocks.ravel(), places), shape=(k, k)).tocsr()
-        return sparse.csc_matrix(self.pair.operator.T @ found @ self.pair.operator)
+        local = sparse.coo_matrix((blocks.ravel(), places), shape=(k, k)).tocsr()
+        return sparse.csc_matrix(self.pair.operator.T @ local @ self.pair.operator)
 
     def _rows(self, u: np.ndarray) -> sparse.csr_matrix:
         """ds (2m, 3k) by the positions of all points."""
@@ -171,9 +171,9 @@ class Rubbing:
         m, each = len(z), 3 * columns.shape[1]
         unknowns = np.repeat((3 * columns[:, :, None] + np.arange(3)).reshape(m, 1, each), 2, axis=1)
         shape_ = (2 * m, self.pair.operator.shape[0])
-        found = sparse.csr_matrix((rows.ravel(), unknowns.ravel(), each * np.arange(2 * m + 1)), shape=shape_)
-        found.sum_duplicates()
-        return found
+        S = sparse.csr_matrix((rows.ravel(), unknowns.ravel(), each * np.arange(2 * m + 1)), shape=shape_)
+        S.sum_duplicates()
+        return S
 
     def _local(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """z = (y, a_1, a_2) (m, 3, 3) of each candidate, and what (m, 3, 5) its five points (m, 5) make of it."""
@@ -218,12 +218,12 @@ def _slopes(z: np.ndarray) -> np.ndarray:
 
 def _bent(z: np.ndarray, friction: np.ndarray) -> np.ndarray:
     """t . d2s/dz2 (m, 9, 9), exact to the last digit."""
-    found = np.zeros((len(z), 9, 9))
+    curvature = np.zeros((len(z), 9, 9))
     for j in range(9):
         aside = z.astype(complex)
         aside.reshape(-1, 9)[:, j] += IMAGINARY * 1j
-        found[:, j] = np.einsum("ma,mabc->mbc", friction, _slopes(aside)).imag.reshape(-1, 9) / IMAGINARY
-    return found
+        curvature[:, j] = np.einsum("ma,mabc->mbc", friction, _slopes(aside)).imag.reshape(-1, 9) / IMAGINARY
+    return curvature
 
 
 def _on_face(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -233,18 +233,18 @@ def _on_face(x: np.ndarray, positions: np.ndarray, quads: np.ndarray) -> np.ndar
     """
     near = nearest(x, positions, quads)
     xi, beside = near.xi.copy(), np.flatnonzero(~near.free.all(axis=1))
-    at, corners, found = x[beside], positions[quads[near.quad[beside]]], xi[beside]
+    at, corners, foot = x[beside], positions[quads[near.quad[beside]]], xi[beside]
     change = np.full(len(beside), np.inf)
     for _ in range(STEPS):
-        N, slope = shape(found)
+        N, slope = shape(foot)
         off, a = at - np.einsum("pl,plc->pc", N, corners), np.einsum("pla,plc->pca", slope, corners)
         hessian = np.einsum("pca,pcb->pab", a, a)
         hessian[:, [0, 1], [1, 0]] -= np.einsum("pc,l,plc->p", off, twist(), corners)[:, None]
         step = np.linalg.solve(hessian, np.einsum("pca,pc->pa", a, off)[..., None])[..., 0]
-        found = np.clip(found + step, -2 * BEYOND, 2 * BEYOND)
+        foot = np.clip(foot + step, -2 * BEYOND, 2 * BEYOND)
         change = np.max(np.abs(step), axis=1)
         if np.max(change, initial=0.0) <= FOOT:
             break
-    good = (change <= FOOT * 100) & (np.max(np.abs(found), axis=1) <= BEYOND)
-    xi[beside[good]] = found[good]
+    good = (change <= FOOT * 100) & (np.max(np.abs(foot), axis=1) <= BEYOND)
+    xi[beside[good]] = foot[good]
     return np.column_stack([near.quad, xi])

@@ -186,9 +186,9 @@ def _facing(x: np.ndarray, slave: np.ndarray, master: np.ndarray) -> tuple[np.nd
     own, radius = (np.linalg.norm(c - c.mean(axis=1, keepdims=True), axis=2).max(axis=1) for c in (mine, its))
     away = np.abs(nearest(middle, x, master).gap)
     near = np.flatnonzero(away <= FAR * own)
-    found = cKDTree(middles).query_ball_point(middle[near], (own + radius.max() + away)[near])
-    a = np.repeat(near, [len(each) for each in found])
-    b = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in found)])
+    within = cKDTree(middles).query_ball_point(middle[near], (own + radius.max() + away)[near])
+    a = np.repeat(near, [len(each) for each in within])
+    b = np.concatenate([np.zeros(0, np.intp), *(np.asarray(each, np.intp) for each in within)])
     looks = np.einsum("pc,pc->p", frames(mine)[a, :, 2], frames(its)[b, :, 2]) < 0
     return a[looks], b[looks]
 
@@ -207,21 +207,21 @@ def clipped(polygon: np.ndarray, by: np.ndarray) -> tuple[np.ndarray, np.ndarray
         off = here - start[:, None]
         inside = along[:, None, 0] * off[..., 1] - along[:, None, 1] * off[..., 0]
         inside[np.abs(inside) <= ON * np.einsum("pc,pc->p", along, along)[:, None]] = 0.0
-        found, number = np.zeros((p, 9, 2)), np.zeros(p, np.intp)
+        kept, number = np.zeros((p, 9, 2)), np.zeros(p, np.intp)
         for i in range(8):
             exists = i < count
             j = np.where(i + 1 < count, i + 1, 0)
             every = np.arange(p)
             s, t, there = inside[:, i], inside[every, j], here[every, j]
             keeps = exists & (s >= 0)
-            found[every[keeps], number[keeps]] = here[keeps, i]
+            kept[every[keeps], number[keeps]] = here[keeps, i]
             number += keeps
             cuts = exists & (s * t < 0)
             share = np.divide(s, s - t, out=np.zeros(p), where=cuts)
             crossing = here[:, i] + share[:, None] * (there - here[:, i])
-            found[every[cuts], number[cuts]] = crossing[cuts]
+            kept[every[cuts], number[cuts]] = crossing[cuts]
             number += cuts
-        here, count = found[:, :8], np.minimum(number, 8)
+        here, count = kept[:, :8], np.minimum(number, 8)
     return here, count
 
 

@@ -70,9 +70,9 @@ def _near(
     low, high = own.min(axis=1), own.max(axis=1)
     radius = np.max(np.linalg.norm(corners - middles[:, None], axis=2))
     rounding = ROUNDING * max(np.max(np.abs(each), initial=0.0) for each in (x, positions))  # of coordinates, turned
-    found = tree.query_ball_point(x, (most + radius) * (1 + OVER) + rounding)
-    point = np.repeat(np.arange(len(x)), np.array([len(each) for each in found], np.intp))
-    quad = np.fromiter(chain.from_iterable(found), np.intp, len(point))
+    within = tree.query_ball_point(x, (most + radius) * (1 + OVER) + rounding)
+    point = np.repeat(np.arange(len(x)), np.array([len(each) for each in within], np.intp))
+    quad = np.fromiter(chain.from_iterable(within), np.intp, len(point))
     at = np.einsum("pc,pci->pi", x[point] - middles[quad], axes[quad])
     box = np.linalg.norm(np.maximum(np.maximum(low[quad] - at, at - high[quad]) - rounding, 0.0), axis=1)
     kept = box <= most[point] * (1 + OVER)

@@ -45,7 +45,7 @@ def ends_in_planes(
     size = np.max(np.ptp(x[corners], axis=1), axis=1)[:, None]
     out, every = np.einsum("pca,plcd,pda->pl", P, gram[corners], P), np.trace(gram[corners], axis1=2, axis2=3)
     inside = (off <= IN_PLANE * size) & (out <= NO_WAY**2 * every)
-    found = inside[:, PLACES].all(axis=2)
-    found[held != 2, len(EDGES) :] = False
-    which = np.flatnonzero(found.any(axis=1) & (held > 0) & (held < 3))
-    return which, PLACES[np.argmax(found[which], axis=1)]
+    held_there = inside[:, PLACES].all(axis=2)
+    held_there[held != 2, len(EDGES) :] = False
+    which = np.flatnonzero(held_there.any(axis=1) & (held > 0) & (held < 3))
+    return which, PLACES[np.argmax(held_there[which], axis=1)]

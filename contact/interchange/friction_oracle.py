@@ -78,9 +78,9 @@ def _fixed_point(step: FrozenFrictionalStep) -> tuple[Known, int]:
         wanted = _bound(step.mu, near)
         change = float(np.max(np.abs(wanted - bound), initial=0.0))
         if near.state.tobytes() == last or change <= NEAR * float(np.max(wanted, initial=0.0)):
-            found = settle(step, near)
-            if found is not None:
-                return found, passes
+            settled = settle(step, near)
+            if settled is not None:
+                return settled, passes
         damping = damping / 2 if change > CONTRACTS * before else damping
         bound, before, last, du = bound + damping * (wanted - bound), change, near.state.tobytes(), near.du
     raise OracleError(f"Tresca bounds came to no fixed point in {PASSES} passes")
@@ -104,12 +104,12 @@ def on_its_states(step: FrozenFrictionalStep, known: Known) -> Known:
     """The exact answer on the states of one that is nearly right, whatever its signs; raises OracleError for none."""
     try:
         scaled = Scaled.of(step)
-        found = on_states(scaled.step, scaled.forth(known))
+        solved = on_states(scaled.step, scaled.forth(known))
     except RuntimeError as error:
         raise OracleError(f"the equations on the states are singular: {error}") from None
-    if found is None:
+    if solved is None:
         raise OracleError("the equations on the states have no answer near that one")
-    return scaled.back(found, 0)
+    return scaled.back(solved, 0)
 
 
 def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray, np.ndarray], Known]:

@@ -45,18 +45,18 @@ def settle(step: FrozenFrictionalStep, near: Known) -> Known | None:
     """
     seen = set[bytes]()
     for _ in range(SETTLINGS):
-        found = on_states(step, near)
-        if found is None:
+        solved = on_states(step, near)
+        if solved is None:
             return None
-        better = _put_right(step, found)
-        if np.array_equal(better, found.state):
-            pressed = found.normal > 0  # what rounding has pulled carries no friction, either
-            friction = np.where(pressed[:, None], found.friction, 0.0)
-            return Known(found.du, np.where(pressed, found.normal, 0.0), friction, better)
+        better = _put_right(step, solved)
+        if np.array_equal(better, solved.state):
+            pressed = solved.normal > 0  # what rounding has pulled carries no friction, either
+            friction = np.where(pressed[:, None], solved.friction, 0.0)
+            return Known(solved.du, np.where(pressed, solved.normal, 0.0), friction, better)
         if better.tobytes() in seen:
             return None
         seen.add(better.tobytes())
-        near = Known(found.du, found.normal, found.friction, better)
+        near = Known(solved.du, solved.normal, solved.friction, better)
     return None
 
 
@@ -171,14 +171,14 @@ def _increment(jacobian: sparse.csc_matrix, residual: np.ndarray, known: float) 
     return np.asarray(lstsq(jacobian.toarray(), -residual, cond=DEPENDENT)[0])
 
 
-def _put_right(step: FrozenFrictionalStep, found: Known) -> np.ndarray:
+def _put_right(step: FrozenFrictionalStep, solved: Known) -> np.ndarray:
     """The states (m,) with each that breaks a condition changed to the one it breaks it for."""
-    f, t, state = found.normal, np.linalg.norm(found.friction, axis=1), found.state
+    f, t, state = solved.normal, np.linalg.norm(solved.friction, axis=1), solved.state
     small = EXACT * float(max(np.max(np.abs(f), initial=0.0), np.max(t, initial=0.0)))
-    moved = step.G @ found.du
+    moved = step.G @ solved.du
     near = EXACT * float(np.max(np.abs(step.gap) + np.abs(moved), initial=1.0))
     bound = radii(step.mu, f)
-    slip = step.slip + (step.S @ found.du).reshape(-1, 2)
+    slip = step.slip + (step.S @ solved.du).reshape(-1, 2)
     slips = np.linalg.norm(slip, axis=1)
     far = EXACT * float(np.max(np.abs(step.slip) + np.abs(slip), initial=1.0))
     better = state.copy()

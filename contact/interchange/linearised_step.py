@@ -100,17 +100,17 @@ class FrozenStep:
         """
         try:
             arrays = read_arrays(path, ARRAYS, (*COUPLED, *RUBBED))
-            found: FrozenStep = FrozenStep._checked(arrays)
-            if FRICTION.items() <= found.meta.items():
-                found = FrozenFrictionalStep.of(found, arrays)
-            if not isinstance(found, cls):
+            result: FrozenStep = FrozenStep._checked(arrays)
+            if FRICTION.items() <= result.meta.items():
+                result = FrozenFrictionalStep.of(result, arrays)
+            if not isinstance(result, cls):
                 raise ValueError(f"its meta has no {json.dumps(FRICTION)}: it is a step without friction")
         except (ValueError, KeyError, TypeError) as error:
             reason = (
                 f"{error} is missing" if isinstance(error, KeyError) else (str(error).splitlines() or ["damaged"])[0]
             )
             raise FrozenStepError(f"{path} is no frozen contact step: {reason}") from None
-        return found
+        return result
 
     @classmethod
     def _checked(cls, arrays: dict[str, np.ndarray]) -> FrozenStep:
@@ -183,11 +183,11 @@ class FrozenFrictionalStep(FrozenStep):
             if array.shape != shape or not finite:
                 raise ValueError(f"{name} must be finite numbers of the shape {shape}")
         meta = {key: value for key, value in step.meta.items() if key not in FRICTION}
-        found = cls.beside(replace(step, meta=meta), sparse.csr_matrix(S), slip, mu)
-        unfit = found.problem().unfit_for_friction
+        frictional = cls.beside(replace(step, meta=meta), sparse.csr_matrix(S), slip, mu)
+        unfit = frictional.problem().unfit_for_friction
         if unfit is not None:
             raise ValueError(unfit)
-        return found
+        return frictional
 
     @classmethod
     def beside(cls, step: FrozenStep, S: sparse.csr_matrix, slip: np.ndarray, mu: np.ndarray) -> FrozenFrictionalStep:
@@ -216,10 +216,10 @@ def parts(name: str, matrix: sparse.csc_matrix | sparse.csr_matrix) -> dict[str,
 
 def _numbers(arrays: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     """A vector of finite numbers."""
-    found = arrays[name]
-    if found.ndim != 1 or found.dtype != np.float64 or not np.all(np.isfinite(found)):
+    values = arrays[name]
+    if values.ndim != 1 or values.dtype != np.float64 or not np.all(np.isfinite(values)):
         raise ValueError(f"{name} must be a vector of finite numbers")
-    return found
+    return values
 
 
 def _matrix(arrays: Mapping[str, np.ndarray], name: str, kind: Any, shape: tuple[int, int]) -> Any:
@@ -228,8 +228,8 @@ def _matrix(arrays: Mapping[str, np.ndarray], name: str, kind: Any, shape: tuple
     if not (np.issubdtype(indices.dtype, np.integer) and np.issubdtype(indptr.dtype, np.integer)):
         raise ValueError(f"the indices of {name} must be whole numbers")
     try:
-        found = kind((data, indices, indptr), shape=shape)
-        found.check_format(full_check=True)
+        sparse_matrix = kind((data, indices, indptr), shape=shape)
+        sparse_matrix.check_format(full_check=True)
     except (ValueError, IndexError) as error:
         raise ValueError(f"{name} is no {shape[0]} x {shape[1]} matrix: {error}") from None
-    return found
+    return sparse_matrix

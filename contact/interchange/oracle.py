@@ -175,11 +175,11 @@ def confirm(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, epsilon: flo
     own, multipliers = minimise(step, epsilon)
     free = _superlu(step.K).solve(-step.r)
     size = float(max(np.linalg.norm(free), np.linalg.norm(own))) or 1.0
-    f, found = step.weights * pressure, step.weights * multipliers
-    largest = float(max(np.max(np.abs(f), initial=0.0), np.max(np.abs(found), initial=0.0))) or 1.0
-    pressed, other = f > AGREEMENT * largest, found > AGREEMENT * largest
+    f, theirs = step.weights * pressure, step.weights * multipliers
+    largest = float(max(np.max(np.abs(f), initial=0.0), np.max(np.abs(theirs), initial=0.0))) or 1.0
+    pressed, other = f > AGREEMENT * largest, theirs > AGREEMENT * largest
     return Confirmation(
         float(np.linalg.norm(du - own)) / size,
-        float(np.max(np.abs(f - found), initial=0.0)) / largest,
-        np.flatnonzero((pressed != other) & (np.abs(f - found) > AGREEMENT * largest)),
+        float(np.max(np.abs(f - theirs), initial=0.0)) / largest,
+        np.flatnonzero((pressed != other) & (np.abs(f - theirs) > AGREEMENT * largest)),
     )

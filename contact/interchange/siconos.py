@@ -167,11 +167,11 @@ class _Words:
 
     def numbers(self, count: int) -> np.ndarray:
         """As many finite numbers (count,)."""
-        found = np.array(self._words[self._at : self._at + count], dtype=float)
-        if len(found) < count or not np.all(np.isfinite(found)):
-            raise ValueError(f"{len(found)} of {count} finite numbers")
+        values = np.array(self._words[self._at : self._at + count], dtype=float)
+        if len(values) < count or not np.all(np.isfinite(values)):
+            raise ValueError(f"{len(values)} of {count} finite numbers")
         self._at += count
-        return found
+        return values
 
     def next_matrix_is(self, rows: int, columns: int) -> bool:
         """Whether the head of a matrix of that shape comes next."""

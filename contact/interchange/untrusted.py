@@ -63,10 +63,10 @@ def parsed_json(data: bytes | str) -> Any:
     if sum(map(text.count, ",[{")) > MOST:
         raise ValueError(f"it has more than {MOST} values")
     try:
-        found = json.loads(text, parse_float=_finite, parse_int=_whole, parse_constant=_finite)
+        parsed = json.loads(text, parse_float=_finite, parse_int=_whole, parse_constant=_finite)
     except RecursionError:
         raise ValueError(f"it nests deeper than {DEEPEST} levels") from None
-    return _shallow(found)
+    return _shallow(parsed)
 
 
 def read_json(path: Path, largest: int = LARGEST) -> Any:
@@ -170,8 +170,8 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo, name: str) -> np.n
         data = file.read(size)
         if len(data) != size or file.read(1):
             raise ValueError(f"{name} is cut off")
-    found = np.frombuffer(bytearray(data), dtype)
-    return found.reshape(shape, order="F" if fortran else "C")
+    values = np.frombuffer(bytearray(data), dtype)
+    return values.reshape(shape, order="F" if fortran else "C")
 
 
 def text_of(array: np.ndarray, name: str) -> str:
@@ -183,7 +183,7 @@ def text_of(array: np.ndarray, name: str) -> str:
 
 def parsed_object(text: str, name: str) -> Mapping[str, Any]:
     """The object that a JSON text is; raises ValueError."""
-    found = parsed_json(text)
-    if not isinstance(found, dict):
+    value = parsed_json(text)
+    if not isinstance(value, dict):
         raise ValueError(f"{name} must be a JSON object")
-    return found
+    return value

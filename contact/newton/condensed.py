@@ -136,7 +136,7 @@ class Substituted:
     lin: Linearised
     u: np.ndarray
     pressure: np.ndarray
-    found: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    known: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     def near(self, active: np.ndarray) -> Substituted:
         """The same for every set."""
@@ -144,9 +144,9 @@ class Substituted:
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""
-        if active.tobytes() not in self.found:
-            self.found[active.tobytes()] = self._solved(active)
-        return self.found[active.tobytes()]
+        if active.tobytes() not in self.known:
+            self.known[active.tobytes()] = self._solved(active)
+        return self.known[active.tobytes()]
 
     def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gaps and pressures (m,) after the step."""
@@ -154,7 +154,7 @@ class Substituted:
         return self.run.problem.gap(self.u) + self.run.problem.gap_jacobian(self.u) @ du, pressure
 
     def _solved(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        run, nodes, found = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
+        run, nodes, pressure = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
         pivots: Pivots | None = None
         with run.tally.timed("contact_s"):
             A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
@@ -164,8 +164,8 @@ class Substituted:
         du = run.solution(run.factorise(A), A, b)
         if pivots is not None:
             with run.tally.timed("contact_s"):
-                du, found[nodes] = pivots.resolve(du)
-        return du, found
+                du, pressure[nodes] = pivots.resolve(du)
+        return du, pressure
 
 
 def closed(

@@ -176,8 +176,8 @@ class _Body:
         new = np.setdiff1d(nodes, self._known)
         if len(new):
             ways = (3 * new[:, None] + np.arange(3)).ravel()
-            found = response(self._factor, sparse.csc_matrix(self._J.T), sparse.csc_matrix(self._J[ways].T))
-            self._known, self._columns = np.append(self._known, new), np.hstack([self._columns, found])
+            fresh = response(self._factor, sparse.csc_matrix(self._J.T), sparse.csc_matrix(self._J[ways].T))
+            self._known, self._columns = np.append(self._known, new), np.hstack([self._columns, fresh])
         place = np.empty(len(self.own), int)
         place[self._known] = np.arange(len(self._known))
         inside = (3 * place[nodes][:, None] + np.arange(3)).ravel()
@@ -219,10 +219,10 @@ def corners(block: Block, sides: int) -> tuple[np.ndarray, np.ndarray]:
         directions = (
             polygon(sides) if one and two else polygon(2)[:, :: 1 if one else -1] if one or two else np.zeros((0, 2))
         )
-        found = np.zeros((3 * len(block.mu), len(directions)))
-        found[3 * i + 1 : 3 * i + 3] = directions.T
+        D = np.zeros((3 * len(block.mu), len(directions)))
+        D[3 * i + 1 : 3 * i + 3] = directions.T
         rubs.append(np.full(len(directions), i))
-        columns.append(found)
+        columns.append(D)
     return np.concatenate(rubs), np.hstack(columns)
 
 

@@ -80,17 +80,17 @@ def finished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], mo
         nonlocal asked
         if asked and laws.same(at.laws):
             return run.linear(at, laws).step(laws), laws, None
-        claimed, told = _claimed(run, at, laws, choose, words)
+        claimed, messages = _claimed(run, at, laws, choose, words)
         try:
             linear = run.linear(at, claimed)
         except SingularMatrixError as error:
-            told.append(f"on its states {error}; those expected before it were settled instead")
+            messages.append(f"on its states {error}; those expected before it were settled instead")
             claimed, linear = laws, run.linear(at, laws)
         linear, laws, cycle = settled(run, at, linear, claimed)
         wrong = int(np.sum(laws.state != claimed.state))
-        told += [f"states of {wrong} candidates corrected by exact steps"] if wrong else []
+        messages += [f"states of {wrong} candidates corrected by exact steps"] if wrong else []
         asked = True
-        return linear.step(laws), laws, _event(told, cycle)
+        return linear.step(laws), laws, _event(messages, cycle)
 
     return newton(run, at, step, most)
 
@@ -101,12 +101,12 @@ def unfinished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], 
     def step(at: Point, laws: Laws) -> tuple[Stepped, Laws, Event | None]:
         words.clear()
         try:
-            found = reach(run, at, laws.closed, choose)
+            reached = reach(run, at, laws.closed, choose)
         except LcpError as error:
             raise StepError(Outcome.UNSOLVED, str(error)) from None
-        if found.passes:
+        if reached.passes:
             raise StepError(Outcome.REFUSED, "only the foundation holds the body: its forces are no programme's")
-        return found.stepped, found.laws, _event([OF_THE_PROGRAMME, *words], None)
+        return reached.stepped, reached.laws, _event([OF_THE_PROGRAMME, *words], None)
 
     return newton(run, at, step, most, programmed=True)
 
@@ -152,15 +152,15 @@ def _claimed(run: FrictionalRun, at: Point, laws: Laws, choose: Choose, words: l
     """Laws to begin with, and what there is to say of them; raises StepError of a problem that is refused."""
     words.clear()
     try:
-        found = reach(run, at, laws.closed, choose)
+        reached = reach(run, at, laws.closed, choose)
     except (LcpError, StepError) as error:
         if isinstance(error, StepError) and error.outcome is Outcome.REFUSED:
             raise
         return laws, [f"{error}; states settled by exact steps instead"]
-    held = f"only the foundation holds the body: states found on springs in {found.passes} passes"
-    return found.laws, ([held] if found.passes else []) + words
+    held = f"only the foundation holds the body: states found on springs in {reached.passes} passes"
+    return reached.laws, ([held] if reached.passes else []) + words
 
 
-def _event(told: Sequence[str], cycle: Event | None) -> Event | None:
-    events = [Event(EventKind.SUBSTITUTE, text) for text in told] + ([cycle] if cycle else [])
+def _event(messages: Sequence[str], cycle: Event | None) -> Event | None:
+    events = [Event(EventKind.SUBSTITUTE, text) for text in messages] + ([cycle] if cycle else [])
     return reduce(add, events) if events else None

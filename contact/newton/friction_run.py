@@ -110,14 +110,14 @@ class FrictionalRun:
         local = Local(gap, slip + give[:, None] * friction, normal, friction, c)
         # a spring that slips is stretched along the whole slip, which no friction of the linear step turns
         whole = replace(local, slip=slip)
-        found = friction_of(whole, laws, law.mu, self.slip_rounding(u)) if self.lawful else friction
-        rubbed = np.asarray(law.slip_jacobian(u).T @ found.ravel())
+        rubbing = friction_of(whole, laws, law.mu, self.slip_rounding(u)) if self.lawful else friction
+        rubbed = np.asarray(law.slip_jacobian(u).T @ rubbing.ravel())
         scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
         loaded = Linearisation(lin.residual - rubbed, lin.tangent, scale, lin.remember)
         newton = self.newton.at(loaded, u, self._pressure(normal), laws.closed, before)
         if before is None:
             local = replace(local, c=newton.stiffness.per_area * contact.weights)
-        return Point(newton, lin, local, laws, found)
+        return Point(newton, lin, local, laws, rubbing)
 
     @property
     def give(self) -> np.ndarray:
@@ -206,8 +206,8 @@ class FrictionalRun:
 
     def by_law(self, at: Point) -> Point:
         """The same point with the friction of the law."""
-        found, local = replace(self, lawful=True), at.local
-        return found.at(at.lin, at.newton.u, local.normal, local.friction, at.laws, at.newton)
+        run, local = replace(self, lawful=True), at.local
+        return run.at(at.lin, at.newton.u, local.normal, local.friction, at.laws, at.newton)
 
     def advance(self, at: Point, stepped: Stepped, laws: Laws) -> Point:
         """The next point: one Newton iteration."""
@@ -233,10 +233,10 @@ class FrictionalRun:
         if outcome.converged:
             normal = np.maximum(normal, 0.0)
             force = within(force, self.law.bound(normal))
-        found = ContactSolution(
+        frictionless = ContactSolution(
             at.newton.u, self._pressure(normal), at.laws.closed, outcome, dict(tally.counters), tuple(tally.history)
         )
-        return replace(found, friction=self._remembered(at.newton.u, force, at.laws.state))
+        return replace(frictionless, friction=self._remembered(at.newton.u, force, at.laws.state))
 
     def _remembered(self, u: np.ndarray, force: np.ndarray, state: np.ndarray) -> Friction:
         """Friction with the anchors that it leaves: where a spring is still stretched, its end on the foundation."""

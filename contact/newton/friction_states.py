@@ -55,10 +55,10 @@ class Laws:
 
     def changed(self, after: Laws, chosen: np.ndarray) -> Laws:
         """Those ``after`` for the ``chosen`` candidates alone."""
-        found = Laws(self.state.copy(), self.direction.copy(), self.across.copy())
-        for mine, other in zip(vars(found).values(), vars(after).values(), strict=True):
+        laws = Laws(self.state.copy(), self.direction.copy(), self.across.copy())
+        for mine, other in zip(vars(laws).values(), vars(after).values(), strict=True):
             mine[chosen] = other[chosen]
-        return found
+        return laws
 
     def same(self, other: Laws) -> bool:
         """Whether the states are the same."""

@@ -113,10 +113,10 @@ class Held:
 
     def forces(self, y: np.ndarray, du: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """f (a,) [N]: of springs softer than the shell what they are pushed in by, else all that is left along k."""
-        found = self.grip.under(self.across @ du + residual[self.pivot])
+        nodal = self.grip.under(self.across @ du + residual[self.pivot])
         soft = self.share**2 > 0.5
-        found[soft] = -(self.grip.slope * self.share * y[self.pivot])[soft] / self.compliance[soft]
-        return found
+        nodal[soft] = -(self.grip.slope * self.share * y[self.pivot])[soft] / self.compliance[soft]
+        return nodal
 
     @property
     def stiffness(self) -> sparse.csc_matrix:
@@ -137,8 +137,8 @@ class Held:
         """G P, gaps of other candidates under the slacks: a way that is free may push where another one is held."""
         shared = ports.free @ ports.rows[:, self.pivot] @ self.grip.reciprocal
         slack = ports.to_slack[:, places]
-        found = shared @ slack + ports.multiplied @ (self.stiffness @ slack - shared.T[:, places])
-        return np.asarray(found.toarray())
+        outputs = shared @ slack + ports.multiplied @ (self.stiffness @ slack - shared.T[:, places])
+        return np.asarray(outputs.toarray())
 
     @property
     def multipliers(self) -> int:

@@ -189,8 +189,8 @@ def settle_exactly(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.n
     try:
         return replace(decide_set(run, at, linear, _by_pivots, active)[0], event=PIVOTS)
     except LcpError as error:
-        told = f"cycle detected, and pivots do not end on the linearised problem: {error}"
-        raise StepError(Outcome.CYCLING, told) from None
+        message = f"cycle detected, and pivots do not end on the linearised problem: {error}"
+        raise StepError(Outcome.CYCLING, message) from None
 
 
 def _one_at_a_time(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float) -> Step:

@@ -56,10 +56,10 @@ class Pivots:
         grip = holding(acting[nodes], nodes)
         held = sparse.csc_matrix(K[:, grip.pivot])
         column = sparse.csc_matrix(push + held @ (grip.reciprocal / epsilon))
-        size, found = largest(held), largest(column)
+        size, most = largest(held), largest(column)
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
-        found[found == 0] = 1.0  # the pressure acts on nothing: singular, which the factorisation will say
-        return cls(rows, problem.gap(u)[nodes], grip, held, column, size / found, epsilon)
+        most[most == 0] = 1.0  # the pressure acts on nothing: singular, which the factorisation will say
+        return cls(rows, problem.gap(u)[nodes], grip, held, column, size / most, epsilon)
 
     def substitute(self, K: sparse.csc_matrix, b: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
         """Matrix and right-hand side for du with p/s in place of each du_k, or with nothing there."""
@@ -158,10 +158,10 @@ def matched(rows: sparse.csr_matrix, nodes: np.ndarray) -> Grip:
     graph = sparse.csr_matrix((costs, numbered, firm.indptr), shape=(len(nodes), len(columns)))
     dependent = DependentGapsError(f"the gaps of {len(nodes)} contact candidates depend on one another")
     try:
-        order, found = min_weight_full_bipartite_matching(graph)
+        order, matches = min_weight_full_bipartite_matching(graph)
         if len(order) < len(nodes):
             raise dependent
-        pivot = columns[found[np.argsort(order)]]
+        pivot = columns[matches[np.argsort(order)]]
         block = superlu(sparse.csc_matrix(rows[:, pivot]))
     except (ValueError, SingularMatrixError):
         raise dependent from None

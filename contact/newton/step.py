@@ -88,10 +88,10 @@ class NewtonRun(LinearSolves):
         large = length(self.problem, stiffness, u, scale if before else lin.scale)
         first_length = (before.first_length if before else 0.0) or large
         sizes = (max(large, first_length), first_length, stiffness)
-        found = Iterate(lin, u, gap, pressure, active, push, scale, first, residual, *sizes)
+        reached = Iterate(lin, u, gap, pressure, active, push, scale, first, residual, *sizes)
         if before is None:
-            return found
-        return replace(found, stepped=before.stepped, moved=before.moved, moved_before=before.moved_before)
+            return reached
+        return replace(reached, stepped=before.stepped, moved=before.moved, moved_before=before.moved_before)
 
     def balanced(self, at: Iterate) -> bool:
         """True when the relative residual is within tolerance, or is rounding and does not matter.

@@ -147,13 +147,13 @@ def _boundaries(nodes: Nodes, front: np.ndarray, above: np.ndarray) -> list[np.n
     touched = nodes.row[later][np.argsort(of, kind="stable")]
     begins = np.append(0, np.cumsum(np.bincount(of, minlength=len(above))))
     parts: list[list[np.ndarray]] = [[touched[a:b]] for a, b in pairwise(begins)]
-    found = []
+    boundaries = []
     for one, up in enumerate(above):
         beyond = np.unique(np.concatenate(parts[one]))
-        found.append(beyond[front[beyond] > one])
+        boundaries.append(beyond[front[beyond] > one])
         if up >= 0:
-            parts[up].append(found[-1])
-    return found
+            parts[up].append(boundaries[-1])
+    return boundaries
 
 
 def _places(
@@ -177,7 +177,7 @@ def _places(
         """Within the boundary of front ``one``."""
         return np.searchsorted(keys, unknown + one * n) - begins[one]
 
-    found = []
+    places = []
     inside = front[row] == front[column]
     for chosen, rows_own, columns_own in (
         (inside, True, True),
@@ -191,8 +191,8 @@ def _places(
         c = column[at] - start[one] if columns_own else local(column[at], one)
         height = (stop - start)[one] if rows_own else size[one]
         cuts = np.searchsorted(one, np.arange(1, len(start)))
-        found.append(list(zip(np.split(at, cuts), np.split(r + c * height, cuts), strict=True)))
-    return found[0], found[1], found[2]
+        places.append(list(zip(np.split(at, cuts), np.split(r + c * height, cuts), strict=True)))
+    return places[0], places[1], places[2]
 
 
 def _within(unknowns: np.ndarray, start: int, stop: int, boundary: np.ndarray) -> np.ndarray:
@@ -245,12 +245,12 @@ class Pattern:
 def analysed(A: sparse.csc_matrix) -> tuple[sparse.csc_matrix, Analysis]:
     """A, with zeros where its pattern is not symmetric or its diagonal not whole, and the analysis of that pattern."""
     A.sort_indices()
-    found = _analysis(Pattern(A.indptr, A.indices))
-    if found is None:
+    fronts = _analysis(Pattern(A.indptr, A.indices))
+    if fronts is None:
         A = _with_zeros(A)
-        found = _analysis(Pattern(A.indptr, A.indices))
-        assert found is not None
-    return A, found
+        fronts = _analysis(Pattern(A.indptr, A.indices))
+        assert fronts is not None
+    return A, fronts
 
 
 def clear() -> None:

@@ -46,8 +46,8 @@ class Bordered:
         except PivotError:
             return None
         left, right = factor.solve(np.column_stack([row[:-1], column])).T
-        found = cls(factor, row[:-1], right, left, float(row[-1] - row[:-1] @ right))
-        return found if found._serves(A) else None
+        bordered = cls(factor, row[:-1], right, left, float(row[-1] - row[:-1] @ right))
+        return bordered if bordered._serves(A) else None
 
     def _serves(self, A: sparse.csc_matrix) -> bool:
         b = np.random.default_rng(SEED).uniform(-1.0, 1.0, A.shape[0])

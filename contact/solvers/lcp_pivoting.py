@@ -107,9 +107,9 @@ def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> Lc
     claimed = nnls(L.T, -np.linalg.solve(L, q))[0] > 0
     # each index that enters takes its place in a triangular factor and asks for the gradient anew: about 6 n^2
     spend(DENSE_PIVOTS, 6.0 * int(claimed.sum()) * len(q) ** 2)
-    found = active_set(M, q, claimed)
-    event = Event(EventKind.SUBSTITUTE, f"set of nnls corrected in {found.pivots} updates")
-    return LcpSolution(found.z, int(claimed.sum()) + found.pivots, event if found.pivots else None)
+    exact = active_set(M, q, claimed)
+    event = Event(EventKind.SUBSTITUTE, f"set of nnls corrected in {exact.pivots} updates")
+    return LcpSolution(exact.z, int(claimed.sum()) + exact.pivots, event if exact.pivots else None)
 
 
 def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
@@ -169,13 +169,13 @@ def principal_pivot(M: np.ndarray, q: np.ndarray, chosen: np.ndarray) -> tuple[n
         inverse = np.linalg.inv(M[inside])
     except np.linalg.LinAlgError:
         raise LcpError(f"the matrix on the {chosen.sum()} indices to be exchanged is singular") from None
-    found, constant = np.empty_like(M), q.copy()
-    found[inside], found[across] = inverse, -inverse @ M[across]
-    found[down] = M[down] @ inverse
-    found[outside] = M[outside] - found[down] @ M[across]
+    pivoted, constant = np.empty_like(M), q.copy()
+    pivoted[inside], pivoted[across] = inverse, -inverse @ M[across]
+    pivoted[down] = M[down] @ inverse
+    pivoted[outside] = M[outside] - pivoted[down] @ M[across]
     constant[chosen] = -inverse @ q[chosen]
-    constant[~chosen] -= found[down] @ q[chosen]
-    return found, constant
+    constant[~chosen] -= pivoted[down] @ q[chosen]
+    return pivoted, constant
 
 
 def _violations(M: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -118,12 +118,12 @@ class Multifrontal:
         """Of the matrix with these entries; raises PivotError."""
         eliminate = _symmetric if symmetric else _any
         left: dict[int, np.ndarray] = {}
-        found = []
+        fronts = []
         for number, front in enumerate(analysis.fronts):
             one, rest = eliminate(front, data, left)
-            found.append(one)
+            fronts.append(one)
             left[number] = rest
-        factor = cls(analysis, found)
+        factor = cls(analysis, fronts)
         spend(FACTORISATIONS, factor.flops)
         return factor
 
@@ -166,9 +166,9 @@ class Multifrontal:
         for front, one in reversed(pairs):
             own = slice(front.start, front.stop)
             x[own] = one.backward(x[own], x[front.boundary])
-        found = np.empty_like(x)
-        found[self.analysis.order] = x
-        return found
+        reordered = np.empty_like(x)
+        reordered[self.analysis.order] = x
+        return reordered
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,16 +71,16 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
         return replace(nothing, status=f"refused: {backend} has no discs")
     call = BACKENDS[backend]
     try:
-        found = call(programme, eps, polish)
-        spend(PROGRAMMES, operations(programme, found.iterations, found.factorisations))
-        largest = np.max(np.abs(np.append(found.x, found.y)), initial=0.0)
+        answer = call(programme, eps, polish)
+        spend(PROGRAMMES, operations(programme, answer.iterations, answer.factorisations))
+        largest = np.max(np.abs(np.append(answer.x, answer.y)), initial=0.0)
     except (KeyboardInterrupt, SystemExit, MemoryError):
         raise
     except BaseException as error:  # whatever compiled code raises; a panic of Rust is not even an Exception
         return replace(nothing, status=f"refused: {error!r}")
-    if not largest < (np.inf if found.claimed else FILLING):  # NaN is not
-        return replace(nothing, status=found.status)
-    return replace(found, y=np.where(np.arange(len(found.y)) < programme.rows, np.maximum(found.y, 0.0), found.y))
+    if not largest < (np.inf if answer.claimed else FILLING):  # NaN is not
+        return replace(nothing, status=answer.status)
+    return replace(answer, y=np.where(np.arange(len(answer.y)) < programme.rows, np.maximum(answer.y, 0.0), answer.y))
 
 
 def operations(programme: Programme, iterations: int, factorisations: int) -> float:
@@ -114,16 +114,16 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
     if programme.guess is not None:
         x, y = programme.guess
         solver.warm_start(x=x, y=-y)
-    found = solver.solve(raise_error=False)
-    spent, updates = found.info.iter, found.info.rho_updates
+    result = solver.solve(raise_error=False)
+    spent, updates = result.info.iter, result.info.rho_updates
     success = int(osqp.SolverStatus.OSQP_SOLVED)
     # it polishes on the rows whose multiplier is above their slack; where there are none it prints so, quiet or not
-    pressed = np.any(-found.y > np.maximum(programme.A @ found.x - programme.b, eps))
-    if polish and np.any(found.y) and (pressed or found.info.status_val != success):  # a second attempt may succeed
+    pressed = np.any(-result.y > np.maximum(programme.A @ result.x - programme.b, eps))
+    if polish and np.any(result.y) and (pressed or result.info.status_val != success):  # a second attempt may succeed
         solver.update_settings(polishing=True)
-        found = solver.solve(raise_error=False)
-        spent, updates = spent + found.info.iter, updates + 1 + found.info.rho_updates  # one more to polish
-    return Answer(found.x, -found.y, found.info.status_val == success, found.info.status, spent, 1 + updates)
+        result = solver.solve(raise_error=False)
+        spent, updates = spent + result.info.iter, updates + 1 + result.info.rho_updates  # one more to polish
+    return Answer(result.x, -result.y, result.info.status_val == success, result.info.status, spent, 1 + updates)
 
 
 def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -135,19 +135,19 @@ def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
     upper = sparse.triu(programme.P, format="csc")
     cones = [clarabel.NonnegativeConeT(programme.rows), *[clarabel.SecondOrderConeT(3)] * programme.discs]
     solver = clarabel.DefaultSolver(upper, programme.q, sparse.csc_matrix(-programme.A), -programme.b, cones, settings)
-    found = solver.solve()
-    solved = found.status == clarabel.SolverStatus.Solved
-    each = found.iterations  # a factorisation and two solutions, a step ahead and one that corrects it
-    return Answer(np.array(found.x), np.array(found.z), solved, str(found.status), 2 * each, each)
+    result = solver.solve()
+    solved = result.status == clarabel.SolverStatus.Solved
+    each = result.iterations  # a factorisation and two solutions, a step ahead and one that corrects it
+    return Answer(np.array(result.x), np.array(result.z), solved, str(result.status), 2 * each, each)
 
 
 def _proxqp(programme: Programme, eps: float, polish: bool) -> Answer:
     proxqp = importlib.import_module("proxsuite").proxqp
     P, q, A, b = programme.P, programme.q, programme.A, programme.b
-    found = proxqp.sparse.solve(P, q, None, None, A, b, np.full(len(b), np.inf), eps_abs=eps, eps_rel=0.0)
-    solved = found.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
-    spent, updates = found.info.iter, found.info.mu_updates
-    return Answer(found.x, -found.z, solved, str(found.info.status), spent, 1 + updates)
+    result = proxqp.sparse.solve(P, q, None, None, A, b, np.full(len(b), np.inf), eps_abs=eps, eps_rel=0.0)
+    solved = result.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
+    spent, updates = result.info.iter, result.info.mu_updates
+    return Answer(result.x, -result.z, solved, str(result.info.status), spent, 1 + updates)
 
 
 def _piqp(programme: Programme, eps: float, polish: bool) -> Answer:

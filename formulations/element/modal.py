@@ -37,12 +37,12 @@ class Stiffness:
 
     def times(self, strains: np.ndarray) -> np.ndarray:
         """(e, m, j) of (e, m, j)."""
-        found, start = np.empty_like(strains), 0
+        product, start = np.empty_like(strains), 0
         for block in self.blocks:
             rows = slice(start, start + block.shape[-1])
-            np.matmul(block, strains[:, rows], out=found[:, rows])
+            np.matmul(block, strains[:, rows], out=product[:, rows])
             start = rows.stop
-        return found
+        return product
 
 
 class ModalElement(ABC):

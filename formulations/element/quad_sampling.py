@@ -160,8 +160,8 @@ def on_sides(
         half = np.broadcast_to(half.mean(axis=2, keepdims=True), half.shape)
     for face in (0, 1):
         at = faces.middle if kinematics.thin else X[:, :, face]
-        found, leaning = gradients_on_sides(own, at, faces, kinematics)
-        Q[:, :, face : BETA.start : 2, :, face::2], offset[:, :, 4 + face : BETA.start : 6] = found, leaning
+        slopes, leaning = gradients_on_sides(own, at, faces, kinematics)
+        Q[:, :, face : BETA.start : 2, :, face::2], offset[:, :, 4 + face : BETA.start : 6] = slopes, leaning
     _put_beta(Q, own, height * length, faces, MIDDLES)
     return Q, offset, length[..., None, None] * np.matmul(half, own[:, :, :2].swapaxes(-1, -2))
 
@@ -188,23 +188,23 @@ def gradients(
     inverse = np.linalg.inv(jacobian_of(own, at, points))
     along = np.einsum("gbr,egba->egar", slope, inverse)
     turned = turn_between(own, faces.frame)
-    found = np.empty((len(at), len(points), len(OF_SURFACE), 4, 3))
+    Q = np.empty((len(at), len(points), len(OF_SURFACE), 4, 3))
     for a in (0, 1):
         for row, (i, sign) in enumerate(((a, 1), (1 - a, 1), (2, -1))):
-            found[:, :, 3 * a + row] = sign * along[:, :, a, :, None] * turned[:, :, :, i, :]
+            Q[:, :, 3 * a + row] = sign * along[:, :, a, :, None] * turned[:, :, :, i, :]
         if kinematics.shallow:  # t_a = -v3,a with v3 = u . n: the turning of n is taken off
             turning = np.einsum("gbr,erx,egb->egx", slope, faces.normal, inverse[..., a])
-            found[:, :, 3 * a + 2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
-    return found, inverse
+            Q[:, :, 3 * a + 2] -= np.einsum("gr,egx,erjx->egrj", value, turning, faces.frame)
+    return Q, inverse
 
 
 def gradients_on_sides(
     own: np.ndarray, at: np.ndarray, faces: NodalFaces, kinematics: Kinematics
 ) -> tuple[np.ndarray, np.ndarray]:
     """The same in the middle of the sides, and the t (E, 4, 2) of the positions, which lean on the frames there."""
-    found, inverse = gradients(own, at, faces, kinematics, MIDDLES)
+    Q, inverse = gradients(own, at, faces, kinematics, MIDDLES)
     out_of_plane = np.matmul(tangents_of(at, MIDDLES), own[:, :, 2, :, None])[..., 0]
-    return found, -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
+    return Q, -np.matmul(out_of_plane[:, :, None], inverse)[:, :, 0]
 
 
 def half_sides(x: np.ndarray) -> np.ndarray:

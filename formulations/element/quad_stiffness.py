@@ -59,19 +59,19 @@ class UnitStiffness:
             if np.any(np.delete(tables[0][rows], own, 1)) or np.any(np.delete(tables[0][rows], own, 2)):
                 return None
         n = len(onto)
-        found = cls(*(np.empty((n, *shape, N_UPPER)) for shape in ((2, OF_FACE.shape[1]), (4,), (N_SIDES, 2))))
+        unit = cls(*(np.empty((n, *shape, N_UPPER)) for shape in ((2, OF_FACE.shape[1]), (4,), (N_SIDES, 2))))
         for part in geometry.chunks():  # a part stays in the cache
             Q = geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_FACE, 2)
             points = onto[part].reshape(len(Q), N_GAUSS, len(TAKEN), -1)
             for face, (rows, own, modes) in enumerate(of_faces):
                 to_modes = points[:, :, rows][..., modes].reshape(len(Q), -1, len(modes))
                 table = tables[0][np.ix_(rows, own, own)]
-                found.faces[part, face] = _turned(to_modes, table, Q[..., face][:, :, own])
-            found.across[part] = _turned(points[:, :, -1, E33_MODES], tables[1], Q[:, :, BETA, :, 1])
+                unit.faces[part, face] = _turned(to_modes, table, Q[..., face][:, :, own])
+            unit.across[part] = _turned(points[:, :, -1, E33_MODES], tables[1], Q[:, :, BETA, :, 1])
             if nodal is not None:
                 at_nodes = np.zeros((len(Q), 4, 3, 4, 3))
                 at_nodes[:, range(4), :, range(4)] = geometry.at_nodes[part, ..., 1::2].swapaxes(0, 1)
-                found.across[part] += _turned(nodal[:, E33_MODES], tables[1], at_nodes.reshape(len(Q), 4, 3, N_FACE))
+                unit.across[part] += _turned(nodal[:, E33_MODES], tables[1], at_nodes.reshape(len(Q), 4, 3, N_FACE))
             side_Q = geometry.side_Q[part].reshape(len(Q), N_SIDES, N_Q, N_DOF)
             for side, face in product(range(N_SIDES), (0, 1)):
                 M = np.tensordot(geometry.side[part, side, face], tables[2][face::2], 1)
@@ -79,8 +79,8 @@ class UnitStiffness:
                 ends = _of_nodes(SIDE_CORNERS[side])
                 if np.abs(np.delete(own, ends, axis=1)).max() > NOTHING * np.abs(own).max():
                     return None
-                found.sides[part, side, face] = own[:, ends][..., ends].reshape(len(Q), -1)[:, UPPER]
-        return found
+                unit.sides[part, side, face] = own[:, ends][..., ends].reshape(len(Q), -1)[:, UPPER]
+        return unit
 
     def add(self, tangent: np.ndarray, part: slice, work: np.ndarray, of_sides: np.ndarray) -> None:
         """To the tangents (e, 24, 24) of a part, under weighted resultants (e, 22) and the forces (e, 8) of the sides.

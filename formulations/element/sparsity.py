@@ -42,10 +42,10 @@ class Pattern:
         elements, theirs, C = constrained if constrained is not None else (np.zeros(0, np.intp), number[:0], None)
         numbers = (number, elements, theirs)
         if number.size > LARGE:
-            found = _found(n, *numbers)
+            pattern = _found(n, *numbers)
         else:
-            found = _met_before(n, *((each.tobytes(), each.dtype, each.shape) for each in numbers))
-        return found if C is None else found.constraining((elements, theirs, C))
+            pattern = _met_before(n, *((each.tobytes(), each.dtype, each.shape) for each in numbers))
+        return pattern if C is None else pattern.constraining((elements, theirs, C))
 
     def constraining(self, constrained: tuple[np.ndarray, np.ndarray, np.ndarray] | None) -> Pattern:
         """The same with another C, of the same unknowns."""

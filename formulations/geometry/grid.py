@@ -117,10 +117,10 @@ class Grid:
 
     def node_at(self, a1: float, a2: float) -> int:
         """The node at a point; raises ValueError when the grid has none there."""
-        found = np.intersect1d(self.on_line(0, a1), self.on_line(1, a2))
-        if len(found) != 1:
+        nodes = np.intersect1d(self.on_line(0, a1), self.on_line(1, a2))
+        if len(nodes) != 1:
             raise ValueError(f"the grid has no node at ({a1:g}, {a2:g})")
-        return int(found[0])
+        return int(nodes[0])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

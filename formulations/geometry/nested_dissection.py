@@ -53,12 +53,12 @@ def _bisected(elements: np.ndarray, centres: np.ndarray) -> Iterator[np.ndarray]
         return
     away = centres - centres.mean(axis=0)
     cuts = np.unique(np.linspace(n * (0.5 - UNEVEN), n * (0.5 + UNEVEN), 2 * TRIED + 1).astype(int))
-    found = []
+    candidates = []
     for direction in np.linalg.eigh(away.T @ away)[1].T[:-3:-1]:
         order = np.argsort(away @ direction, kind="stable")
         first, last = _first_and_last(elements[order])
-        found += [(np.count_nonzero((first < cut) & (last >= cut)), cut, order) for cut in cuts]
-    _, cut, order = min(found, key=lambda each: each[0])
+        candidates += [(np.count_nonzero((first < cut) & (last >= cut)), cut, order) for cut in cuts]
+    _, cut, order = min(candidates, key=lambda each: each[0])
     one, other = order[:cut], order[cut:]
     yield from _bisected(elements[one], centres[one])
     yield from _bisected(elements[other], centres[other])
@@ -77,11 +77,11 @@ def _first_and_last(elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _separated(grid: Grid, elements: np.ndarray, boxes: np.ndarray) -> Iterator[np.ndarray]:
     """Nodes of the elements, those on a separating line after what it separates; a node may come more than once."""
-    found = None if len(elements) <= SMALLEST else _line(boxes[elements])
-    if found is None:
+    separator = None if len(elements) <= SMALLEST else _line(boxes[elements])
+    if separator is None:
         yield grid.elements[elements].ravel()
         return
-    axis, value = found
+    axis, value = separator
     before = boxes[elements, axis, 1] <= value
     yield from _separated(grid, elements[before], boxes)
     yield from _separated(grid, elements[~before], boxes)
@@ -91,7 +91,7 @@ def _separated(grid: Grid, elements: np.ndarray, boxes: np.ndarray) -> Iterator[
 
 def _line(boxes: np.ndarray) -> tuple[int, float] | None:
     """Axis and coordinate of the line that best halves the boxes (b, 2, 2), the shorter of two; None without one."""
-    found = []
+    lines = []
     for axis in (0, 1):
         low, high = np.sort(boxes[:, axis], axis=0).T
         inner = np.unique(low)[1:]
@@ -99,8 +99,8 @@ def _line(boxes: np.ndarray) -> tuple[int, float] | None:
         clear = begun == done
         if clear.any():
             value = inner[clear][np.argmin(np.abs(done[clear] - len(boxes) / 2))]
-            found.append((np.count_nonzero(low == value), axis, float(value)))
-    return min(found)[1:] if found else None
+            lines.append((np.count_nonzero(low == value), axis, float(value)))
+    return min(lines)[1:] if lines else None
 
 
 def dissection(shape: tuple[int, int], *, periodic: bool = False, last: np.ndarray | None = None) -> np.ndarray:

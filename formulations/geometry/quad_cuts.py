@@ -112,10 +112,10 @@ def _along_rim(tangents: np.ndarray, direction: np.ndarray) -> np.ndarray:
     along = direction[:, None]
     length = np.linalg.norm(tangents, axis=-1, keepdims=True)
     known = length > 0
-    found = tangents / np.where(known, length, 1.0)
-    found = np.where(np.sum(found * along, axis=-1, keepdims=True) < 0, -found, found)
-    mirrored = 2 * np.sum(found * along, axis=-1, keepdims=True) * along - found
-    return np.where(known, found, np.where(known[:, ::-1], mirrored[:, ::-1], along))
+    unit = tangents / np.where(known, length, 1.0)
+    unit = np.where(np.sum(unit * along, axis=-1, keepdims=True) < 0, -unit, unit)
+    mirrored = 2 * np.sum(unit * along, axis=-1, keepdims=True) * along - unit
+    return np.where(known, unit, np.where(known[:, ::-1], mirrored[:, ::-1], along))
 
 
 def _hermite(

@@ -114,13 +114,13 @@ class Quadtree:
         """The leaf over each cell of the finest level."""
         level, i, j = self.leaves.T
         shape = tuple((len(line) - 1) << finest * cut for line, cut in zip(self.lines, self.cut, strict=True))
-        found = np.empty(shape, np.intp)
+        of_cell = np.empty(shape, np.intp)
         for one in np.unique(level):
             own = np.flatnonzero(level == one)
             sizes = (1 << (finest - int(one)) * cut for cut in self.cut)
             rows, columns = ((k[own] * size)[:, None] + np.arange(size) for k, size in zip((i, j), sizes, strict=True))
-            found[rows[:, :, None], columns[:, None, :]] = own[:, None, None]
-        return found
+            of_cell[rows[:, :, None], columns[:, None, :]] = own[:, None, None]
+        return of_cell
 
     def grid(self) -> Grid:
         """Nodes, elements and what hangs; elements in the order of the leaves, nodes along a1, then a2."""

@@ -34,8 +34,8 @@ class Transfer:
     def nodal(self, values: np.ndarray, degree: int = CUBIC) -> np.ndarray:
         """Values (N, ...) at the nodes here -> (M, ...) there, by cubics through the four lines around each."""
         field = values.reshape(*self.here.node_shape, -1)
-        found = _tensor(field, self.here.lines, self.there.nodes, degree, closed=self.here.periodic)
-        return found.reshape(self.there.n_nodes, *values.shape[1:])
+        transferred = _tensor(field, self.here.lines, self.there.nodes, degree, closed=self.here.periodic)
+        return transferred.reshape(self.there.n_nodes, *values.shape[1:])
 
     def modes(self, values: np.ndarray, powers: Sequence[tuple[int, int]]) -> np.ndarray:
         """Coefficients (E, m) of xi1^r1 xi2^r2 in the elements here -> (F, m) in those there; powers: (r1, r2) of each.
@@ -51,8 +51,8 @@ class Transfer:
             way = float(np.ptp(lines[1]))
             centres[1] = np.concatenate([centres[1][-1:] - way, centres[1], centres[1][:1] + way])
             field = np.concatenate([field[:, -1:], field, field[:, :1]], axis=1)
-        found = _tensor(field, centres, self.there.centre, 1)
-        return found * np.prod(self.there.half[:, None, :] ** r, axis=-1)
+        transferred = _tensor(field, centres, self.there.centre, 1)
+        return transferred * np.prod(self.there.half[:, None, :] ** r, axis=-1)
 
 
 def _tensor(

@@ -184,7 +184,7 @@ class Laminate:
         """
         faces, E33 = strains[..., :6].reshape(*strains.shape[:-1], 3, 2), strains[..., 10, None]
         ends = np.cumsum([0.0, *(ply.thickness for ply in self.plies)]) / self.thickness
-        constant, found = section == "constant-s33", []
+        constant, of_plies = section == "constant-s33", []
         along_n = self.stiffness(section)[10] @ strains[..., None] if constant else 0.0  # int S33 = h s
         for ply, low, high in zip(self.plies, ends[:-1], ends[1:], strict=True):
             b = ply.stiffness()
@@ -193,8 +193,8 @@ class Laminate:
             across = along_n / self.thickness * c if constant else E33 * (b[PLANE, NORMAL] * (section == "full-3d"))
             to_fibres = np.linalg.inv(strain_rotation(ply.angle)[PLANE, PLANE])
             sides = [(faces @ [1 - at, at]) @ plane.T + across for at in (low, high)]
-            found.append(np.stack(sides, axis=-2) @ to_fibres)
-        return np.stack(found, axis=-3)
+            of_plies.append(np.stack(sides, axis=-2) @ to_fibres)
+        return np.stack(of_plies, axis=-3)
 
     def _thickness_moments(self) -> Iterator[tuple[Ply, np.ndarray, np.ndarray]]:
         """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""

@@ -107,19 +107,19 @@ class Sampling:
         """(k, T): the strain at distances d (k,) in a ply from those taken."""
         T, plies = len(self.strained), len(self.laminate.plies)
         own = slice(None) if self.over_all else slice(ply * T // plies, (ply + 1) * T // plies)
-        found = np.zeros((len(d), T))
-        found[:, own] = lagrange(self.strained[own], d)[0]
-        return found
+        shares = np.zeros((len(d), T))
+        shares[:, own] = lagrange(self.strained[own], d)[0]
+        return shares
 
     def displaced(self, d: float) -> np.ndarray:
         """(S,): the displacement at the distance d from those of the surfaces."""
-        found = np.zeros(len(self.at))
+        shares = np.zeros(len(self.at))
         inside = np.array([low <= d for low, _ in self.ends])
         ply = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
         n = len(self.strained) // len(self.laminate.plies)
         own = slice(None) if self.over_all else slice(ply * (n - 1), (ply + 1) * (n - 1) + 1)
-        found[own] = lagrange(self.at[own], np.array([d]))[0][0]
-        return found
+        shares[own] = lagrange(self.at[own], np.array([d]))[0][0]
+        return shares
 
     @cached_property
     def means(self) -> np.ndarray:

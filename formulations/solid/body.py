@@ -154,9 +154,9 @@ class SolidDiscretisation:
     def stretches(self, full: np.ndarray) -> np.ndarray:
         """Principal stretches (E, 27, 3) at the Gauss points, increasing; what is there inverted has a negative one."""
         F = self.deformation(full, np.arange(len(self.volumes)))
-        found = np.linalg.svd(F, compute_uv=False)[..., ::-1].copy()
-        found[..., 0] *= np.sign(np.linalg.det(F)) * self.mesh.orientation
-        return found
+        principal = np.linalg.svd(F, compute_uv=False)[..., ::-1].copy()
+        principal[..., 0] *= np.sign(np.linalg.det(F)) * self.mesh.orientation
+        return principal
 
     def _passes(self) -> Iterator[tuple[Law, np.ndarray]]:
         """Elements (e,) of one ply with its law, a few at a time."""

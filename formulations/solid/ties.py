@@ -56,9 +56,9 @@ def about_z(angle: np.ndarray) -> sparse.csr_matrix:
     """(3N, 3N): Cartesian displacements of nodes from those along axes of their own, turned about z by angle (N,)."""
     turn = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_matrix()
     blocks = sparse.bsr_matrix((turn, np.arange(len(turn)), np.arange(len(turn) + 1)))
-    found = sparse.csr_matrix(blocks)
-    found.eliminate_zeros()
-    return found
+    rotation = sparse.csr_matrix(blocks)
+    rotation.eliminate_zeros()
+    return rotation
 
 
 @dataclass(frozen=True, eq=False)

@@ -112,13 +112,13 @@ class WallGeometry:
 
 def _on_lines() -> np.ndarray:
     """(15, 24): means over the Gauss points."""
-    found = []
+    parallel = []
     for rows, factor, at in zip(ROWS, FACTORS, ON_GAUSS, strict=True):
         for row in rows:
             unit = np.zeros((N_GAUSS, N_ROWS))
             unit[:, row] = factor * at / N_GAUSS
-            found.append(unit.ravel())
-    return np.array(found)
+            parallel.append(unit.ravel())
+    return np.array(parallel)
 
 
 ON_LINES = _on_lines()

@@ -84,15 +84,15 @@ class WallLaw:
         taken (plies, k, T): the places, see :meth:`Sampling.taken`. What volume costs is a polynomial through its own
         points: elsewhere its strain is not met.
         """
-        found = np.empty((len(strains), *taken.shape[:2], N_ROWS))
+        stress = np.empty((len(strains), *taken.shape[:2], N_ROWS))
         for ply, (law, to_places) in enumerate(zip(self.laws, taken, strict=True)):
             shape, *volume = _divided(law)
-            found[:, ply] = _stresses(shape, np.matmul(to_places, strains))
+            stress[:, ply] = _stresses(shape, np.matmul(to_places, strains))
             for part in volume:
                 points = self.sampling.of_volume.of_ply(ply)
                 onwards, _ = lagrange(points.d, to_places @ self.sampling.strained)
-                found[:, ply] += np.matmul(onwards, _stresses(part, np.matmul(points.value, strains)))
-        return found
+                stress[:, ply] += np.matmul(onwards, _stresses(part, np.matmul(points.value, strains)))
+        return stress
 
     def resultants(self, strains: np.ndarray, part: slice = ALL) -> np.ndarray:
         """H (e, 15 T) [N/mm] of E (e, 15 T)."""
@@ -246,9 +246,9 @@ class PointLaw:
 
     def _strains(self, strains: np.ndarray) -> np.ndarray:
         """E (e, K, 6) in the order of a ply's stiffness."""
-        found = np.empty((len(strains), len(self.points.d), N_ROWS))
-        found[..., IN_VOIGT] = np.matmul(self.points.value, strains.reshape(len(strains), -1, N_ROWS))
-        return found
+        strain = np.empty((len(strains), len(self.points.d), N_ROWS))
+        strain[..., IN_VOIGT] = np.matmul(self.points.value, strains.reshape(len(strains), -1, N_ROWS))
+        return strain
 
     def _at_points(self, strains: np.ndarray, part: slice, *, tangent: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """Weighted S (e, K, 6) and dS/dE (e, K, 6, 6), the latter empty unless wanted."""

@@ -59,19 +59,19 @@ class Counted:
 
     def ahead(self, change: np.ndarray) -> np.ndarray:
         """Change of E on 00 and x (e, 15 T, j) with that of E."""
-        found = change.copy()
-        c, rest = self.split(found)
+        counted = change.copy()
+        c, rest = self.split(counted)
         rest *= self.scale
         rest += self.x * np.matmul(self.slope, c)
-        return found
+        return counted
 
     def back(self, resultants: np.ndarray) -> np.ndarray:
         """dW/dE (e, 15 T, j) of those by E on 00 and x: the transpose."""
-        found = resultants.copy()
-        _, rest = self.split(found)
-        self.add(found, np.matmul(self.slope.swapaxes(1, 2), self.x * rest))
+        counted = resultants.copy()
+        _, rest = self.split(counted)
+        self.add(counted, np.matmul(self.slope.swapaxes(1, 2), self.x * rest))
         rest *= self.scale
-        return found
+        return counted
 
     def add(self, rows: np.ndarray, of_c: np.ndarray) -> None:
         """Add what is of c (e, 3 T, j) to (e, 15 T, j)."""
@@ -93,12 +93,12 @@ class CountedStiffness(Stiffness):
         """(e, 15 T, j) of (e, 15 T, j)."""
         counted = self.counted
         ahead = counted.ahead(strains)
-        found = counted.back(super().times(ahead))
-        (c, _), (_, x), (_, rest), (_, G) = map(counted.split, (strains, ahead, found, self.resultants))
+        product = counted.back(super().times(ahead))
+        (c, _), (_, x), (_, rest), (_, G) = map(counted.split, (strains, ahead, product, self.resultants))
         rest += G * counted.scale * np.matmul(counted.slope, c)
         curved = np.matmul(counted.bend.swapaxes(1, 2), G * counted.x)
-        counted.add(found, np.matmul(counted.slope.swapaxes(1, 2), G * x) + curved * c)
-        return found
+        counted.add(product, np.matmul(counted.slope.swapaxes(1, 2), G * x) + curved * c)
+        return product
 
 
 def _logarithm_of_shares(C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -37,12 +37,12 @@ def mode_slices(T: int) -> list[slice]:
 def strains_at(strains: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Strains (e, p, T, 6) of mode strains (e, 15 T) at p points where the modes have the values ``at`` (4, p)."""
     T = strains.shape[1] // N_OF_SURFACE
-    found = np.zeros((len(strains), at.shape[1], T, N_ROWS))
+    strain = np.zeros((len(strains), at.shape[1], T, N_ROWS))
     for rows, values, block in zip(ROWS, at, mode_slices(T), strict=True):
         of_mode = strains[:, None, block].reshape(len(strains), 1, T, len(rows))
         for column, row in enumerate(rows):
-            found[..., row] += values[:, None] * of_mode[..., column]
-    return found
+            strain[..., row] += values[:, None] * of_mode[..., column]
+    return strain
 
 
 def by_mode(of_surfaces: np.ndarray) -> np.ndarray:

@@ -121,15 +121,15 @@ class QuadWall(WallGeometry):
     def at_gauss(self, strains: np.ndarray) -> np.ndarray:
         """Strains (E, 4, T, 6) in the axes of the laminate, of mode strains (E, 15 T)."""
         T = len(self.sampling.strained)
-        found = np.zeros((len(strains), N_GAUSS, T, N_ROWS))
+        strain = np.zeros((len(strains), N_GAUSS, T, N_ROWS))
         for mode, (block, rows) in enumerate(zip(mode_slices(T), ROWS, strict=True)):
             of_mode = np.zeros((len(strains), T, N_ROWS))
             of_mode[..., list(rows)] = strains[:, block].reshape(len(strains), T, -1)
             if mode in (1, 2):
                 back = np.array([strain_rotation(-angle) for angle in self.directions[mode - 1]])
                 of_mode = np.einsum("eij,etj->eti", back[:, IN_VOIGT][:, :, IN_VOIGT], of_mode)
-            found += self.shapes[:, mode, :, None, None] * of_mode[:, None]
-        return found
+            strain += self.shapes[:, mode, :, None, None] * of_mode[:, None]
+        return strain
 
 
 def _values(own: np.ndarray, faces: NodalFaces, points: np.ndarray) -> np.ndarray:

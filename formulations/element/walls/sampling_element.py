@@ -264,10 +264,10 @@ def _take_off(rows: np.ndarray, taken: np.ndarray, given: np.ndarray, *, transpo
 
 def _as_of_faces(sampling: Sampling, strains: np.ndarray) -> np.ndarray:
     """(..., 11) as between two faces, of (..., T, 6)."""
-    found = np.empty((*strains.shape[:-2], N_E))
-    found[..., 0 : E33 * 2 : 2], found[..., 1 : E33 * 2 : 2] = strains[..., 0, :E33], strains[..., -1, :E33]
-    found[..., -1] = strains[..., E33] @ sampling.means
-    return found
+    reduced = np.empty((*strains.shape[:-2], N_E))
+    reduced[..., 0 : E33 * 2 : 2], reduced[..., 1 : E33 * 2 : 2] = strains[..., 0, :E33], strains[..., -1, :E33]
+    reduced[..., -1] = strains[..., E33] @ sampling.means
+    return reduced
 
 
 def _spread(sampling: Sampling) -> np.ndarray:
