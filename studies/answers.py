@@ -44,10 +44,10 @@ class Run(Shown):
     @property
     def line(self) -> str:
         """Request, verdict, and the quantities at the end."""
-        asked = self.result.request
-        found = ", ".join(f"{name} {value:.6g}" for name, value in list(self.quantities.items())[:HEADLINE])
-        how = f"{asked.scene} {asked.mesh_text}, {asked.measure}, {asked.contact}"
-        return f"{how}: {self.verdict}{f'; {found}' if found else ''}; {self.result.timing['total']:.3g} s"
+        request = self.result.request
+        headline = ", ".join(f"{name} {value:.6g}" for name, value in list(self.quantities.items())[:HEADLINE])
+        how = f"{request.scene} {request.mesh_text}, {request.measure}, {request.contact}"
+        return f"{how}: {self.verdict}{f'; {headline}' if headline else ''}; {self.result.timing['total']:.3g} s"
 
     def shown(self) -> tuple[pd.DataFrame, list[str]]:
         """Its loads, limits of what has an error, and notes."""
@@ -90,8 +90,8 @@ class Run(Shown):
         if end is None:
             return []
         with np.errstate(all="ignore"):
-            seen = end.stage.observe(end.problem_at(end.point.reached), end.before, end.point.reached).step
-        return list(seen or ())
+            readings = end.stage.observe(end.problem_at(end.point.reached), end.before, end.point.reached).step
+        return list(readings or ())
 
     def at(self, load: float, passage: int = 0) -> dict[str, float]:
         """What is read off where a curve followed by power series passes a load, the first time or later: the load
@@ -109,9 +109,9 @@ class Run(Shown):
         """A row for each requested load: residuals and balances as recomputed, what fails, and stability."""
         rows = []
         for step in self.result.loads:
-            told = step.certificate
-            said = {"failures": ", ".join(told["failures"]), "stability": told["stability"]["word"]}
-            rows.append({**told["kkt"], **told["balances"], **said})
+            record = step.certificate
+            verdict = {"failures": ", ".join(record["failures"]), "stability": record["stability"]["word"]}
+            rows.append({**record["kkt"], **record["balances"], **verdict})
         return _frame(rows)
 
     @property
@@ -136,11 +136,11 @@ class Run(Shown):
         request = self.result.request
         scene = SCENES[request.scene]
         keys = beside.differentiable(scene, request, settings)
-        found = gradient.of_quantities(scene, self.result, [(quantity, keys)])
-        gradient.record(self.result, found)
+        derivatives = gradient.of_quantities(scene, self.result, [(quantity, keys)])
+        gradient.record(self.result, derivatives)
         if check:
-            return _frame([each.row for each in taylor.check(scene, self.result, found)])
-        return _frame([each.row for each in found])
+            return _frame([each.row for each in taylor.check(scene, self.result, derivatives)])
+        return _frame([each.row for each in derivatives])
 
     @property
     def cost(self) -> dict[str, float]:
@@ -168,9 +168,9 @@ class Chosen(Shown):
 
     @property
     def line(self) -> str:
-        """The recommended command, or why there is none."""
-        found = self.recommended
-        return f"no recommendation: {self.choice.reason}" if found is None else str(found["command"])
+        """The recommended command, or why nothing is recommended."""
+        offer = self.recommended
+        return f"no recommendation: {self.choice.reason}" if offer is None else str(offer["command"])
 
     def shown(self) -> tuple[pd.DataFrame, list[str]]:
         """Variants, and what is uncertain."""
@@ -249,23 +249,23 @@ class Swept(Shown):
         self.found.write(Path(directory), draw_sweep(Path(directory), *self.found.picture))
 
 
-def write_choice(found: Choice, out: Path) -> None:
+def write_choice(choice: Choice, out: Path) -> None:
     """The pictures, the tables, and choice.json, which comes last."""
     from reports.figures.comparisons import error_over_seconds
     from reports.files import write_texts
 
     pictures = {}
     for axis, name in FIGURES.items():
-        others = [each for each in found.verdicts[1:] if each.ladder.variant.axis == axis and each.ladder.paths]
-        if found.truth is None or not others:
+        others = [each for each in choice.verdicts[1:] if each.ladder.variant.axis == axis and each.ladder.paths]
+        if choice.truth is None or not others:
             continue
         wall = others[0].ladder.variant.wall  # that all of them have
-        walls = {each.ladder.variant.name: each for each in found.verdicts if each.ladder.variant.axis == SURFACES}
-        beside = walls.get(wall, found.verdicts[0])
+        walls = {each.ladder.variant.name: each for each in choice.verdicts if each.ladder.variant.axis == SURFACES}
+        beside = walls.get(wall, choice.verdicts[0])
         reference = [row | {"name": REFERENCE if axis == MEASURE else AS_ASKED} for row in beside.grids]
         rows = [*reference, *(row for verdict in others for row in verdict.grids)]
         on_wall = f", {SURFACES}={wall}" if wall else ""
         named = [row | {"name": f"{row['name']}{on_wall}"} for row in rows]
-        pictures[name] = error_over_seconds(named, found.quantity, found.question.error, found.truth.uncertainty)()
+        pictures[name] = error_over_seconds(named, choice.quantity, choice.question.error, choice.truth.uncertainty)()
     write_texts(out / "figures", pictures)
-    found.write(out, [f"figures/{name}" for name in pictures])
+    choice.write(out, [f"figures/{name}" for name in pictures])

@@ -56,10 +56,10 @@ class _Help(argparse.HelpFormatter):
     """Every option states its default; examples keep their lines."""
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
-        told, usual = action.help or "", action.default
-        if usual is None or usual is argparse.SUPPRESS or usual in (False, "", []) or "default" in told:
-            return told
-        return f"{told}; default %(default)s"
+        text, usual = action.help or "", action.default
+        if usual is None or usual is argparse.SUPPRESS or usual in (False, "", []) or "default" in text:
+            return text
+        return f"{text}; default %(default)s"
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         return text if text.startswith("examples:") else super()._fill_text(text, width, indent)
@@ -74,7 +74,7 @@ class _Parser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         """With the examples of the command."""
-        lines = [f"  {self.prog} {words}".rstrip() for words in examples().get(self.prog.partition(" ")[2], ())]
+        lines = [f"  {self.prog} {example}".rstrip() for example in examples().get(self.prog.partition(" ")[2], ())]
         self.epilog = "\n".join(["examples:", *lines]) if lines else ""
         return super().format_help()
 
@@ -108,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code = _main(arguments)
             if sys.stdout is not None:
                 sys.stdout.flush()
-        except BrokenPipeError:  # who reads has enough: nothing is left to be said, at the end of the process neither
+        except BrokenPipeError:  # the reader has closed the pipe: nothing more is printed, not at exit either
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return ENOUGH
         return code
@@ -116,14 +116,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _main(arguments: Sequence[str] | None) -> int:
     # before numpy is loaded: threads of small matrices only wait for one another, 5 times as long on a busy machine;
-    # OpenBLAS and MKL heed this one where nothing is said to them by their own names
+    # OpenBLAS and MKL read this one unless their own variables are set
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    words = sys.argv[1:] if arguments is None else arguments
-    if arguments is None:  # the process is this command's: what it loads now stays, and is not searched for garbage
+    argv = sys.argv[1:] if arguments is None else arguments
+    if arguments is None:  # one command a process: what is loaded now stays, so it is not searched for garbage
         gc.disable()
     try:
-        _load_plugins(words)
-        options = _parser(words).parse_args(words)
+        _load_plugins(argv)
+        options = _parser(argv).parse_args(argv)
         if arguments is None:
             gc.freeze()
             gc.enable()
@@ -148,23 +148,23 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 
 def _line(error: Exception) -> str:
-    """What an error says; of one of the system the file first, and no number."""
+    """The message of an error; of a system error the file first, without its number."""
     if isinstance(error, OSError) and error.filename is not None and error.strerror:
         return f"{error.filename}: {error.strerror}"
     return str(error)
 
 
 def _of_memory(error: MemoryError) -> str:
-    """What there was no room for."""
+    """The message of a memory error."""
     return " ".join(f"not enough memory; a coarser mesh needs less: {error}".removesuffix(": ").split())
 
 
-def _load_plugins(words: Sequence[str]) -> None:
+def _load_plugins(argv: Sequence[str]) -> None:
     """Parts from outside come into the catalogues before a command is imported that may list them."""
     early = _Parser(prog="footprint", add_help=False, allow_abbrev=False)
     early.add_argument("--use", action="append", default=[])
-    files = early.parse_known_args(words)[0].use
-    if files or next(iter(words), None) in {*COMMANDS} - WITHOUT_PARTS:
+    files = early.parse_known_args(argv)[0].use
+    if files or next(iter(argv), None) in {*COMMANDS} - WITHOUT_PARTS:
         from studies.scenes.plugins import load
 
         load(files)

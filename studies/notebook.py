@@ -1,6 +1,6 @@
 """``from studies import solve, describe``: what a notebook calls, with Python's values, data frames and figures.
 
-It says nothing of its own: requests are checked, solved and drawn as for the command line, and advice, cards and
+It adds nothing of its own: requests are checked, solved and drawn as for the command line, and advice, cards and
 judgements are what the commands of the same names print.
 """
 
@@ -93,10 +93,10 @@ def choose(
     Raises UsageError with one line for a wrong name, key or value.
     """
     load_entry_points()
-    seconds, wanted = parse_budget(str(budget)), parse_error(str(error))
+    seconds, tolerance = parse_budget(str(budget)), parse_error(str(error))
     options: dict[str, Any] = {"contact": contact, "newton": newton, "model": model, "steps": steps}
     with np.errstate(over="ignore", invalid="ignore"):
-        return Chosen(choosing.choose(scene, settings, wanted, seconds, of, mesh=mesh, **options))
+        return Chosen(choosing.choose(scene, settings, tolerance, seconds, of, mesh=mesh, **options))
 
 
 def sweep(
@@ -116,10 +116,10 @@ def sweep(
     finished members, which are read the next time. Raises UsageError with one line for a wrong name, key or value.
     """
     load_entry_points()
-    wanted, kept = None if error is None else parse_error(str(error)), None if keep is None else Path(keep)
+    tolerance, kept = None if error is None else parse_error(str(error)), None if keep is None else Path(keep)
     options = {key: asked.pop(key) for key in ("measure", "contact", "newton", "model", "steps") if key in asked}
     with np.errstate(over="ignore", invalid="ignore"):
-        return Swept(sweeping.sweep(scene, asked, over, wanted, of, kept, mesh=mesh, **options))
+        return Swept(sweeping.sweep(scene, asked, over, tolerance, of, kept, mesh=mesh, **options))
 
 
 def describe(name: str) -> Description:

@@ -28,7 +28,7 @@ LONG = ("64x1", "128x1", "256x1", "512x1")  # where nothing varies along a2
 
 @dataclass(frozen=True)
 class Reference:
-    """A value to compare with: quantity name as in the result, where it holds, its kind and source.
+    """A value to compare with: quantity name as in the result, where it is valid, its kind and source.
 
     kind: "printed" (in the source itself), "read" (in a public transcription), "computed" (independent program),
     "exact" (closed form), "refined" (limit of grids of ours beyond those that it judges). uncertainty: relative.

@@ -42,7 +42,7 @@ class Observation:
     """What a scene reads off a converged state: an entry of ``steps`` (or None), headline values, rows of tables.
 
     said: of a mode, for people.
-    tables: made when they are asked for; who only wants the values does not wait for them.
+    tables: made on request alone, for they take longer than the values.
     """
 
     step: dict[str, Any] | None
@@ -227,7 +227,7 @@ class CompletingScene(Protocol):
 
 @runtime_checkable
 class RefinedScene(Protocol):
-    """A scene that names the grid from which a refinement to an error sets out, where a quarter of its own is none."""
+    """A scene that names the grid from which a refinement to an error starts, where a quarter of its own is invalid."""
 
     @property
     def coarsest_mesh(self) -> tuple[int, int]:

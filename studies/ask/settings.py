@@ -57,8 +57,8 @@ class Setting:
     @classmethod
     def one_of(cls, key: str, choices: Iterable[str], default: str | None, meaning: str, **more: Any) -> Setting:
         """A word."""
-        words = choices if isinstance(choices, KeysView) else tuple(choices)  # a catalogue: parts from outside join it
-        return cls(key, default, meaning, "choice", choices=words, **more)
+        listed = choices if isinstance(choices, KeysView) else tuple(choices)  # a catalogue: parts from outside join it
+        return cls(key, default, meaning, "choice", choices=listed, **more)
 
     @classmethod
     def positive(cls, key: str, default: Value | None, meaning: str, high: float = math.inf, **more: Any) -> Setting:
@@ -78,13 +78,13 @@ class Setting:
             return "one of " + ", ".join(self.choices)
         left = "(" if self.open_low or math.isinf(self.low) else "["
         right = ")" if self.open_high or (math.isinf(self.high) and not self.infinite) else "]"
-        words = {
+        form = {
             "int": "a whole number in",
             "float": "a number in",
             "floats": "increasing numbers in",
             "path": "numbers, from 0 on no two alike in a row, in",
         }[self.kind]
-        return f"{words} {left}{text_of(self.low)}, {text_of(self.high)}{right}"
+        return f"{form} {left}{text_of(self.low)}, {text_of(self.high)}{right}"
 
     @property
     def default_text(self) -> str:

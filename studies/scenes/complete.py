@@ -1,4 +1,4 @@
-"""From what a user says, or a cell of a campaign, to a request: every default filled in, every value checked."""
+"""From the input of a user, or a cell of a campaign, to a request: every default filled in, every value checked."""
 
 import importlib.util
 from collections.abc import Mapping, Sequence
@@ -31,7 +31,7 @@ class Cell:
     """A labelled request: ``label`` is for people, ``options`` are those of ``footprint solve``.
 
     artefacts: its fields and tables are kept beside its record.  group: the list that it is of.
-    expected: why it is expected not to go as asked, if so.
+    expected: why it is expected to fail, if so.
     """
 
     label: str
@@ -43,15 +43,15 @@ class Cell:
     group: str = ""
 
     def resolved(self) -> tuple[Scene, Request]:
-        """The scene and the request; raises UsageError when there is none."""
+        """The scene and the request; raises UsageError for an invalid one."""
         return complete(self.scene, self.settings, **self.options)
 
     @property
     def command(self) -> str:
         """The command that reproduces the cell."""
-        words = [f"--{key} {value}" for key, value in self.options.items()]
-        words += [f"--set {key}={value}" for key, value in self.settings.items()]
-        return " ".join(["footprint solve", self.scene, *words, "--out DIR"])
+        arguments = [f"--{key} {value}" for key, value in self.options.items()]
+        arguments += [f"--set {key}={value}" for key, value in self.settings.items()]
+        return " ".join(["footprint solve", self.scene, *arguments, "--out DIR"])
 
 
 def complete(

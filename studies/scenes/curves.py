@@ -46,13 +46,13 @@ class ArcStage(CurveStage):
     expand: Expand
 
     def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
-        """No contact: no algorithm. Who asks for the first limit point alone has what was asked for at it."""
+        """Without contact the algorithm is not used. A curve to the first limit point alone has converged there."""
         if isinstance(self.continuation, PowerSeries):
-            found = self.continuation.trace(self.linearise, self.expand, self.load, self.targets, tell)
+            trace = self.continuation.trace(self.linearise, self.expand, self.load, self.targets, tell)
         else:
-            found = self.continuation.trace(self.linearise, self.load, self.targets, tell)
-        asked = self.continuation.to_limit and found.outcome is Outcome.LIMIT_POINT
-        return replace(found, outcome=Outcome.CONVERGED) if asked else found
+            trace = self.continuation.trace(self.linearise, self.load, self.targets, tell)
+        at_limit = self.continuation.to_limit and trace.outcome is Outcome.LIMIT_POINT
+        return replace(trace, outcome=Outcome.CONVERGED) if at_limit else trace
 
 
 def point_rise(force: float, shear_stiffness: float, thickness: float, size: float) -> float:
@@ -109,9 +109,11 @@ class CurveModel(StaticModel):
         yield ArcStage(*path, self.continuation, self._summarise, *shell)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
-        found = self.measure_at(self.shell, u)
-        even = {key.replace("_mm", "_even_mm"): found[key] - fraction * rise for key, rise in self.rises.items()}
-        return found | even
+        displacements = self.measure_at(self.shell, u)
+        even = {
+            key.replace("_mm", "_even_mm"): displacements[key] - fraction * rise for key, rise in self.rises.items()
+        }
+        return displacements | even
 
     def _summarise(self, points: Sequence[ArcPoint]) -> dict[str, float]:
         """Number of limit points, load and displacements of the first."""
@@ -126,12 +128,12 @@ class CurveModel(StaticModel):
 
 def _continuation(request: Request, shell: ShellModel) -> ArcLength | PowerSeries:
     """What follows the curve: what was asked for, else power series where they apply; raises UsageError."""
-    asked, obstacle = request.settings.get("path"), shell.quadratic
-    if asked == SERIES and obstacle is not None:
+    method, obstacle = request.settings.get("path"), shell.quadratic
+    if method == SERIES and obstacle is not None:
         raise UsageError(f"path = {SERIES} does not apply: {obstacle}; it must be {ARC_LENGTH}")
     solver, tolerance, ordered = request.choice("solver"), request.number("tolerance"), shell.ordered
     to_limit = request.settings.get("until") == "limit"
-    if obstacle is None and asked != ARC_LENGTH:
+    if obstacle is None and method != ARC_LENGTH:
         return PowerSeries(to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=ordered)
     first = request.number("arc_step") / request.steps
     return ArcLength(first, to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=ordered)

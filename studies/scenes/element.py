@@ -58,10 +58,10 @@ MOVED_NODES = (
 
 
 def _of_element(presets: Mapping[str, Mapping[str, str]], interpolations: Iterable[str]) -> tuple[Setting, ...]:
-    own = ((key, interpolations if key == "interpolation" else choices, text) for key, choices, text in OPTIONS)
+    options = ((key, interpolations if key == "interpolation" else choices, text) for key, choices, text in OPTIONS)
     return (
         Setting.one_of("element", presets, "refined", BY_ONE_NAME, presets=presets),
-        *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in own),
+        *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in options),
     )
 
 
@@ -101,8 +101,8 @@ class ShearCorrected(Laminate):
     """A laminate whose stiffness against the mean transverse shear is multiplied by ``shear_correction``.
 
     The paper's section has none (factor 1). 5/6 is Reissner's for a homogeneous plate; a factor of 1000 makes a thin
-    shell one of Kirchhoff, to tell what of a difference to a thin-shell reference is shear. The DIFFERENCE of the shear
-    between the faces is left alone: it is the gradient of the thickness stretch, no shear force belongs to it.
+    shell one of Kirchhoff, to isolate the shear in a difference from a thin-shell reference. The DIFFERENCE of the
+    shear between the faces is left alone: it is the gradient of the thickness stretch, no shear force belongs to it.
     """
 
     shear_correction: float = 1.0

@@ -41,11 +41,11 @@ SETTINGS = (
 
 def complete(settings: Mapping[str, Value]) -> dict[str, Value]:
     """Add the measures of the foundation that were left open; raises UsageError on those of another."""
-    own = PARAMETERS[str(settings["foundation"])]
-    foreign = [key for measures in PARAMETERS.values() for key in measures if key in settings and key not in own]
+    defaults = PARAMETERS[str(settings["foundation"])]
+    foreign = [key for measures in PARAMETERS.values() for key in measures if key in settings and key not in defaults]
     if foreign:
         raise UsageError(f"a foundation {settings['foundation']!r} has no {foreign[0]}")
-    return {**own, **settings}
+    return {**defaults, **settings}
 
 
 def foundation(

@@ -73,10 +73,10 @@ def nodal(problem: ContactProblem, state: ContactSolution, units: Units) -> Tabl
     assert state.friction is not None
     touch = np.flatnonzero(state.friction.state != State.OPEN)
     slip = slip_of(problem, state.friction.since)
-    y, way = (each[touch] / units.length for each in (_candidates(problem, state)[0], slip(state.u)))
+    y, slips = (each[touch] / units.length for each in (_candidates(problem, state)[0], slip(state.u)))
     normal, pull = problem.nodal_forces(state.pressure)[touch], in_space(problem, state)[touch] / units.force
     columns: dict[str, Any] = {"candidate": touch, "normal_N": normal / units.force}
     columns |= {f"{axis}_mm": y[:, i] for i, axis in enumerate("xyz")}
     columns |= {f"friction_{axis}_N": pull[:, i] for i, axis in enumerate("xyz")}
-    columns |= {"slip_mm": np.linalg.norm(way, axis=1), "area_mm2": problem.weights[touch] / units.length**2}
+    columns |= {"slip_mm": np.linalg.norm(slips, axis=1), "area_mm2": problem.weights[touch] / units.length**2}
     return Table.of({**columns, "sticks": (state.friction.state[touch] == State.STICK).astype(int)})

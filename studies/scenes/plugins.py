@@ -26,9 +26,9 @@ OURS = ("contact", "formulations", "reports", "studies")
 
 @contextmanager
 def blamed(contact: str, measure: str = "exact", scene: Scene | None = None) -> Iterator[None]:
-    """Raise PartError for what a part from outside raises, and for an answer that is none.
+    """Raise PartError for an exception or an invalid answer of a part from outside.
 
-    Where no part is from outside, an exception is a fault of ours and stays what it is.
+    Where no part is from outside, an exception is a fault of the suite and is passed on unchanged.
     """
     try:
         yield
@@ -37,10 +37,10 @@ def blamed(contact: str, measure: str = "exact", scene: Scene | None = None) -> 
     except ContractError as error:
         raise PartError(str(error)) from error
     except (Exception, SystemExit) as error:
-        said = _said(error, _from_outside(contact, measure, scene))
-        if said is None:
+        message = _said(error, _from_outside(contact, measure, scene))
+        if message is None:
             raise
-        raise PartError(said) from error
+        raise PartError(message) from error
 
 
 def _from_outside(contact: str, measure: str, scene: Scene | None) -> dict[str, str]:
@@ -128,8 +128,8 @@ def load_file(path: Path) -> None:
 
 def modules_of(measure: str, contact: str, scene: str, law: str = "") -> set[str]:
     """The modules from outside that these parts came with."""
-    asked = zip(GROUPS, (measure, contact, scene, law), strict=True)
-    return {_module_of[part] for part in asked if part in _module_of}
+    named_parts = zip(GROUPS, (measure, contact, scene, law), strict=True)
+    return {_module_of[part] for part in named_parts if part in _module_of}
 
 
 def modules() -> set[str]:
@@ -138,32 +138,32 @@ def modules() -> set[str]:
 
 
 def _enter(entry: EntryPoint, group: str, catalogue: MutableMapping[str, Any]) -> None:
-    said = f"plug-in {entry.name!r} of {group} ({entry.value})"
+    label = f"plug-in {entry.name!r} of {group} ({entry.value})"
     before = catalogue.get(entry.name)
     try:
         part = entry.load()
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{said}: {_line(error)}") from error
+        raise UsageError(f"{label}: {_line(error)}") from error
     name = getattr(part, "name", None)
     if name != entry.name:
-        raise UsageError(f"{said}: the name of the part is {name!r}")
+        raise UsageError(f"{label}: the name of the part is {name!r}")
     if before is not None and before is not part:
-        raise UsageError(f"{said}: there is another part of this name")
-    _check(said, group, part)
+        raise UsageError(f"{label}: there is another part of this name")
+    _check(label, group, part)
     catalogue[entry.name] = part
     _module_of[group, entry.name] = entry.module
 
 
-def _check(said: str, group: str, part: object) -> None:
+def _check(label: str, group: str, part: object) -> None:
     """Raises UsageError for a part that is not complete; an algorithm is a class, and each parameter a field of it."""
     missing = [name for name in NEEDED[group] if not hasattr(part, name)]
     if missing:
-        raise UsageError(f"{said}: the part has no {', '.join(missing)}")
+        raise UsageError(f"{label}: the part has no {', '.join(missing)}")
     if group == "footprint.contact":
         missing = [each.key for each in getattr(part, "parameters", ()) if not hasattr(part, each.key)]
         if missing or not isinstance(part, type):
             what = f"no default for {', '.join(missing)}" if missing else "to be a class, not an instance"
-            raise UsageError(f"{said}: the part has {what}")
+            raise UsageError(f"{label}: the part has {what}")
 
 
 def _line(error: BaseException) -> str:

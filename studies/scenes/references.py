@@ -1,4 +1,4 @@
-"""The references of a scene that hold for a request, at a load."""
+"""The references of a scene that are valid for a request, at a load."""
 
 import math
 from collections.abc import Container, Iterator, Mapping
@@ -15,10 +15,10 @@ STEP_KEYS = ("load_fraction", "delta_mm", "way_mm")
 
 
 def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
-    """The references of a scene that hold where these are the settings, the measure and the load.
+    """The references of a scene that are valid for these settings, this measure and this load.
 
-    None that is zero: errors are relative. One that names neither law nor mu is of the linear one without friction. A
-    campaign may bring scenes of its own, which are not loaded here.
+    Those of value zero are left out: errors are relative. One that names neither law nor mu is of the linear law
+    without friction. A campaign may bring scenes of its own, which are not loaded here.
     """
     where = {**UNSAID, **there}
     for reference in SCENES[scene].references if scene in SCENES else ():
@@ -28,7 +28,7 @@ def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
 
 
 def closest(scene: str, there: Mapping[str, Any], quantities: Container[str]) -> dict[str, Reference]:
-    """Of the references that hold there, the least uncertain one of each of these quantities."""
+    """Of the references that are valid there, the least uncertain one of each of these quantities."""
     best: dict[str, Reference] = {}
     for reference in holding(scene, there):
         if reference.quantity in quantities:

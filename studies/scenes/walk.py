@@ -17,7 +17,7 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, O
 from contact.swept import Crossing, crossings_along
 from studies.ask.scene import CurveStage, SceneModel, Stage, moved
 
-ENDS = 2  # of a step: its problems are asked for again and again, by who solves it and by who looks at it
+ENDS = 2  # of a step: both its problems are needed repeatedly, to solve and to observe
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +137,10 @@ def walk(
             first = problem_at(stage.targets[0])
             refused = first.unfit_for_friction or algorithm.supports(first)
             if refused is not None:
-                said = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
-                yield Visited(stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, said, 0))
+                unchanged = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
+                yield Visited(
+                    stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, unchanged, 0)
+                )
                 return
             for point in follow(
                 problem_at,

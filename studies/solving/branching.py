@@ -38,16 +38,16 @@ def branches_of(result: Result) -> list[dict[str, Any]]:
         raise UsageError("--branch needs a potential: friction has none")
     algorithm = configured(result.request.contact, result.request.settings)
     try:
-        found = stable_branches(visited.problem, visited.point.solution, algorithm)
+        branches = stable_branches(visited.problem, visited.point.solution, algorithm)
     except (SingularMatrixError, ValueError) as error:
         raise UsageError(f"--branch: the tangent does not tell its modes: {error}") from None
-    result.branches = [_row(result, branch) for branch in found or ()]
-    result.beside = list(found or ())
+    result.branches = [_row(result, branch) for branch in branches or ()]
+    result.beside = list(branches or ())
     return result.branches
 
 
 def _row(result: Result, branch: Branch) -> dict[str, Any]:
-    """What there is at the end of a descent."""
+    """The state at the end of a descent."""
     visited = result.end
     assert visited is not None
     row: dict[str, Any] = {
@@ -58,14 +58,14 @@ def _row(result: Result, branch: Branch) -> dict[str, Any]:
     row |= {"away": branch.away, "factorisations": int(branch.solution.counters.get("factorisations", 0))}
     if not branch.solution.outcome.converged:
         return row
-    told = certificate(visited.problem, branch.solution, result.epsilon)
-    if told["failures"]:
-        row |= {"found": False, "said": f"the judge finds {', '.join(told['failures'])} beyond its bounds"}
-    seen = visited.stage.observe(visited.problem, branch.solution, visited.point.requested).step or {}
-    row |= {key: value for key, value in seen.items() if isinstance(value, int | float)}
+    record = certificate(visited.problem, branch.solution, result.epsilon)
+    if record["failures"]:
+        row |= {"found": False, "said": f"the judge finds {', '.join(record['failures'])} beyond its bounds"}
+    readings = visited.stage.observe(visited.problem, branch.solution, visited.point.requested).step or {}
+    row |= {key: value for key, value in readings.items() if isinstance(value, int | float)}
     here = result.loads[-1].seen.get(FORCE) if result.loads else None
-    if here and FORCE in seen:
-        row["change_of_force"] = seen[FORCE] / here - 1
+    if here and FORCE in readings:
+        row["change_of_force"] = readings[FORCE] / here - 1
     return row
 
 
@@ -74,24 +74,24 @@ def write(result: Result, directory: Path) -> list[str]:
     visited, model = result.end, result.model
     if visited is None or model is None:
         return []
-    found = {f"branch_{number}.vtu": branch for number, branch in enumerate(result.beside, 1) if branch.found}
-    for name, branch in found.items():
+    by_file = {f"branch_{number}.vtu": branch for number, branch in enumerate(result.beside, 1) if branch.found}
+    for name, branch in by_file.items():
         state = visited.stage.lifted(branch.solution)
         write_by(directory / name, partial(moved(model, visited.point.reached).write_fields, state=state))
-    return list(found)
+    return list(by_file)
 
 
 def lines(result: Result) -> list[str]:
     """What a terminal shows: one line a branch."""
     if not result.branches:
         return ["--branch: the last state has no unstable mode: there is no branch to leave for"]
-    told = []
+    report = []
     for row in result.branches:
         side = "along" if row["side"] > 0 else "against"
         force = f", {FORCE} {row[FORCE]:.6g}" if FORCE in row else ""
         change = f" ({row['change_of_force']:+.3%})" if "change_of_force" in row else ""
         kind = "stable branch" if row["found"] else "no stable branch"
-        told.append(
+        report.append(
             f"{kind} {side} the unstable mode: {row['said']}{force}{change}; {row['factorisations']} factorisations"
         )
-    return told
+    return report

@@ -23,7 +23,7 @@ from contact.verify import claim, gap_residuals, judge
 UNITS = {"penetration": "mm", "tension": "MPa", "complementarity": "MPa mm"}  # of the residuals that have one
 NO_STATE = "what the judge refuses is no equilibrium"
 NO_POTENTIAL = "friction has no potential whose second variation would be looked at"
-UNTOLD = "friction"  # the failure of an answer that says nothing of its friction although candidates are pressed
+UNTOLD = "friction"  # of an answer without friction forces although candidates are pressed
 SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
 
 
@@ -47,13 +47,13 @@ def certificate(
     """
     if before is None:
         problem, friction, since, forces = _linearised_once(problem, state.u), None, None, state.pressure
-    else:  # where the slip is counted from is worked out anew: what the answer says of that is not asked
+    else:  # the anchors of the slip are recomputed, not taken from the answer
         problem = problem.since(anchors_left(problem, *before, epsilon))
         friction = np.zeros((len(state.pressure), 2)) if state.friction is None else state.friction.force
         since, forces = before[1].u, problem.nodal_forces(state.pressure)
     verdict = judge(problem, state.u, state.pressure, friction, epsilon=epsilon, since=since)
-    found = verdict.certificate
-    found["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
+    record = verdict.certificate
+    record["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
     exceeded = verdict.exceeded(**claim(tolerance, len(state.u)))
     failures = list(exceeded)
     if friction is not None:
@@ -71,18 +71,18 @@ def certificate(
         failures.append(SWEPT)
         shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
         diagnosis.append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
-    found |= {"exceeded": exceeded} if exceeded else {}
-    return {**found, "failures": failures, "diagnosis": diagnosis, "stability": standing.record}
+    record |= {"exceeded": exceeded} if exceeded else {}
+    return {**record, "failures": failures, "diagnosis": diagnosis, "stability": standing.record}
 
 
 def refusal(certificate: Mapping[str, Any]) -> str:
     """Why the judge refuses a state: each failed condition with its size and its bound; empty where it does not."""
-    told = {line.partition(":")[0]: line for line in certificate["diagnosis"]}
+    reasons = {line.partition(":")[0]: line for line in certificate["diagnosis"]}
     for name, (size, bound) in certificate.get("exceeded", {}).items():
         unit = f" {UNITS[name]}" if name in UNITS else ""
         above = f"{name} {size:.3g}{unit} above {bound:.3g}{unit}"
-        told[name] = f"{name} is not a number" if math.isnan(size) else above
-    return ", ".join(told.get(name, name) for name in certificate["failures"])
+        reasons[name] = f"{name} is not a number" if math.isnan(size) else above
+    return ", ".join(reasons.get(name, name) for name in certificate["failures"])
 
 
 def _linearised_once(problem: ContactProblem, u: np.ndarray) -> ContactProblem:

@@ -37,7 +37,7 @@ class Choice:
     whose limit is the ``truth``; beyond: one that is not known well enough to be that.  verdicts: walls, measures,
     options of the element, models, the reference first.
     algorithms: from rest, on a coarse mesh and on one that is enough.  offers: what is recommended, the runner-up,
-    further ones.  refused: offers that did not hold from rest.  reason: why nothing is recommended.  seconds: of wall
+    further ones.  refused: offers that failed from rest.  reason: why nothing is recommended.  seconds: of wall
     time.
     """
 

@@ -2,8 +2,8 @@
 
 The exact measure comes first, on grids that grow until one of them is enough: its limit is the reference. Then walls
 with more surfaces on the same grids, until more would change nothing: what those have is the truth, and the fewest that
-are enough are the wall of all that follows; where their grids do not tell within the error, errors count from the wall
-that was asked for, and the answer says so. Then measures, how two faces meet, algorithms on a grid that is enough,
+are enough are the wall of all that follows; where their grids do not decide within the error, errors count from the
+wall that was asked for, as the answer states. Then measures, how two faces meet, algorithms on a grid that is enough,
 options of the element, models, each with a share of what is left; last the cheapest of all that is enough, as its
 command line asks for it.
 """
@@ -84,73 +84,73 @@ def choose(
     cascade = Cascade(scene, error, quantity)
     with clock.share(OF_REFERENCE):
         stopped = follow(cascade, request, clock, progress)
-    found = Choice(question, request, budget, quantity or "", stopped)
+    choice = Choice(question, request, budget, quantity or "", stopped)
     limit = limit_stated(cascade)
     if isinstance(limit, str):
-        found.reason = limit
+        choice.reason = limit
     else:
-        found.quantity, found.limit = cascade.name, limit
-        _compare(found, cascade, limit, clock, progress)
-        if not found.offers:
-            found.reason = f"nothing is surely within {100 * error:g} % on grids up to {cascade.last.mesh}"
-    found.seconds = clock.spent
-    return found
+        choice.quantity, choice.limit = cascade.name, limit
+        _compare(choice, cascade, limit, clock, progress)
+        if not choice.offers:
+            choice.reason = f"nothing is surely within {100 * error:g} % on grids up to {cascade.last.mesh}"
+    choice.seconds = clock.spent
+    return choice
 
 
-def loosened(found: Choice, error: float) -> Choice:
+def loosened(choice: Choice, error: float) -> Choice:
     """What the same grids say of a larger error; its own recommendation is solved from rest, within the same budget.
 
     Algorithms are not tried again. Raises ValueError where no limit is known, or the error is smaller.
     """
-    if found.limit is None or error < found.question.error:
-        least = min(error, found.question.error)
-        raise ValueError(f"of {found.question.name} nothing is known to {100 * least:g} %")
-    question, reference = replace(found.question, error=error), found.verdicts[0].ladder
-    wall = found.beyond if found.beyond is not None and found.beyond.tells(error) else found.wall
-    known = reference, found.limit, found.quantity, error, wall
-    verdicts = [judged(each.ladder, *known) for each in found.verdicts]
-    clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
-    held = recommended(offers, found.quantity, wall.truth(found.limit), clock, lambda text: None)
+    if choice.limit is None or error < choice.question.error:
+        least = min(error, choice.question.error)
+        raise ValueError(f"of {choice.question.name} nothing is known to {100 * least:g} %")
+    question, reference = replace(choice.question, error=error), choice.verdicts[0].ladder
+    wall = choice.beyond if choice.beyond is not None and choice.beyond.tells(error) else choice.wall
+    known = reference, choice.limit, choice.quantity, error, wall
+    verdicts = [judged(each.ladder, *known) for each in choice.verdicts]
+    clock, offers = Clock(CHOOSING * choice.budget), offers_of(question, verdicts, choice.algorithms)
+    held = recommended(offers, choice.quantity, wall.truth(choice.limit), clock, lambda text: None)
     refused = [offer for offer in offers if not offer.holds and not offer.untried]
     reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {reference.paths[-1].mesh}"
-    answer = replace(found, question=question, wall=wall, verdicts=verdicts, algorithms=[], reason=reason)
+    answer = replace(choice, question=question, wall=wall, verdicts=verdicts, algorithms=[], reason=reason)
     answer.offers, answer.refused, answer.seconds = held, refused, clock.spent
     return answer
 
 
-def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, progress: Callable[[str], None]) -> None:
+def _compare(choice: Choice, cascade: Cascade, limit: Estimate, clock: Clock, progress: Callable[[str], None]) -> None:
     """Walls, measures, algorithms, elements and models, what is recommended, and what there is time for then."""
-    question, quantity = found.question, cascade.name
+    question, quantity = choice.question, cascade.name
     reference = Ladder(Variant(MEASURE, REFERENCE, cascade.grids[0].request), cascade.grids)
     walls, others = list[Ladder](), list[Ladder]()
 
     def verdict(ladder: Ladder) -> Verdict:
-        return judged(ladder, reference, limit, quantity, question.error, found.wall)
+        return judged(ladder, reference, limit, quantity, question.error, choice.wall)
 
-    def climb(own: Sequence[Ladder]) -> None:
+    def climb(ladders: Sequence[Ladder]) -> None:
         limits = lambda ladder: verdict(ladder).limit  # noqa: E731
-        for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
+        for text in climb_all(ladders, reference, quantity, limits, question.scene, question.error, clock):
             progress(text)
-        if found.beyond is None:
-            found.wall = Wall.of([judged(each, reference, limit, quantity, question.error) for each in walls])
+        if choice.beyond is None:
+            choice.wall = Wall.of([judged(each, reference, limit, quantity, question.error) for each in walls])
 
     def offers() -> list[Offer]:
-        found.verdicts = [verdict(each) for each in (reference, *walls, *others)]
-        return offers_of(question, found.verdicts, found.algorithms)
+        choice.verdicts = [verdict(each) for each in (reference, *walls, *others)]
+        return offers_of(question, choice.verdicts, choice.algorithms)
 
     with clock.share(OF_WALLS):
         for wall in richer_walls(question.scene, reference.variant.request):
             walls.append(Ladder(wall))
             climb(walls[-1:])
-            if found.wall.name != wall.name or found.wall.left <= SETTLED * question.error:
+            if choice.wall.name != wall.name or choice.wall.left <= SETTLED * question.error:
                 break
-    if not found.wall.tells(question.error):  # what is not known of a wall must not hide what is known on this one
-        found.beyond, found.wall = found.wall, Wall()
+    if not choice.wall.tells(question.error):  # what is not known of a wall must not hide what is known on this one
+        choice.beyond, choice.wall = choice.wall, Wall()
     on = next((each for each in (reference, *walls) if verdict(each).word in (ENOUGH, NO_MESH)), reference)
     beyond = verdict(on).limit
     if isinstance(beyond, Difference) and verdict(on).word == NO_MESH:
         with clock.share(OF_WALLS):
-            limit = found.limit = _finer(found, cascade, limit, beyond.most, clock, progress)
+            limit = choice.limit = _finer(choice, cascade, limit, beyond.most, clock, progress)
             climb([each for each in walls if each is on])
     every = variants(question.scene, on.variant.request, question.given)
     others += (Ladder(beside_wall(each, on.variant)) for each in every)
@@ -162,22 +162,22 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
                 climb([each for each in others if each.variant.axis == axis])
             elif has_contact(question.scene):
                 meshes = reference.paths[0].mesh, path.mesh
-                found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
+                choice.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
     first = offers()
-    found.offers = recommended(first, quantity, found.wall.truth(limit), clock, progress)
-    found.refused = [offer for offer in first if not offer.holds and not offer.untried]
-    climb([*walls, *others] if found.beyond is None else others)
+    choice.offers = recommended(first, quantity, choice.wall.truth(limit), clock, progress)
+    choice.refused = [offer for offer in first if not offer.holds and not offer.untried]
+    climb([*walls, *others] if choice.beyond is None else others)
     known = {offer.words for offer in first}
-    found.offers += [offer for offer in offers() if offer.words not in known]
+    choice.offers += [offer for offer in offers() if offer.words not in known]
 
 
 def _finer(
-    found: Choice, cascade: Cascade, limit: Estimate, beyond: float, clock: Clock, progress: Callable[[str], None]
+    choice: Choice, cascade: Cascade, limit: Estimate, beyond: float, clock: Clock, progress: Callable[[str], None]
 ) -> Estimate:
     """The limit of the reference on finer grids, as the uncertainty ``beyond`` of the wall leaves less for grids."""
     grid = near(cascade.scene, cascade.last.request, FINER)
     if grid is not None:
-        found.stopped = follow(cascade, grid, clock, progress, beyond)
+        choice.stopped = follow(cascade, grid, clock, progress, beyond)
     stated = limit_stated(cascade)
     return stated if isinstance(stated, Estimate) else limit
 
@@ -228,31 +228,31 @@ def follow(
     that the scene does not have.
     """
     grid: Request | None = request
-    lost, said = 0, ""
+    lost, reason = 0, ""
     while grid is not None and lost < FAILURES:
         text = grid.mesh_text
         if cascade.grids and not clock.fits(DEARER * cascade.last.seconds):
             return f"no time for {text}"
         progress(f"{REFERENCE} {text}")
-        said = f"the path is not followed to its end on {text}"
+        reason = f"the path is not followed to its end on {text}"
         followed = cascade.grow(grid)
         if not followed and not cascade.grids and element_size(grid) < TOO_FINE * element_size(request):
             break
         lost = lost + 1 if cascade.grids and not followed else 0
         if followed:
-            said = ""
+            reason = ""
             cascade.check_quantity()
-            found = cascade.stated()
-            if isinstance(found, Estimate):
-                progress(f"{cascade.name} {found}")
-                if first_enough(errors(cascade.values, found), NONE, cascade.error - beyond) is not None:
+            limit = cascade.stated()
+            if isinstance(limit, Estimate):
+                progress(f"{cascade.name} {limit}")
+                if first_enough(errors(cascade.values, limit), NONE, cascade.error - beyond) is not None:
                     return ""
         grid = near(cascade.scene, grid, FINER)
-    return said
+    return reason
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:
-    """The limit of the exact measure, or why there is none to compare with."""
+    """The limit of the exact measure, or why it is not known."""
     if not cascade.grids:
         return f"the path of the measure {REFERENCE} is not followed to its end on any grid"
     limit = cascade.stated()

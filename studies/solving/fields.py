@@ -1,7 +1,7 @@
-"""States as people look at them: a file for ParaView a requested load, with units, and tables of nodes and candidates.
+"""States as output: a file for ParaView a requested load, with units, and tables of nodes and candidates.
 
 What a model writes of a state is kept; gap, contact and strains are added to it. Of a model from outside that writes a
-file of its own kind, that file is all. What a store keeps of a cell does not enter here, nor what a state is worth.
+file of its own kind, that file is all. What a store keeps of a cell does not enter here, nor how accurate a state is.
 """
 
 from __future__ import annotations
@@ -35,23 +35,23 @@ def write(
     nodes.csv has the last state, contact.csv every load, where something may touch and it is not ``known`` already.
     Returns the names.
     """
-    at_end = next((seen for seen in loads if last is not None and seen.state is last.state), last)
-    series = {f"fields_{number}.vtu": seen for number, seen in enumerate(loads, 1)} if len(loads) > 1 else {}
-    named = {FIELDS if seen is at_end else name: seen for name, seen in series.items()}
+    at_end = next((at_load for at_load in loads if last is not None and at_load.state is last.state), last)
+    series = {f"fields_{number}.vtu": at_load for number, at_load in enumerate(loads, 1)} if len(loads) > 1 else {}
+    named = {FIELDS if at_load is at_end else name: at_load for name, at_load in series.items()}
     tables: dict[str, list[Table]] = {"nodes.csv": [], "contact.csv": []}
-    for name, seen in {**named, FIELDS: at_end}.items():
-        points = _Points.of(model, seen)
+    for name, at_load in {**named, FIELDS: at_end}.items():
+        points = _Points.of(model, at_load)
         if points is None:
-            write_by(directory / name, partial(shown(model, seen).write_fields, state=state_of(model, seen)))
+            write_by(directory / name, partial(shown(model, at_load).write_fields, state=state_of(model, at_load)))
             continue
         write_by(directory / name, points.write)
         if name == FIELDS:
             tables["nodes.csv"] = [points.table()]
-        if seen is not None and seen in loads and np.any(points.candidate >= 0):
-            tables["contact.csv"].append(points.touching(seen.load))
+        if at_load is not None and at_load in loads and np.any(points.candidate >= 0):
+            tables["contact.csv"].append(points.touching(at_load.load))
     made = [*named] if at_end in named.values() else [*named, FIELDS]
     if series:
-        write_text(directory / SERIES, _collection([seen.load[1] for seen in loads], list(named)))
+        write_text(directory / SERIES, _collection([at_load.load[1] for at_load in loads], list(named)))
         made.append(SERIES)
     for name, parts in tables.items():
         if parts and name not in known:

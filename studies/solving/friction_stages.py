@@ -140,27 +140,26 @@ class Stages:
             return lambda t: with_friction(pressed.problem, self._mu, motion(t)), previous
 
         def observe(problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
-            seen = _observe(pressed.stage, problem, state, pressed.stage.targets[-1])
-            tables = seen.tables
-            last = {name: value for name, value in seen.quantities.items() if name in FORCES}
-            at = {setting.key: t}
+            observation = _observe(pressed.stage, problem, state, pressed.stage.targets[-1])
+            tables = observation.tables
+            last = {name: value for name, value in observation.quantities.items() if name in FORCES}
+            step = {setting.key: t, **(observation.step or {})}
             # the headline of the scene is that of the end of its press, and so are its tables
-            return Observation(
-                {**at, **(seen.step or {})}, last, lambda: {FRICTION: tables()[FRICTION].with_column(setting.key, t)}
-            )
+            return Observation(step, last, lambda: {FRICTION: tables()[FRICTION].with_column(setting.key, t)})
 
         yield Stage(setting.key.rpartition("_")[0], begin, stops, observe)
 
 
 def _observe(stage: Stage, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
     """What the scene reads off, and of friction its forces and its table."""
-    seen = stage.observe(problem, state, t)
-    if problem.coulomb is None or state.friction is None or seen.step is None:
-        return seen
-    found = forces(problem, state, stage.units)
-    load = next(iter(seen.step))
+    observation = stage.observe(problem, state, t)
+    if problem.coulomb is None or state.friction is None or observation.step is None:
+        return observation
+    resultants = forces(problem, state, stage.units)
+    load = next(iter(observation.step))
 
     def tables() -> dict[str, Table]:
-        return {**seen.tables(), FRICTION: nodal(problem, state, stage.units).with_column(load, t)}
+        return {**observation.tables(), FRICTION: nodal(problem, state, stage.units).with_column(load, t)}
 
-    return replace(seen, step={**seen.step, **found}, quantities={**seen.quantities, **found}, tables=tables)
+    step, quantities = {**observation.step, **resultants}, {**observation.quantities, **resultants}
+    return replace(observation, step=step, quantities=quantities, tables=tables)

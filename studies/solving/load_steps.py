@@ -6,7 +6,7 @@ this is the order, for contact that changes node by node is no smooth function o
 as wide. Measured on 12 small problems, from 1, 2 and 4 steps, against the limit of 8 and 16: 215 of 226 values are
 within, 75 of 75 from 2 steps; 9 of the 11 others are the dissipation of a single step. Where both paths agree, as where
 both steps are too long for anything to slip, they say nothing: a ring of 32 elements has the same force in 4 steps as
-in 1, and another one in 8. Halved are the accepted steps, those of automatic cuts, too. The answer stays what it is.
+in 1, and another one in 8. Halved are the accepted steps, those of automatic cuts, too. The answer is not changed.
 
 No scene, no algorithm and nothing of Newton may enter here.
 """
@@ -28,7 +28,7 @@ from studies.solving.friction_stages import Stages
 from studies.solving.result import COUNTS, SOLVED, Result, unit_of
 
 TABLE = "load_steps"
-SAFETY = 3.0  # of an estimate by two grids, whose order nobody has observed: Roache, J. Fluids Eng. 116 (1994) 405-413
+SAFETY = 3.0  # of an estimate by two grids, whose order was not observed: Roache, J. Fluids Eng. 116 (1994) 405-413
 NOISE = 10.0  # times the tolerance of the largest in a unit: what is smaller is no difference
 SHOWN, IN_A_TURN = "friction_N", "moment_N_mm"  # beside the first quantity
 REMARK = (
@@ -60,8 +60,8 @@ class StepError:
     @property
     def row(self) -> dict[str, Any]:
         """As plain data."""
-        told = {"quantity": self.quantity, "value": self.value, "halved": self.halved, "error": self.error}
-        return {**told, "noise": self.noise, "low": None, "high": None, **self.interval}
+        figures = {"quantity": self.quantity, "value": self.value, "halved": self.halved, "error": self.error}
+        return {**figures, "noise": self.noise, "low": None, "high": None, **self.interval}
 
 
 def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) -> None:
@@ -75,17 +75,17 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     result.remarks.append(REMARK)
     for visited, steps in _halved(result, tell):
         stage, at = visited.stage.name, visited.point.requested
-        seen, failed = _seen(visited, result)
+        observation, failed = _seen(visited, result)
         if failed:
             result.remarks.append(f"no error of load steps from {stage} at {at:g} on: {failed}")
             break
-        if seen.step is None:
+        if observation.step is None:
             continue
         step = next(loads)
-        found = compared(step.quantities, seen.step, result.request.number("tolerance"))
-        last |= {each.quantity: each for each in found if each.quantity in seen.quantities}
+        step_errors = compared(step.quantities, observation.step, result.request.number("tolerance"))
+        last |= {each.quantity: each for each in step_errors if each.quantity in observation.quantities}
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
-        rows += [{"stage": stage, "load": at, **spent, **each.row} for each in found]
+        rows += [{"stage": stage, "load": at, **spent, **each.row} for each in step_errors]
     widened = {quantity: _widened(result.errors.get(quantity, {}), each) for quantity, each in last.items()}
     result.errors = {name: interval for name, interval in (result.errors | widened).items() if interval}
     result.tables |= {TABLE: [Table.of_rows(rows)]} if rows else {}
@@ -108,12 +108,12 @@ def compared(mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float
 
 
 def _halved(result: Result, tell: Callable[[str], None]) -> Iterator[tuple[Visited, int]]:
-    """The requested points on a path of half steps, and in how many it has come there; the last may be no state."""
+    """The requested points on a path of half steps, with the number of these; the last may not be converged."""
     assert result.model is not None
     request, ends = result.request, dict[str, set[int]]()
 
     def halved(stage: Stage) -> Stage:
-        ways = [way for name, way in result.ways if name == stage.name]
+        ways = [substeps for name, substeps in result.ways if name == stage.name]
         ends[stage.name] = set(accumulate(map(len, ways)))
         return replace(stage, targets=tuple(chain(*ways)))
 
@@ -133,13 +133,13 @@ def _seen(visited: Visited, result: Result) -> tuple[Observation, str]:
     if not visited.converged:
         return nothing, f"the path of half steps ends: {visited.said}"
     problem, state = visited.problem, visited.point.solution
-    seen = visited.stage.observe(problem, state, visited.point.requested)
-    if seen.step is None or problem.coulomb is None:
-        return seen, ""
+    observation = visited.stage.observe(problem, state, visited.point.requested)
+    if observation.step is None or problem.coulomb is None:
+        return observation, ""
     tolerance, epsilon = result.request.number("tolerance"), result.request.number("epsilon")
     judged = certificate(problem, state, epsilon, tolerance, visited.passed, visited.last_accepted)
     failed = ", ".join(judged["failures"])
-    return seen, f"its state in half steps is wrong: {failed}" if failed else ""
+    return observation, f"its state in half steps is wrong: {failed}" if failed else ""
 
 
 def lines(result: Result) -> list[str]:
@@ -149,8 +149,8 @@ def lines(result: Result) -> list[str]:
     rows = list(result.table(TABLE).rows())
     first = rows[0]["quantity"]
     shown = [row for row in rows if row["quantity"] in (first, IN_A_TURN if row["stage"] == "turn" else SHOWN)]
-    told = [_line(row) for row in shown if abs(row["value"]) > row["noise"]]
-    return [*told, *(f"load steps: {cut}" for cut in result.as_json()["cuts"])]
+    report = [_line(row) for row in shown if abs(row["value"]) > row["noise"]]
+    return [*report, *(f"load steps: {cut}" for cut in result.as_json()["cuts"])]
 
 
 def _line(row: Mapping[str, Any]) -> str:

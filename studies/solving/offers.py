@@ -1,4 +1,4 @@
-"""What may be recommended: configurations that are enough, their command lines, and whether that holds from rest.
+"""What may be recommended: configurations that are enough, their command lines, and whether solves from rest agree.
 
 What is enough is decided before (:mod:`studies.solving.verdict`); the whole answer is :mod:`studies.solving.choice`.
 """
@@ -15,8 +15,8 @@ from studies.solving.variants import Variant
 from studies.solving.verdict import Verdict, errors
 
 FASTER = 0.8  # of the seconds, what a change of what is asked for may take at the most
-LOADING = 1.0  # s that every solve takes before it begins: beside it small differences are none
-TRIALS, ENOUGH = 4, 2  # offers that are tried at the most, and that have to hold
+LOADING = 1.0  # s that every solve takes before it begins: beside it small differences do not count
+TRIALS, ENOUGH = 4, 2  # offers that are tried at most, and that have to be confirmed
 
 
 @dataclass(eq=False)
@@ -68,11 +68,11 @@ class Offer:
     @property
     def data(self) -> dict[str, Any]:
         """As plain data."""
-        told = {name: getattr(self, name) for name in ("command", "words", "mesh", "error_at_most", "seconds")}
-        return {**told, "tried": self.holds}
+        fields = {name: getattr(self, name) for name in ("command", "words", "mesh", "error_at_most", "seconds")}
+        return {**fields, "tried": self.holds}
 
     def attempt(self, quantity: str, limit: Estimate, seconds: float, progress: Callable[[str], None]) -> None:
-        """Solve it from rest; it holds where the judge certifies it and its value is within the error, too."""
+        """Solve it from rest; confirmed where the judge certifies it and its value is within the error, too."""
         ask = lambda: self.question.asked(self.mesh, self.options, self.settings)  # noqa: E731
         self.trial = tried(ask, quantity, seconds, progress)
         if self.trial.solved and self.trial.value is not None:
@@ -98,7 +98,7 @@ def offers_of(question: Question, verdicts: Sequence[Verdict], algorithms: Seque
 def recommended(
     offers: Sequence[Offer], quantity: str, limit: Estimate, clock: Clock, progress: Callable[[str], None]
 ) -> list[Offer]:
-    """The offers that hold from rest, cheapest first, and after them those that there was no time to try."""
+    """The offers confirmed from rest, cheapest first, and after them those that there was no time to try."""
     for offer in offers[:TRIALS]:
         if sum(each.holds for each in offers) >= ENOUGH or not clock.fits(offer.foreseen):
             break

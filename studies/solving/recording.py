@@ -89,32 +89,32 @@ def _reached(visited: Visited) -> Iterator[Reached]:
 def _judge(reached: Reached, visited: Visited, result: Result) -> None:
     """What is read off a state and what the judge says of it, into the result."""
     problem, state = reached.problem, reached.state
-    seen = visited.stage.observe(problem, state, reached.at)
+    observation = visited.stage.observe(problem, state, reached.at)
     tolerance = result.request.number("tolerance")
     judged = certificate(problem, state, result.epsilon, tolerance, reached.passed, reached.before)
     if reached.where and judged["stability"]["word"] == UNSTABLE:
         sentence = f"{reached.where}: {judged['stability']['sentence']}"
-        if seen.step is None:
+        if observation.step is None:
             result.on_the_way.append(f"{sentence}; {ON_THE_WAY}")
         else:
             result.unstable.append(sentence)
     where = f"in {reached.where}"
-    if seen.step is not None:
-        result.loads.append(Step(seen.step, judged, reached.spent))
-        load, value = next(iter(seen.step.items()))
+    if observation.step is not None:
+        result.loads.append(Step(observation.step, judged, reached.spent))
+        load, value = next(iter(observation.step.items()))
         if visited.stage.whole is None:
             result.states.append(Seen((load, float(value)), reached.at, visited.problem_at, state))
         where = f"at {load} {value:g}"
-    _keep(seen, result)
+    _keep(observation, result)
     if judged["failures"]:
         result.outcome = result.cause = Outcome.WRONG
         result.reason = f"{refusal(judged)} {where}"
 
 
-def _keep(seen: Observation, result: Result) -> None:
-    for name, table in seen.tables().items():
+def _keep(observation: Observation, result: Result) -> None:
+    for name, table in observation.tables().items():
         result.tables.setdefault(name, []).append(table)
-    result.quantities |= seen.quantities
+    result.quantities |= observation.quantities
 
 
 def _record_end(visited: Visited, result: Result) -> None:
@@ -124,16 +124,19 @@ def _record_end(visited: Visited, result: Result) -> None:
     if point.outcome is Outcome.REFUSED:  # at once, or known only once the tangent is
         result.unsupported = f"{result.request.contact} does not apply: {visited.said}"
         return
-    said = visited.said
+    message = visited.said
     if point.end is not None and point.end.limit is not None:
         result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
     if point.end is not None and point.end.mode is not None and visited.stage.see_mode is not None:
-        seen = visited.stage.see_mode(point.solution, point.end.mode)
-        _keep(seen, result)
-        said += f"; {seen.said}"
+        observation = visited.stage.see_mode(point.solution, point.end.mode)
+        _keep(observation, result)
+        message += f"; {observation.said}"
     if point.end is not None and point.end.kind is not PathEnd.NEITHER and isinstance(result.model, ShellSceneModel):
-        said += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
-    where = f"{stage} at {point.requested:g}: {said}" if visited.trace is None else f"{stage}: {visited.trace.reason}"
+        message += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
+    if visited.trace is None:
+        where = f"{stage} at {point.requested:g}: {message}"
+    else:
+        where = f"{stage}: {visited.trace.reason}"
     result.reason = f"{where}; last converged at {point.reached:g}"
 
 
@@ -151,10 +154,10 @@ def _freeze(visited: Visited, result: Result) -> Frozen:
     problem, state = visited.problem_at(parameter), point.solution
     if not len(problem.weights):
         raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")
-    told = result.as_json()
-    origin = {key: told[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
+    record = result.as_json()
+    origin = {key: record[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
     origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": result.outcome.value}
-    commit = {key: told["provenance"][key] for key in ("version", "commit")}
+    commit = {key: record["provenance"][key] for key in ("version", "commit")}
     meta = plain({**origin, **commit})
     if problem.coulomb is not None:
         # at a solution the slip is that of its own step, else that which the failed step begins with
@@ -174,6 +177,6 @@ def _curve(visited: Visited, trace: Trace, result: Result) -> Table:
     rows = []
     for point in sorted([*judged, *others], key=lambda each: each.along):
         if point.along <= max(lengths, default=0.0):
-            seen = visited.stage.observe(problem, point.state, point.factor).step or {}
-            rows.append({**seen, "newton_iterations": point.iterations, "limit_point": int(point.limit)})
+            readings = visited.stage.observe(problem, point.state, point.factor).step or {}
+            rows.append({**readings, "newton_iterations": point.iterations, "limit_point": int(point.limit)})
     return Table.of_rows(rows)

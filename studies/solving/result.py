@@ -1,6 +1,6 @@
-"""What a solve has come to: the requested loads, its class, and the files that it is written to.
+"""The result of a solve: the requested loads, its class, and the files that it is written to.
 
-How it is found does not enter here (:mod:`studies.solving.solve`), nor what makes a state wrong
+How it is computed does not enter here (:mod:`studies.solving.solve`), nor what makes a state wrong
 (:mod:`studies.solving.certificate`).
 """
 
@@ -41,7 +41,7 @@ CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
 APART = "the faces do not touch at the last load: they are apart, or elements are too large for it"
-SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
+SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, stable or not
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class Frozen(Protocol):
 
 @dataclass
 class Result:
-    """What a solve has found; ``last`` is the last converged state, from which the fields are written.
+    """The result of a solve; ``last`` is the last converged state, from which the fields are written.
 
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
     the scene cannot be; nothing was solved beyond that.  outcome: WRONG where the judge refuses a load: the path ends
@@ -142,9 +142,9 @@ class Result:
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""
         request = self.request
-        asked = ("scene", "measure", "contact", "newton", "mesh", "model", "model_reason")
+        fields = ("scene", "measure", "contact", "newton", "mesh", "model", "model_reason")
         return {
-            **{name: getattr(request, name) for name in asked},
+            **{name: getattr(request, name) for name in fields},
             "mesh": request.mesh_text,
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
@@ -184,10 +184,10 @@ class Result:
         if self.end is None:
             return self.remarks
         problem, state = self.end.problem, self.end.point.solution
-        told = between_nodes(problem.standing, problem.weights, state.active)
-        apart = problem.faces is not None and not state.active.any()  # who asks for faces that meet wants them to
-        noted = [*([told] if told else []), *([APART] if apart else []), *_of_elements(self.request, self.loads)]
-        return [*noted, *self.on_the_way, *self.remarks]
+        fine_foundation = between_nodes(problem.standing, problem.weights, state.active)
+        apart = problem.faces is not None and not state.active.any()  # a scene with two faces expects them to touch
+        notes = [each for each in (fine_foundation, APART if apart else "") if each]
+        return [*notes, *_of_elements(self.request, self.loads), *self.on_the_way, *self.remarks]
 
     @property
     def steps(self) -> list[dict[str, Any]]:
@@ -233,9 +233,9 @@ class Result:
         from studies.solving import fields  # a cell keeps less
 
         assert self.model is not None  # what was refused has no artefacts
-        own = self._write_tables(directory)
-        made = fields.write(directory, self.model, self.states, self._shown, own)
-        files = [*own, *made, *beside]
+        table_files = self._write_tables(directory)
+        field_files = fields.write(directory, self.model, self.states, self._shown, table_files)
+        files = [*table_files, *field_files, *beside]
         forget(directory, RESULT, files)
         self.name(directory, files)
         return files
@@ -269,7 +269,7 @@ class Result:
 def _of_elements(request: Request, loads: Sequence[Step]) -> list[str]:
     """Modes that elements have by themselves at the load where these are most, and the mesh that has none."""
     stable: list[dict[str, Any]] = [step.certificate.get("stability", {}) for step in loads]
-    worst = max(stable, key=lambda told: told.get("element_modes", 0), default={})
+    worst = max(stable, key=lambda record: record.get("element_modes", 0), default={})
     count = worst.get("element_modes", 0)
     if not count:
         return []

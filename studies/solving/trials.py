@@ -114,9 +114,9 @@ class Question:
 
     def command(self, mesh: str, options: Mapping[str, Any], settings: Mapping[str, str]) -> str:
         """That command line."""
-        words = [f"--{key} {value}" for key, value in self._options(options).items() if DEFAULTS.get(key) != value]
-        words += [f"--set {key}={text_of(value)}" for key, value in {**self.given, **settings}.items()]
-        return " ".join(["footprint solve", self.name, f"--mesh {mesh}", *words, "--out DIR"])
+        arguments = [f"--{key} {value}" for key, value in self._options(options).items() if DEFAULTS.get(key) != value]
+        arguments += [f"--set {key}={text_of(value)}" for key, value in {**self.given, **settings}.items()]
+        return " ".join(["footprint solve", self.name, f"--mesh {mesh}", *arguments, "--out DIR"])
 
     def _options(self, changed: Mapping[str, Any]) -> dict[str, Any]:
         return {"measure": REFERENCE, **self.options, **changed}
@@ -137,7 +137,7 @@ class Trial:
 
     @property
     def solved(self) -> bool:
-        """Whether the judge certifies what was found."""
+        """Whether the judge certifies the answer."""
         return self.ended in SOLVED and self.value is not None
 
     def agrees(self, other: Trial | None) -> bool | None:
@@ -177,9 +177,9 @@ def tried(
         return Trial(SLOWER, f"stopped after {spent:.2g} s", spent)
     if result.unsupported:
         return Trial(REFUSED, result.unsupported)
-    said = "" if result.verdict == SOLVED[0] else str(result.as_json()["reason"])
+    why = "" if result.verdict == SOLVED[0] else str(result.as_json()["reason"])
     iterations = int(result.counters.get("newton_iterations", 0))
-    return Trial(result.verdict, said, spent, iterations, result.quantities.get(quantity), result.notes)
+    return Trial(result.verdict, why, spent, iterations, result.quantities.get(quantity), result.notes)
 
 
 def race(
@@ -195,7 +195,7 @@ def race(
     One that takes PATIENCE times as long as the one asked for is stopped, for it is not what is looked for. The grid
     lines are those of the reference.  foreseen: seconds of the algorithm asked for on the second mesh.
     """
-    own, (coarse, mesh) = question.contact, meshes
+    requested, (coarse, mesh) = question.contact, meshes
 
     def trial(name: str, mesh: str, seconds: float) -> Trial:
         progress(f"algorithm {name} {mesh}")
@@ -204,19 +204,19 @@ def race(
 
     if not clock.fits(foreseen * min(1.0, len(ALGORITHMS) / 4)):
         return [Trial(NOT_TRIED, "no time", contact=name, mesh=mesh) for name in ALGORITHMS]
-    heats = {own: trial(own, coarse, clock.left)}
-    base = max(heats[own].seconds, 1e-9)
+    heats = {requested: trial(requested, coarse, clock.left)}
+    base = max(heats[requested].seconds, 1e-9)
     for name in ALGORITHMS:
         heats[name] = heats.get(name) or trial(name, coarse, min(PATIENCE * base * clock.wait, clock.left))
-    found = {}
-    for name in sorted(heats, key=lambda name: (name != own, heats[name].seconds, name)):
+    finals = {}
+    for name in sorted(heats, key=lambda name: (name != requested, heats[name].seconds, name)):
         if coarse == mesh or heats[name].ended == REFUSED:
             continue
         expected = foreseen * min(heats[name].seconds / base, PATIENCE)
         if not clock.fits(expected):
-            found[name] = Trial(NOT_TRIED, "no time", contact=name, mesh=mesh)
+            finals[name] = Trial(NOT_TRIED, "no time", contact=name, mesh=mesh)
             continue
-        found[name] = trial(name, mesh, clock.left if name == own else PATIENCE * foreseen * clock.wait)
-        if name == own:
-            foreseen = found[name].seconds
-    return [*heats.values(), *found.values()]
+        finals[name] = trial(name, mesh, clock.left if name == requested else PATIENCE * foreseen * clock.wait)
+        if name == requested:
+            foreseen = finals[name].seconds
+    return [*heats.values(), *finals.values()]

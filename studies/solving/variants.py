@@ -30,7 +30,7 @@ FAILURES = 2  # grids in a row on which a path is not followed, after which no o
 
 @dataclass(frozen=True)
 class Variant:
-    """One thing changed: its axis, its name, the request, and what a command line says for it.
+    """One thing changed: its axis, its name, the request, and its settings on a command line.
 
     refused: why it does not apply, if it does not.  wall: its surfaces, where they are not those of the reference.
     """
@@ -52,8 +52,9 @@ def variants(scene: Scene, reference: Request, given: Collection[str] = ()) -> I
     for setting in scene.settings:
         for choice in setting.choices if setting.key in OF_FACES else ():
             if choice != reference.settings[setting.key]:
-                said = {setting.key: str(choice)}
-                yield _checked(scene, Variant(FACES, f"{setting.key}={choice}", _with(reference, said), settings=said))
+                changed = {setting.key: str(choice)}
+                variant = Variant(FACES, f"{setting.key}={choice}", _with(reference, changed), settings=changed)
+                yield _checked(scene, variant)
     yield from (_checked(scene, each) for each in _elements(scene, reference, given))
     if isinstance(scene, SettlingScene):
         yield from _models(scene, reference)
@@ -73,38 +74,38 @@ def richer_walls(scene: Scene, reference: Request) -> Iterator[Variant]:
     chords = {BENDING.key: BENDINGS[0]} if BENDING.key in reference.settings else {}
     for name in offered:
         if name.endswith("/ply") == several and len(Sampling.of(body.laminate, name).at) > here:
-            said = {SURFACES: name, **chords}
-            yield _checked(scene, Variant(SURFACES, name, _with(reference, said), settings=said))
+            changed = {SURFACES: name, **chords}
+            yield _checked(scene, Variant(SURFACES, name, _with(reference, changed), settings=changed))
 
 
 def beside_wall(variant: Variant, wall: Variant) -> Variant:
-    """A variant of the request of a wall with more surfaces, whose settings a command has to say, too."""
+    """A variant of the request of a wall with more surfaces, whose settings a command needs, too."""
     return replace(variant, settings={**wall.settings, **variant.settings}, wall=wall.settings.get(SURFACES, ""))
 
 
 def _elements(scene: Scene, reference: Request, given: Collection[str]) -> Iterator[Variant]:
     """Presets, and each option changed alone, no combination twice.
 
-    A command says a preset by its name, but for a preset in which one of its options was asked for: that comes first.
+    A command names a preset, unless one of the options was given: what is given comes before a preset.
     """
     declared = {setting.key for setting in scene.settings}
     chord = {BENDING.key: BENDINGS[0]} if BENDING.key in declared else {}
-    own = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
-    own |= {key: reference.settings.get(key, value) for key, value in chord.items()}
-    seen, by_name = [own], "element" in declared and not {*own} & {*given}
+    base = {key: reference.settings[key] for key, *_ in OPTIONS if key in declared}
+    base |= {key: reference.settings.get(key, value) for key, value in chord.items()}
+    combinations, by_name = [base], "element" in declared and not {*base} & {*given}
     known = PRESETS | (COARSE if chord else {}) if "element" in declared else {}
     for name, preset in known.items():
-        values = {**own, **chord, **preset}
-        if values not in seen:
-            seen.append(values)
-            said = {key: str(value) for key, value in values.items() if value != own[key]}
-            asked = _with(reference, preset, BENDING.key) if by_name else _with(reference, said)
-            yield Variant(ELEMENT, name, asked, settings={"element": name} if by_name else said)
+        values = {**base, **chord, **preset}
+        if values not in combinations:
+            combinations.append(values)
+            differing = {key: str(value) for key, value in values.items() if value != base[key]}
+            request = _with(reference, preset, BENDING.key) if by_name else _with(reference, differing)
+            yield Variant(ELEMENT, name, request, settings={"element": name} if by_name else differing)
     for key, choices, _ in OPTIONS:
-        for choice in choices if key in own else ():
-            values = {**own, key: choice}
-            if choice not in ON_MESHES and values not in seen:
-                seen.append(values)
+        for choice in choices if key in base else ():
+            values = {**base, key: choice}
+            if choice not in ON_MESHES and values not in combinations:
+                combinations.append(values)
                 yield Variant(ELEMENT, f"{key}={choice}", _with(reference, {key: choice}), settings={key: choice})
 
 
@@ -157,12 +158,12 @@ class Ladder:
         request = replace(self.variant.request, mesh=beside.request.mesh)
         self.seen, self.waits = self.seen + 1, ""
         try:
-            found = sketch(scene, request, self.paths[-1] if self.paths else beside, LOOSE)
+            path = sketch(scene, request, self.paths[-1] if self.paths else beside, LOOSE)
         except (UsageError, PartError) as error:
-            found, self.said = None, str(error)
-        if found is not None:
+            path, self.said = None, str(error)
+        if path is not None:
             self.rest()
-            self.paths.append(found)
+            self.paths.append(path)
             self.lost = 0
             return
         self.lost += 1
@@ -175,7 +176,7 @@ class Ladder:
 
     @property
     def turn(self) -> int:
-        """Who comes first: those without a grid, those that have begun, those with one grid, those with enough."""
+        """The order: first those without a grid, those that have begun, those with one grid, those with enough."""
         return 0 if self.seen == 0 else 3 if self.seen >= FEWEST else 1 if self.seen > 1 else 2
 
     def next_of(self, along: Ladder) -> Sketch | None:
@@ -192,8 +193,8 @@ class Ladder:
         seconds = 0.0 if path is None else self.foreseen(along, [path])
         if not self.paths:
             return seconds
-        own, other = (each.quantities.get(quantity, math.nan) for each in (self.paths[-1], self._beside(along)))
-        apart = abs(own - other) / (abs(other) or math.ulp(0.0))
+        value, other = (each.quantities.get(quantity, math.nan) for each in (self.paths[-1], self._beside(along)))
+        apart = abs(value - other) / (abs(other) or math.ulp(0.0))
         return seconds * (1 + (apart / error if math.isfinite(apart) else 0.0))
 
     def foreseen(self, along: Ladder, beside: Sequence[Sketch]) -> float:

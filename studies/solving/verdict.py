@@ -2,18 +2,18 @@
 
 The reference is the exact measure, whose limit L is known to within u. A variant has the values v_k on the grids k::
 
-    f = (M - L)/|L|,          M: the limit of the variant;  what it is off on no grid, but in their limit
-    e_k = |v_k - L|/|L| + u,  the most that its value on a grid may be off
+    f = (M - L)/|L|,          M: the limit of the variant;  its error in the limit of the grids
+    e_k = |v_k - L|/|L| + u,  the largest error that its value on a grid may have
 
 A grid is enough where e_k and those of all finer grids are within the error, and |f| with its uncertainty is, too:
 where the error of a mesh and that of a formulation cancel on one grid, finer grids lose that again.
 
 f is known from both limits, and from the limit of the differences of both on the same grids, in which the jumps of a
-rim of contact cancel. Both intervals hold, so f is in what they share; where they share nothing, one of them does not
-hold, and f is taken to be anywhere in both.
+rim of contact cancel. Both intervals contain f, so f lies in what they share; where they share nothing, one of
+them is wrong, and f is taken to lie anywhere in both.
 
-A variant that has fewer grids than the reference is extrapolated from coarse ones. How far such grids can be trusted
-the reference shows: from the same grids its own limit is L', which corrects the last value by c' and misses L by
+A variant that has fewer grids than the reference is extrapolated from coarse ones. The reference shows how far such
+grids can be trusted: from the same grids its own limit is L', which corrects the last value by c' and misses L by
 |L' - L|. The correction c of the variant is then uncertain by at least the same part of it::
 
     SAFETY |L' - L|/|c'| |c|
@@ -62,12 +62,12 @@ class Difference:
 
     @property
     def most(self) -> float:
-        """The most that the limit may be off."""
+        """The largest error that the limit may have."""
         return abs(self.value) + self.within
 
     @property
     def least(self) -> float:
-        """The least that it may be off."""
+        """The smallest error that it may have."""
         return max(abs(self.value) - self.within, 0.0)
 
 
@@ -89,13 +89,13 @@ class Wall:
     @classmethod
     def of(cls, verdicts: Sequence[Verdict]) -> Wall:
         """Of the verdicts on walls with more and more surfaces, beside the reference alone."""
-        found, changes = cls(), list[float]()
+        wall, changes = cls(), list[float]()
         for verdict in verdicts:
             if isinstance(verdict.limit, Difference):
-                changes.append(abs(verdict.limit.value - found.beyond.value))
+                changes.append(abs(verdict.limit.value - wall.beyond.value))
                 left = max(LEFT * changes[-1], BEFORE * changes[-2]) if len(changes) > 1 else ALONE * changes[0]
-                found = cls(verdict.ladder.variant.name, verdict.limit, left)
-        return found
+                wall = cls(verdict.ladder.variant.name, verdict.limit, left)
+        return wall
 
     def tells(self, error: float) -> bool:
         """Whether it is known to half an error, or surely differs by more than that: else it is no reference."""
@@ -109,8 +109,8 @@ class Wall:
 
     def seen_from(self, apart: Difference, name: str = "") -> Difference:
         """f of what is ``apart`` from the reference, from here; name: of the surfaces that are all that differ."""
-        own = name != "" and name == self.name
-        within = self.left + (0.0 if own else apart.within + self.beyond.within)
+        same_surfaces = name != "" and name == self.name
+        within = self.left + (0.0 if same_surfaces else apart.within + self.beyond.within)
         return Difference((apart.value - self.beyond.value) / self._ratio, within / abs(self._ratio))
 
     @property
@@ -129,17 +129,17 @@ def difference(
     pairs = [Seen(a.size, a.value - b.value) for a, b in zip(own, beside, strict=True)]
     limit, apart = estimate_of(own, touching=touching), estimate_of(pairs, touching=touching)
     part = SAFETY * _missed(estimate_of(beside, touching=touching), beside[-1].value, reference)
-    found = list[tuple[float, float, float]]()  # value, its uncertainty, and that which the reference shows
+    intervals = list[tuple[float, float, float]]()  # value, its uncertainty, and that which the reference shows
     if isinstance(limit, Estimate):
         width, shown = _width(limit), part * abs(limit.limit - own[-1].value)
-        found.append((limit.limit - reference.limit, width + _width(reference), shown + _width(reference)))
+        intervals.append((limit.limit - reference.limit, width + _width(reference), shown + _width(reference)))
     if isinstance(apart, Estimate):
         width = max(_width(apart), NOISE * abs(own[-1].value))
-        found.append((apart.limit, width, part * abs(apart.limit - pairs[-1].value)))
-    if not found:
+        intervals.append((apart.limit, width, part * abs(apart.limit - pairs[-1].value)))
+    if not intervals:
         return str(limit)
-    meet = max(value - width for value, width, _ in found) <= min(value + width for value, width, _ in found)
-    lows, highs = zip(*((value - max(w, s), value + max(w, s)) for value, w, s in found), strict=True)
+    meet = max(value - width for value, width, _ in intervals) <= min(value + width for value, width, _ in intervals)
+    lows, highs = zip(*((value - max(w, s), value + max(w, s)) for value, w, s in intervals), strict=True)
     low, high = (max(lows), min(highs)) if meet else (min(lows), max(highs))
     scale = reference.limit or math.ulp(0.0)
     return Difference((low + high) / 2 / scale, (high - low) / 2 / abs(scale))
@@ -171,16 +171,16 @@ def _missed(from_these: Estimate | str, last: float, reference: Estimate) -> flo
     return abs(from_these.limit - reference.limit) / (abs(from_these.limit - last) or math.ulp(0.0))
 
 
-def _width(found: Estimate) -> float:
+def _width(estimate: Estimate) -> float:
     """The uncertainty of a limit in its own unit."""
-    return found.uncertainty * (abs(found.limit) or math.ulp(0.0))
+    return estimate.uncertainty * (abs(estimate.limit) or math.ulp(0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """On a ladder, for an error.
 
-    limit: f, or why it is not known.  values, most: by grid, what was read off and the most that it is off.
+    limit: f, or why it is not known.  values, most: by grid, what was read off and the bound of its error.
     first: the grid from which on all are enough, if there is one.
     """
 
@@ -243,7 +243,7 @@ class Verdict:
 
     @property
     def grids(self) -> list[dict[str, Any]]:
-        """A row a grid: what was read off, the most that it is off, the CPU seconds of its path from the one before."""
+        """A row a grid: what was read off, the bound of its error, the CPU seconds of its path from the one before."""
         return [
             {
                 "axis": self.ladder.variant.axis,
@@ -275,6 +275,6 @@ def _apart(ladder: Ladder, reference: Ladder, limit: Estimate, quantity: str) ->
     if not ladder.paths:
         return FEW
     known = {path.request.mesh: value for path, value in zip(reference.paths, reference.values(quantity), strict=True)}
-    own = [Seen(path.size, value) for path, value in zip(ladder.paths, ladder.values(quantity), strict=True)]
+    values = [Seen(path.size, value) for path, value in zip(ladder.paths, ladder.values(quantity), strict=True)]
     beside = [Seen(path.size, known[path.request.mesh]) for path in ladder.paths]
-    return difference(own, beside, limit, touching=touches(reference.paths[-1].end))
+    return difference(values, beside, limit, touching=touches(reference.paths[-1].end))

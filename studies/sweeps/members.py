@@ -45,21 +45,21 @@ class Range:
     def of(cls, setting: Setting, wanted: str | Sequence[float]) -> Range:
         """From "A:B:N", or from the values; raises UsageError with one line."""
         text = isinstance(wanted, str)
-        said = f"over {setting.key}={wanted if text else list(wanted)}"
+        label = f"over {setting.key}={wanted if text else list(wanted)}"
         form = f"N values from A to B, N a whole number in [{FEWEST}, {LONGEST}]"
         if setting.kind != "float":
-            raise UsageError(f"{said}: {setting.key} is not one number: {setting.range_text}")
+            raise UsageError(f"{label}: {setting.key} is not one number: {setting.range_text}")
         *ends, number = map(str, wanted.split(":") if isinstance(wanted, str) else (*wanted, len(wanted)))
         if (text and len(ends) != 2) or not number.isdecimal() or not FEWEST <= int(number) <= LONGEST:
-            raise UsageError(f"{said} must be A:B:N, {form}")
+            raise UsageError(f"{label} must be A:B:N, {form}")
         numbers = np.array([setting.parse(end) for end in ends], float)
         values = np.linspace(numbers[0], numbers[-1], int(number))
-        if np.isfinite(values).all():  # digits that are none but rounding are no part of a setting: 0 is 0
+        if np.isfinite(values).all():  # digits of rounding are no part of a setting: 0 is 0
             values[1:-1] = values[1:-1].round(DIGITS - int(np.ceil(np.log10(np.max(np.abs(values)) or 1.0))))
         if not np.isfinite(values).all() or values[0] == values[-1]:
-            raise UsageError(f"{said}: A and B must be two finite numbers")
+            raise UsageError(f"{label}: A and B must be two finite numbers")
         if not text and np.max(np.abs(values - numbers)) > UNEVEN * abs(values[1] - values[0]):
-            raise UsageError(f"{said} must be evenly spaced")
+            raise UsageError(f"{label} must be evenly spaced")
         return cls(setting.key, tuple(values.tolist()))
 
 
@@ -72,19 +72,19 @@ def ranges_of(
     known: dict[str, Setting] = {}
     if scene in SCENES:
         entry = SCENES[scene]
-        own = settings_of(contact) if has_contact(entry) else ()
-        known = {setting.key: setting for setting in (*entry.settings, *settings_beside(entry), *own)}
+        of_contact = settings_of(contact) if has_contact(entry) else ()
+        known = {setting.key: setting for setting in (*entry.settings, *settings_beside(entry), *of_contact)}
     for key in over:
         if key not in known:
             has = names_for(key, known, f"footprint show {scene}")
             raise UsageError(f"{scene} has no setting {key!r}; it has {has}")
         if key in given:
             raise UsageError(f"{key} = {given[key]} is given, and swept over: it can be one of both")
-    found = tuple(Range.of(known[key], wanted) for key, wanted in over.items())
-    count = math.prod(len(each.values) for each in found)
+    ranges = tuple(Range.of(known[key], values) for key, values in over.items())
+    count = math.prod(len(each.values) for each in ranges)
     if count > MOST:
         raise UsageError(f"{count} members: a sweep has at most {MOST}")
-    return found
+    return ranges
 
 
 def places(ranges: Sequence[Range]) -> Iterator[Place]:
@@ -111,7 +111,7 @@ def settings_at(ranges: Sequence[Range], place: Place) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Member:
-    """What has become of one.
+    """The outcome of one member.
 
     settings: its values of what is swept over.  verdict: of :data:`CLASSES`.  quantities: at the last load, and errors:
     {quantity: {low, high}}, none where it is not solved.  seconds: CPU time of all its grids.  started_from: members,
@@ -138,7 +138,7 @@ class Member:
         return self.verdict in SOLVED
 
     def error(self, quantity: str) -> float | None:
-        """The most that the value may be off its limit, relative to that; None where it is not known."""
+        """The largest error that the value may have, relative to its limit; None where it is not known."""
         interval, value = self.errors.get(quantity), self.quantities.get(quantity)
         if interval is None or value is None:
             return None
@@ -148,7 +148,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Kept:
-    """Members in a directory, a file each; who solved them under other sources, or asked for something else, is none.
+    """Members in a directory, a file each; those solved by other sources or for another request are ignored.
 
     scene: its name.  beside: what decides a member beside its request.
     """
@@ -158,12 +158,12 @@ class Kept:
     beside: object
 
     def read(self, request: Request) -> Member | None:
-        """A member that was kept whole; None where there is none."""
+        """A member that was kept whole; None without one."""
         identity = self.identity(request)
         try:
-            told = json.loads(self.path(identity).read_text(encoding="utf-8"))
-            member = Member(**told["member"])
-            whole = told["identity"] == identity and told["sum"] == _sum(told["member"])
+            record = json.loads(self.path(identity).read_text(encoding="utf-8"))
+            member = Member(**record["member"])
+            whole = record["identity"] == identity and record["sum"] == _sum(record["member"])
         except (OSError, ValueError, LookupError, TypeError, RecursionError):
             return None
         return member if whole and member.verdict in CLASSES else None
@@ -171,8 +171,8 @@ class Kept:
     def write(self, request: Request, member: Member) -> None:
         """Keep one."""
         data, identity = plain(asdict(member)), self.identity(request)
-        told = {"identity": identity, "request": request.data, "beside": self.beside, "member": data}
-        write_json(self.path(identity), {**told, "sum": _sum(data), "provenance": provenance()})
+        record = {"identity": identity, "request": request.data, "beside": self.beside, "member": data}
+        write_json(self.path(identity), {**record, "sum": _sum(data), "provenance": provenance()})
 
     def path(self, identity: str) -> Path:
         """The file of a member."""

@@ -44,7 +44,7 @@ class Followed:
         return cls(place, request, ways, visits[-1].problem.weights if rubs else None)
 
     def since(self, behind: Followed | None) -> tuple[bool, float]:
-        """Whether there is none behind, and how far the last state is from that of the one behind."""
+        """Whether it is without one behind, and how far the last state is from that of the one behind."""
         if behind is None:
             return True, 0.0
         here, there = self.end, behind.end
@@ -53,8 +53,8 @@ class Followed:
     @property
     def end(self) -> np.ndarray:
         """The displacements (n,) of the last state."""
-        *_, way = self.ways.values()
-        *_, last = way.values()
+        *_, states = self.ways.values()
+        *_, last = states.values()
         return last.u
 
     def step(self, point: tuple[str, int], last: State, parameter: float) -> tuple[ContactSolution, np.ndarray] | None:
@@ -62,10 +62,10 @@ class Followed:
 
         last: of the member that sets out, whose unknowns must be as many.
         """
-        way = self.ways.get(point, {})
-        if last[0] not in way or parameter not in way or len(way[parameter].u) != len(last[1].u):
+        states = self.ways.get(point, {})
+        if last[0] not in states or parameter not in states or len(states[parameter].u) != len(last[1].u):
             return None
-        return way[parameter], way[parameter].u - way[last[0]].u
+        return states[parameter], states[parameter].u - states[last[0]].u
 
 
 def predicted(neighbours: Sequence[Followed], request: Request) -> StartsOf:
@@ -117,8 +117,8 @@ class Neighbours:
         """The nearest, of several one with another behind it, of these that which has changed least since, or the
         latest; then that other one; none where none is known.
 
-        What is behind is as far from the nearest as that is from here. Of another model, or with friction where there
-        is none here, or the other way about, none is a neighbour: a contact that never rubbed has no state to go on.
+        What is behind is as far from the nearest as that is from here. A member of another model is no neighbour, nor
+        is one with friction of one without or conversely: without friction there is no state of it to start from.
         """
         alike = {other: path for other, path in self.known.items() if _kind(path.request) == _kind(request)}
         ranked = []

@@ -5,7 +5,7 @@ a member is judged as any solve is, and where a start leads to no stable state i
 is recorded, and the others go on. Where a problem has several stable states a member may be in that of its neighbours,
 and not in the one to which the path from rest leads.
 
-With an error each member is followed on two coarser grids as well, which say what it is worth; the first one on a grid
+With an error each member is followed on two coarser grids as well, which bound its error; the first one on a grid
 sets out from the next coarser one.
 """
 
@@ -40,11 +40,11 @@ COARSER = "a coarser grid"
 
 @dataclass(eq=False)
 class Sweep:
-    """What is asked, and what has become of it; members: by place.
+    """What is asked, and the outcome; members: by place.
 
-    requests: of the members; a sentence where there is none.  middle: the request in the middle, for whose error the
-    lines of all are where the scene is adapted.  coarser: meshes that say what the error is, fine to coarse; none
-    without an ``error``.
+    requests: of the members; of an invalid one the reason.  middle: the request in the middle, for whose error the
+    lines of all are where the scene is adapted.  coarser: meshes that bound the error, fine to coarse; none without an
+    ``error``.
     """
 
     name: str
@@ -112,10 +112,10 @@ class Sweep:
 
     def as_json(self) -> dict[str, Any]:
         """The content of sweep.json."""
-        asked, swept = self.middle.data, [each.key for each in self.ranges]
-        asked["settings"] = {key: value for key, value in self.middle.settings.items() if key not in swept}
+        request, swept = self.middle.data, [each.key for each in self.ranges]
+        request["settings"] = {key: value for key, value in self.middle.settings.items() if key not in swept}
         return {
-            **asked,
+            **request,
             "mesh": self.middle.mesh_text,
             "over": {each.key: each.values for each in self.ranges},
             "quantity": self.quantity,
@@ -151,28 +151,28 @@ def sweep(
     quantity: that is looked at, by default the force, or the first that the scene has references for.  options:
     measure, contact, newton, model, steps. Raises UsageError with one line, Interrupted, and PartError.
     """
-    found = _asked(name, given, over, error, mesh, options)
-    kept = None if keep is None else Kept(keep, name, [found.coarser, found.adapted])
-    across = min(len(each.values) for each in found.ranges) if len(found.ranges) > 1 else 1
-    grids = [Neighbours(DIRECTIONS * (across + 1)) for _ in (*found.coarser, None)]
+    swept = _asked(name, given, over, error, mesh, options)
+    kept = None if keep is None else Kept(keep, name, [swept.coarser, swept.adapted])
+    across = min(len(each.values) for each in swept.ranges) if len(swept.ranges) > 1 else 1
+    grids = [Neighbours(DIRECTIONS * (across + 1)) for _ in (*swept.coarser, None)]
     begun = time.perf_counter()
-    for place in order(found.ranges):
-        request = found.requests[place]
+    for place in order(swept.ranges):
+        request = swept.requests[place]
         read = None if kept is None or isinstance(request, str) else kept.read(request)
-        member = read or _member(found, place, request, grids)
-        if member.solved and not found.quantity:
-            found.quantity = quantity or default_quantity(found.scene, member.quantities)
-            if found.quantity not in member.quantities:
+        member = read or _member(swept, place, request, grids)
+        if member.solved and not swept.quantity:
+            swept.quantity = quantity or default_quantity(swept.scene, member.quantities)
+            if swept.quantity not in member.quantities:
                 raise UsageError(f"{name} has no quantity {quantity!r}; it has {', '.join(member.quantities)}")
         if read is None and kept is not None and not isinstance(request, str) and member.verdict != UNSUPPORTED:
             kept.write(request, member)
-        found.members[place] = member
-        done, planned = len(found.members), len(found.requests)
+        swept.members[place] = member
+        done, planned = len(swept.members), len(swept.requests)
         left = (time.perf_counter() - begun) / done * (planned - done)
         progress(f"{done} of {planned} members, about {left:.2g} s left")
-    if all(member.verdict == UNSUPPORTED for member in found.members.values()):
-        raise UsageError(next(iter(found.members.values())).reason)
-    return found
+    if all(member.verdict == UNSUPPORTED for member in swept.members.values()):
+        raise UsageError(next(iter(swept.members.values())).reason)
+    return swept
 
 
 def _asked(
@@ -185,7 +185,7 @@ def _asked(
 ) -> Sweep:
     """The members, and the grid of all of them: that of the one in the middle, where lines follow its error."""
     if name not in SCENES:
-        complete(name, given)  # says so
+        complete(name, given)  # raises
     ranges = ranges_of(name, over, given, options.get("contact", Request.contact))
     requests: dict[Place, Request | str] = {}
     for place in places(ranges):
@@ -199,30 +199,30 @@ def _asked(
     if isinstance(request, str):
         raise UsageError(request)
     scene = on_one_grid(scene, request)
-    found = Sweep(name, scene, ranges, requests, request, scene is not SCENES[name], error=error)
+    swept = Sweep(name, scene, ranges, requests, request, scene is not SCENES[name], error=error)
     if error is not None:
-        found.coarser = [each.mesh for each in coarser_grids(scene, request)]
-        if len(found.coarser) < TWICE:
+        swept.coarser = [each.mesh for each in coarser_grids(scene, request)]
+        if len(swept.coarser) < TWICE:
             least = "{}x{}".format(*enough(scene))
             raise UsageError(f"mesh {request.mesh_text}: its error takes grids of half and a quarter: {least} or more")
-    return found
+    return swept
 
 
-def _member(asked: Sweep, place: Place, request: Request | str, grids: Sequence[Neighbours]) -> Member:
-    """What becomes of one; grids: what is known on the coarser ones, coarse to fine, and on its own."""
-    start, settings = time.process_time(), settings_at(asked.ranges, place)
+def _member(swept: Sweep, place: Place, request: Request | str, grids: Sequence[Neighbours]) -> Member:
+    """Solve one member; grids: what is known on the coarser ones, coarse to fine, and on its own."""
+    start, settings = time.process_time(), settings_at(swept.ranges, place)
     try:
         if isinstance(request, str):
             raise UsageError(request)
-        result, whence = _followed(asked, place, request, grids)
+        result, whence = _followed(swept, place, request, grids)
     except UsageError as refusal:  # of a scene that is built only now, too
         return Member(settings, UNSUPPORTED, str(refusal))
-    seen = result.quantities if result.verdict in SOLVED else {}
+    quantities = result.quantities if result.verdict in SOLVED else {}
     return Member(
         settings,
         result.verdict,
         "" if result.verdict == CONVERGED else str(result.as_json()["reason"]),
-        {key: float(value) if math.isfinite(value) else None for key, value in seen.items()},
+        {key: float(value) if math.isfinite(value) else None for key, value in quantities.items()},
         result.errors,
         int(result.counters.get("newton_iterations", 0)),
         time.process_time() - start,
@@ -230,26 +230,26 @@ def _member(asked: Sweep, place: Place, request: Request | str, grids: Sequence[
     ).normal
 
 
-def _followed(asked: Sweep, place: Place, request: Request, grids: Sequence[Neighbours]) -> tuple[Result, str]:
+def _followed(swept: Sweep, place: Place, request: Request, grids: Sequence[Neighbours]) -> tuple[Result, str]:
     """The result on all grids, and what it was started from."""
-    paths, coarser = list[Sketch](), [replace(request, mesh=mesh) for mesh in reversed(asked.coarser)]
+    paths, coarser = list[Sketch](), [replace(request, mesh=mesh) for mesh in reversed(swept.coarser)]
     for each, known in zip(coarser, grids, strict=False):
         near = known.of(place, each)
-        path = sketch(asked.scene, each, starts=predicted(near, each)) if near else None
-        path = path or sketch(asked.scene, each, paths[-1] if paths else None)
+        path = sketch(swept.scene, each, starts=predicted(near, each)) if near else None
+        path = path or sketch(swept.scene, each, paths[-1] if paths else None)
         if path is not None:
             paths.append(path)
             known.add(Followed.of(place, path.request, path.visits))
     starts, whence, near = None, REST, grids[-1].of(place, request)
     if near:
-        starts, whence = predicted(near, request), " and ".join(asked.named(each.place) for each in near)
+        starts, whence = predicted(near, request), " and ".join(swept.named(each.place) for each in near)
     elif paths and paths[-1].model is not None:
         starts, whence = partial(starts_of, paths[-1]), COARSER
-    result = solve(asked.scene, request, starts=starts)
+    result = solve(swept.scene, request, starts=starts)
     if starts is not None and result.verdict != CONVERGED and not result.unsupported:
-        result, whence = solve(asked.scene, request), REST
+        result, whence = solve(swept.scene, request), REST
     if result.verdict == CONVERGED:
         grids[-1].add(Followed.of(place, request, result.visits))
-    if asked.error is not None:
-        state_error(asked.scene, result, coarser[::-1], paths)
+    if swept.error is not None:
+        state_error(swept.scene, result, coarser[::-1], paths)
     return result, whence

@@ -26,7 +26,7 @@ TIP: Mapping[str, str] = {
     "tip_deflection_mm": "motion of the tip along the normal, mean over both faces of the loaded edge",
     "tip_shortening_mm": "motion of the tip against a1, mean over both faces of the loaded edge",
 }
-SZE_ERROR = 4e-3  # mm, the S4R table is off the elastica by up to this
+SZE_ERROR = 4e-3  # mm, largest deviation of the S4R table from the elastica
 
 
 def tip_row(fraction: float, shortening: float, deflection: float) -> Row:

@@ -93,8 +93,8 @@ class MembraneModel(StaticModel):
         rest = ContactSolution.at_rest(body.n_free + self.multipliers, 0)
         start = replace(rest, u=np.append(body.map.restrict(dome), np.zeros(self.multipliers)))
         linear = replace(self, shell=replace(self.shell, law="svk", newton="mixed"))
-        found = Semismooth().solve(linear.problem_at(FIRST), start)
-        return self.problem_at, replace(rest, u=found.u)
+        inflated = Semismooth().solve(linear.problem_at(FIRST), start)
+        return self.problem_at, replace(rest, u=inflated.u)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         return {**super()._displacements(u, fraction), "pressure_MPa": fraction * UNIT}

@@ -91,10 +91,10 @@ def _read(shell: ShellModel, u: np.ndarray, S: float, p0: float) -> dict[str, fl
     stresses = WallStresses.of(shell, u)
     d = len(stresses.d) // 2
     law = stresses.law[at_support, d, S13], stresses.law[at_rest, d, S23]
-    found = _normalised(S, p0, w, hoop[0, 0], hoop[-1, 1], *law)
+    readings = _normalised(S, p0, w, hoop[0, 0], hoop[-1, 1], *law)
     names = (f"{name}_equilibrium" for name in NAMES[3:])
     balanced = stresses.equilibrium[at_support, d, 0], stresses.equilibrium[at_rest, d, 1]
-    return found | {name: float(10 * tau / (p0 * S)) for name, tau in zip(names, balanced, strict=True)}
+    return readings | {name: float(10 * tau / (p0 * S)) for name, tau in zip(names, balanced, strict=True)}
 
 
 SCENES = (LaminatedCylinder(),)

@@ -85,18 +85,18 @@ def _read(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
     x, sides = grid.centre[row, 0], shell.ply_stresses(u)[row, 0, :, 0]
     (before, last), (far, near) = sides[-2:, 0], (SPAN / 2 - x[-2:]) ** 2
     node = grid.node_at(SPAN / 2, 0.0)
-    found = {
+    readings = {
         "sigma_MPa": float(last + (last - before) * near / (far - near)),  # of a parabola even about the load
         "w_mm": float(shell.discretisation.at_distance(u, laminate.d_minus)[node, 2]),
     }
     if shell.discretisation.wall is None:
         tau = -THICKNESSES[0] * np.gradient(sides.mean(axis=1), x)
-        return found | {"tau_equilibrium_MPa": float(np.interp(SPAN / 4, x, tau))}
+        return readings | {"tau_equilibrium_MPa": float(np.interp(SPAN / 4, x, tau))}
     stresses = WallStresses.of(shell, u)
     between = np.isclose(stresses.d, laminate.d_minus + THICKNESSES[0])
     both = stresses.law[row][:, between, S13].mean(axis=1), stresses.equilibrium[row][:, between, 0].mean(axis=1)
     by_law, by_equilibrium = (float(np.interp(SPAN / 4, x, tau)) for tau in both)
-    return found | {"tau_MPa": by_law, "tau_equilibrium_MPa": by_equilibrium}
+    return readings | {"tau_MPa": by_law, "tau_equilibrium_MPa": by_equilibrium}
 
 
 SCENES = (LaminatedStrip(),)

@@ -80,18 +80,18 @@ def _references(
     at: Mapping[str, float | str], stretch_at: Callable[[float], float], largest: float, contraction: float
 ) -> tuple[Reference, ...]:
     """Stretch and thickness ratio sqrt(1 - c (lam^2 - 1)) at the default fractions; -E33 = c E_hoop in plane stress."""
-    found: list[Row] = []
+    rows: list[Row] = []
     for fraction in FRACTIONS:
         stretch = stretch_at(fraction * largest)
         ratio = float(np.sqrt(1 - contraction * (stretch**2 - 1)))
         where = {**at, "load_fraction": fraction, "h_mm": THIN}
-        found.append((where, {"stretch": stretch, "thickness_ratio": ratio}))
+        rows.append((where, {"stretch": stretch, "thickness_ratio": ratio}))
     within = {"stretch": 1e-3, "thickness_ratio": 2e-3}
-    return references("exact", "St. Venant-Kirchhoff membrane, virtual work", within, found)
+    return references("exact", "St. Venant-Kirchhoff membrane, virtual work", within, rows)
 
 
 def _inflated(request: Request, surface: Surface, length: float, edges: Sequence[str], largest: float) -> StaticModel:
-    """The sector under the pressure ``largest`` E h/R; everything is uniform, so any node tells the stretch."""
+    """The sector under the pressure ``largest`` E h/R; everything is uniform, so any node has the stretch."""
     h = request.number("h_mm")
     sector = patch(request, surface, (0, length), (0, SECTOR), Laminate.single(Ply.isotropic(E, NU, h)), edges)
     pressure = Pressure(largest * E * h / RADIUS, follower=True, area=request.choice("pressure_area"))
@@ -173,11 +173,11 @@ def torus_resultants(phi: float) -> tuple[float, float]:
 def _torus_references() -> tuple[Reference, ...]:
     """Both resultants at three points; bending of the wall shows most at the crown, as (h/r)^(1/3)."""
     source, at = "linear membrane theory, local and global equilibrium", {"load_fraction": 1.0, "h_mm": THIN}
-    found = (
+    by_place = (
         references("exact", source, within, [(at, _named(place, torus_resultants(phi)))])
         for place, (phi, within) in PLACES.items()
     )
-    return tuple(chain.from_iterable(found))
+    return tuple(chain.from_iterable(by_place))
 
 
 def _named(place: str, resultants: Sequence[float] | np.ndarray) -> dict[str, float]:
@@ -247,7 +247,7 @@ def _even(x: np.ndarray, N: np.ndarray) -> np.ndarray:
 
 def _cubic(x: np.ndarray) -> np.ndarray:
     """Weights (4,) at 0 of the values at four places x in the cubic through them (Lagrange)."""
-    return np.array([np.prod(np.delete(x, k) / (np.delete(x, k) - own)) for k, own in enumerate(x)])
+    return np.array([np.prod(np.delete(x, k) / (np.delete(x, k) - x_k)) for k, x_k in enumerate(x)])
 
 
 SCENES = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())

@@ -37,7 +37,7 @@ class OnQuads(Declared):
     lines_of_curvature: bool = False  # whether it may be put on these, too
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Raises UsageError for an interpolation that asks for lines of curvature."""
+        """Raises UsageError for an interpolation that needs lines of curvature."""
         interpolation = settings["interpolation"]
         if interpolation != "quads" and not self.lines_of_curvature:
             raise UsageError(

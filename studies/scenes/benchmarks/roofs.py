@@ -123,7 +123,7 @@ class Roof:
 def _limit(kind: str, source: str, uncertainty: float, values: tuple[float, float]) -> tuple[Reference, ...]:
     """Load fraction and displacement of a limit point, the second one twice as uncertain.
 
-    That covers what the published elements, about as large as the wall is thick, are off w_C_even_mm (0.1 %).
+    That covers the deviation of the published elements, about as large as the wall is thick, from w_C_even_mm (0.1 %).
     """
     within = {"limit_load_fraction": uncertainty} | dict.fromkeys(
         ("limit_w_C_mm", "limit_w_C_even_mm"), 2 * uncertainty

@@ -30,13 +30,13 @@ PUBLISHED_SIZE = float(np.sqrt(LENGTH / 2 / 24 * RADIUS * np.pi / 2 / 36))  # mm
 
 def _references() -> tuple[Reference, ...]:
     """The table, and w_A as its elements would give it if they were as large as the wall is thick."""
-    found, rise = tabulated(FILE, SOURCE, 5e-3, READ), point_rise(P_MAX, SHEAR, H, PUBLISHED_SIZE)
+    published, rise = tabulated(FILE, SOURCE, 5e-3, READ), point_rise(P_MAX, SHEAR, H, PUBLISHED_SIZE)
     even = (
         replace(each, quantity="w_A_even_mm", value=each.value - float(each.at["load_fraction"]) * rise)
-        for each in found
+        for each in published
         if each.quantity == "w_A_mm"
     )
-    return (*found, *even)
+    return (*published, *even)
 
 
 class PullOut(Declared):

@@ -76,9 +76,9 @@ def _solved(start: Callable[[float, float], Start], guess: tuple[float, float], 
         _, y, t, _, _ = _side(start(*unknown))
         return y, t + SIDE
 
-    found = root(missed, guess, tol=1e-14)
-    p, P, k, y = (float(each) for each in start(*found.x))
-    if max(map(abs, found.fun)) > CLOSED or not (0 <= y < 1 and P >= 0 and p > BUCKLING):
+    solution = root(missed, guess, tol=1e-14)
+    p, P, k, y = (float(each) for each in start(*solution.x))
+    if max(map(abs, solution.fun)) > CLOSED or not (0 <= y < 1 and P >= 0 and p > BUCKLING):
         raise ValueError(f"no ring is {what}")
     x, _, _, _, a = _side((p, P, k, y))
     return Shape(p, y, P, k, float(x), float(4 * a))

@@ -177,7 +177,7 @@ class SphereObstacle:
 
     The pressure is p = -lap phi = 2/phi + r^2/phi^3 and its resultant -2 pi A. For r0 = 1/2 the numbers of MFEM's
     example 36 (Keith, Surowiec, Found. Comput. Math. (2024), arXiv:2307.12444): a = 0.348982574111686,
-    A = -0.340129705945858. Raises ValueError unless 0 < r0 and the contact ends on the sphere (r0 < 0.879).
+    A = -0.340129705945858. Raises ValueError unless 0 < r0 and the rim of contact lies on the sphere (r0 < 0.879).
     """
 
     r0: float = 0.5

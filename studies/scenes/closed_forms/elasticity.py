@@ -117,11 +117,11 @@ def _states(transfers: Sequence[np.ndarray], normal: tuple[float, float]) -> np.
         Z = (T[3:, :3] + T[3:, 3:] @ Z) @ back
         g = T[3:, 3:] @ g - Z @ moved
     u = np.linalg.solve(Z, np.array([normal[1], 0.0, 0.0]) - g)
-    found = [np.append(u, Z @ u + g)]
+    states = [np.append(u, Z @ u + g)]
     for Z, g, back, moved in reversed(below):
         u = back @ (u - moved)
-        found.append(np.append(u, Z @ u + g))
-    return np.array(found[::-1])
+        states.append(np.append(u, Z @ u + g))
+    return np.array(states[::-1])
 
 
 def ply_equations(ply: Ply, a: float, b: float, k: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

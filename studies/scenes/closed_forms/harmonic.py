@@ -27,7 +27,7 @@ class HarmonicShell:
     """Half a shell of revolution, 0 <= a1 <= ``end``, symmetric about a1 = 0, ``clamped`` or free at ``end``.
 
     pressure: p [MPa] along e3 per area of mubar, half on each face.  degree: of the polynomials; a boundary layer of
-    width w at the end asks for about 4 sqrt(end/w).
+    width w at the end needs about 4 sqrt(end/w).
     """
 
     surface: Surface

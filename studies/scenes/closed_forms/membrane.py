@@ -56,8 +56,8 @@ class InflatedMembrane:
         def meridian(R: float, r: float, Q: float) -> tuple[float, float]:
             """a, and phi, where R P_a cos phi is Q."""
             across = ratio * r * r / 2
-            wanted, b = float(np.hypot(Q, across)) / R, r / R
-            a = brentq(lambda x: self.stresses(x, b)[0] - wanted, 0.05, 1e3, xtol=1e-12)
+            target, b = float(np.hypot(Q, across)) / R, r / R
+            a = brentq(lambda x: self.stresses(x, b)[0] - target, 0.05, 1e3, xtol=1e-12)
             return a, float(np.arctan2(across, Q))
 
         def slopes(R: float, y: np.ndarray) -> list[float]:
@@ -68,9 +68,9 @@ class InflatedMembrane:
 
         start = CENTRE * self.radius
         at = [stretch * start, start * self.stresses(stretch, stretch)[0], 0.0, 0.0]
-        found = solve_ivp(slopes, (start, self.radius), at, method="LSODA", rtol=TIGHT, atol=TIGHT)
-        r, _, z, volume = found.y
-        return found.t, r, z - z[-1], volume
+        solution = solve_ivp(slopes, (start, self.radius), at, method="LSODA", rtol=TIGHT, atol=TIGHT)
+        r, _, z, volume = solution.y
+        return solution.t, r, z - z[-1], volume
 
     def pressure(self, stretch: float) -> float:
         """[MPa] at which the edge stays where it is."""
@@ -95,7 +95,7 @@ class InflatedMembrane:
     @cached_property
     def limit(self) -> tuple[float, float]:
         """The largest pressure [MPa], and the stretch at the centre there."""
-        found = minimize_scalar(
+        optimum = minimize_scalar(
             lambda x: -self.pressure(x), bounds=STRETCHES, method="bounded", options={"xatol": 1e-4}
         )
-        return -float(found.fun), float(found.x)
+        return -float(optimum.fun), float(optimum.x)

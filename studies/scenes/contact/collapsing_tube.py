@@ -61,7 +61,7 @@ WITHIN = {
 
 def _references() -> tuple[Reference, ...]:
     """The forces of the flat part's ends, and what lies on it, by similarity."""
-    found: tuple[Reference, ...] = ()
+    collected: tuple[Reference, ...] = ()
     for h in (THIN, THIN / 10):
         at: dict[str, float | str] = {"h_mm": h, "measure": "exact"}
         rows: list[Row] = [(at, {"touch_pressure_EI_R3": TOUCH})]
@@ -73,8 +73,8 @@ def _references() -> tuple[Reference, ...]:
             values = {"contact_force_EI_R2": LINE_FORCE / s**2 + 2 * p * flat, "flat_half_length": flat}
             line = {"line_contact_pressure_EI_R3": LINE, "line_contact_force_EI_R2": LINE_FORCE}
             rows.append(({**at, "load_fraction": load}, values | line))
-        found += references("exact", SOURCE, {name: each * (h / THIN) ** 2 for name, each in WITHIN.items()}, rows)
-    return found
+        collected += references("exact", SOURCE, {name: each * (h / THIN) ** 2 for name, each in WITHIN.items()}, rows)
+    return collected
 
 
 class CollapsingTube(Declared):

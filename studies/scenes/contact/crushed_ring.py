@@ -56,12 +56,12 @@ def _thickness(settings: Settings) -> float:
 
 def experiment() -> tuple[Reference, ...]:
     """The forces of the test, for the ring that was tested."""
-    found: tuple[Reference, ...] = ()
+    measured: tuple[Reference, ...] = ()
     for row in reference_rows(FILE):
         force = row["measured_N"]
         at: list[Row] = [({"delta_mm": row["delta_mm"], **DATA}, {"force_N": force})]
-        found += references("read", TEST, READING / force, at)
-    return found
+        measured += references("read", TEST, READING / force, at)
+    return measured
 
 
 def plate(request: Request, delta: float) -> RigidPlane:
@@ -70,7 +70,7 @@ def plate(request: Request, delta: float) -> RigidPlane:
 
 
 def ring(request: Request) -> tuple[SurfaceOfRevolution, Laminate]:
-    """The middle surface and the wall; raises UsageError where there is none."""
+    """The middle surface and the wall; raises UsageError for a wall without thickness."""
     outer, inner = request.number("outer_mm"), request.number("inner_mm")
     if not inner < outer:
         raise UsageError(f"inner_mm = {inner:g} must be smaller than outer_mm = {outer:g}")

@@ -46,12 +46,12 @@ COLUMNS = {
 
 
 def _computed() -> tuple[Reference, ...]:
-    found: tuple[Reference, ...] = ()
+    forces: tuple[Reference, ...] = ()
     for row in reference_rows(FILE):
         for column, (law, state) in COLUMNS.items():
             at: At = {"delta_mm": row["delta_mm"], **DATA, "law": law, "state": state}
-            found += references("computed", SOURCE, 2e-3, [(at, {"force_N": row[column]})])
-    return found
+            forces += references("computed", SOURCE, 2e-3, [(at, {"force_N": row[column]})])
+    return forces
 
 
 class SolidRing(OfSolids):

@@ -36,14 +36,14 @@ THICKNESS = Setting("h_mm", THIN, "thickness; the elastica holds for h/R to zero
 
 def elastica(source: str, known_to: float, names: Iterable[str], **held: float | str) -> tuple[Reference, ...]:
     """What a thin ring has of these quantities at DELTAS, and other settings that it is ``held`` at."""
-    found: list[Row] = []
+    rows: list[Row] = []
     for delta in DELTAS:
         (load, flat), height = flattened_ring(1 - delta / RADIUS), 1 - delta / RADIUS
         values = {"P_R2_over_EI": load, "P_H2_over_EI": 4 * load * height**2, "flat_half_length": flat}
         values["second_over_first"] = 1.0  # of rings in a row
         at = {"delta_mm": delta, "h_mm": THIN, **held, "measure": "exact"}
-        found.append((at, {name: values[name] for name in names}))
-    return references("exact", source, known_to, found)
+        rows.append((at, {name: values[name] for name in names}))
+    return references("exact", source, known_to, rows)
 
 
 def flattened(delta: float, h: float, force: np.ndarray, y: np.ndarray) -> dict[str, float]:
@@ -57,8 +57,8 @@ def flattened(delta: float, h: float, force: np.ndarray, y: np.ndarray) -> dict[
 
 def lines_around(request: Request, count: int) -> np.ndarray:
     """Of a quarter, from the middle of the contact."""
-    asked, height = replace(request, mesh=(request.mesh[0], count)), 1 - request.numbers("delta_mm")[-1] / RADIUS
-    return contact_lines(asked, 1, (0, np.pi / 2), lambda: flattened_ring(height)[1])
+    on_grid, height = replace(request, mesh=(request.mesh[0], count)), 1 - request.numbers("delta_mm")[-1] / RADIUS
+    return contact_lines(on_grid, 1, (0, np.pi / 2), lambda: flattened_ring(height)[1])
 
 
 def part_on(request: Request, h: float, grid: Grid) -> Discretisation:

@@ -66,15 +66,15 @@ def middle_line(touch: Touch, unit: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _references() -> tuple[Reference, ...]:
     """Every row of the table with a contact zone; of lam = 0 the force, for lam/a = 0.001, which differs by 1e-5."""
-    found: tuple[Reference, ...] = ()
+    tabulated: tuple[Reference, ...] = ()
     for lam, q, length, _, edge, force in (tuple(row.values()) for row in reference_rows(FILE)):
         at: At = {"lam_over_a": lam or NO_SHEAR, "load_fraction": q, "measure": "linear"}
         if lam > 0:
             values = {"half_force": force, "free_length": length, "edge_pressure": edge}
-            found += references("exact", SOURCE, 1e-6, [(at, values)])
+            tabulated += references("exact", SOURCE, 1e-6, [(at, values)])
         elif q > 3:
-            found += references("exact", SOURCE, 1e-4, [(at, {"half_force": force})])
-    return found
+            tabulated += references("exact", SOURCE, 1e-4, [(at, {"half_force": force})])
+    return tabulated
 
 
 class ClampedStrip(Declared):

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     import pandas as pd
 
 DATA = Path(__file__).parent
-At = Mapping[str, float | str]  # where a value holds
+At = Mapping[str, float | str]  # where a value is valid
 Row = tuple[At, Mapping[str, float]]  # and the values there by quantity
 
 
 def read_reference(name: str) -> pd.DataFrame:
     """A reference table, its # lines skipped."""
-    import pandas as pd  # slow to load: for who compares with the whole table
+    import pandas as pd  # slow to load: needed for the whole table alone
 
     return pd.read_csv(DATA / name, comment="#")
 
@@ -50,8 +50,8 @@ def tabulated(
     name: str, source: str, uncertainty: float, columns: Mapping[str, tuple[int, float]]
 ) -> tuple[Reference, ...]:
     """The rows of a table after the unloaded one, the load fraction first; columns: quantity -> column and its sign."""
-    found: list[Row] = []
+    rows: list[Row] = []
     for row in [tuple(named.values()) for named in reference_rows(name)[1:]]:
         values = {quantity: sign * row[column] for quantity, (column, sign) in columns.items()}
-        found.append(({"load_fraction": row[0]}, values))
-    return references("read", source, uncertainty, found)
+        rows.append(({"load_fraction": row[0]}, values))
+    return references("read", source, uncertainty, rows)

@@ -1,4 +1,4 @@
-"""Bodies whose faces meet: what each must say of itself, all of them as one system, and the pair that two faces make.
+"""Bodies whose faces meet: the interface of a body, all of them as one system, and the pair that two faces make.
 
 A body has a frame of its own, which is turned and shifted in space: one that is carried towards another one is the same
 body with another shift. Points and patches of a face are its own, and positions are linear in the unknowns. Solids are
@@ -24,7 +24,7 @@ from studies.output.vtu import Layer, shell_layer
 
 
 class Body(Protocol):
-    """A loaded body in space with n unknowns; a face is asked for by its number, 0 inner or 1 outer."""
+    """A loaded body in space with n unknowns; a face is given by its number, 0 inner or 1 outer."""
 
     @property
     def n_free(self) -> int:
@@ -162,54 +162,54 @@ class Bodies:
         """Residual, tangent and scale of all; the memory is a list of theirs."""
         memories = memory if isinstance(memory, list) else [None] * len(self.parts)
         each = zip(self.parts, self.split(u), memories, strict=True)
-        lins = [one.linearise(own, known) for one, own, known in each]
+        lins = [part.linearise(u_part, known) for part, u_part, known in each]
         return Linearisation(
             np.concatenate([lin.residual for lin in lins]),
             sparse.csc_matrix(sparse.block_diag([lin.tangent for lin in lins], format="csc")),
             max(lin.scale for lin in lins),
-            lambda du: [lin.remember(own) for lin, own in zip(lins, self.split(du), strict=True)],
+            lambda du: [lin.remember(u_part) for lin, u_part in zip(lins, self.split(du), strict=True)],
         )
 
     def residual(self, u: np.ndarray) -> np.ndarray:
         """That of :meth:`linearise` alone."""
-        return np.concatenate([one.residual(own) for one, own in zip(self.parts, self.split(u), strict=True)])
+        return np.concatenate([part.residual(u_part) for part, u_part in zip(self.parts, self.split(u), strict=True)])
 
     def energy(self, u: np.ndarray) -> float:
         """The sum of all [N mm]."""
-        return sum(one.energy(own) for one, own in zip(self.parts, self.split(u), strict=True))
+        return sum(part.energy(u_part) for part, u_part in zip(self.parts, self.split(u), strict=True))
 
     def pair(self, slave: Side, master: Side, nodes: np.ndarray, pairing: Pairing, rest: Pair | None = None) -> Pair:
         """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch.
 
-        rest: the pair at rest, which says where the slave is looked at; by default the bodies are at rest.
+        rest: the pair at rest, which defines where the slave is sampled; by default the bodies are at rest.
         """
-        found = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
-        (x, moves, quads), _ = found[0]
-        (x_other, others, its), _ = found[1]
+        faces = [(self.parts[side.body].face(side.face), side.body) for side in (slave, master)]
+        (x, moves, quads), _ = faces[0]
+        (x_other, others, master_quads), _ = faces[1]
         reference, n = np.vstack([x, x_other]), int(self.starts[-1])
         columns = [sparse.csr_matrix((each.shape[0], n)) for each in (moves, others)]
         placed = [
             sparse.hstack([columns[k][:, : self.starts[body]], each, columns[k][:, self.starts[body + 1] :]])
             for k, (each, body) in enumerate(((moves, slave.body), (others, master.body)))
         ]
-        operator, its = sparse.csr_matrix(sparse.vstack(placed)), its[master.patches] + len(x)
-        own = quads[slave.patches]
+        operator, master_quads = sparse.csr_matrix(sparse.vstack(placed)), master_quads[master.patches] + len(x)
+        slave_quads = quads[slave.patches]
         if rest is not None:
-            return Pair(reference, operator, its, rest.sampling, own, bulges=rest.bulges)
+            return Pair(reference, operator, master_quads, rest.sampling, slave_quads, bulges=rest.bulges)
         if pairing.name == "nodes":
             sampling = at_nodes(nodes, len(reference), self.parts[slave.body].areas(slave.face)[nodes])
         else:
-            sampling = mortar(reference, own, its, nodes)
-        pair = Pair(reference, operator, its, sampling, own)
+            sampling = mortar(reference, slave_quads, master_quads, nodes)
+        pair = Pair(reference, operator, master_quads, sampling, slave_quads)
         if not pairing.curved:
             return pair
         free = np.concatenate([sum(map(motions, self.parts[side.body].held(side.face))) for side in (slave, master)])
-        return replace(pair, bulges=Bulges.of(reference, np.concatenate([own, its]), free))
+        return replace(pair, bulges=Bulges.of(reference, np.concatenate([slave_quads, master_quads]), free))
 
     def against(self, pair: Pair | Several) -> ContactProblem:
-        """The contact problem of the pairs, with all that the judge may see.
+        """The contact problem of the pairs, with what the judge needs.
 
-        The orders of elimination of the bodies are none of a pair, whose faces couple what each has last or first.
+        The elimination orders of the bodies do not apply: a pair couples unknowns that either body has last or first.
         """
         problem = replace(between(self.linearise, pair), residual=self.residual)
         return replace(problem, energy=self.energy) if all(each.conservative for each in self.parts) else problem

@@ -64,7 +64,9 @@ def of_a_point(layers: str) -> float:
 
 
 def _references() -> tuple[Reference, ...]:
-    held: dict[str, float | str] = {each.key: value for own, value in zip(SIZES, DEFAULTS, strict=True) for each in own}
+    held: dict[str, float | str] = {
+        each.key: value for both, value in zip(SIZES, DEFAULTS, strict=True) for each in both
+    }
     at = {**held, "ends": "diaphragm", "nu": NU, "measure": "linear", "shear_correction": 1000.0, "delta_mm": POINT}
     rows: list[Row] = [({**at, "layers": layers}, {"dent_Eh_over_F": of_a_point(layers)}) for layers in LAYERS.choices]
     return references("exact", SOURCE, 1e-3, rows)
@@ -124,7 +126,7 @@ class CrossedTubes(Declared):
             return dict(zip(self.quantities, read, strict=True))
 
         patches = [np.flatnonzero(np.isin(grid.elements, before(k)).any(axis=1)) for k, grid in enumerate(grids)]
-        sides = [(Side(k, 1, own), before(k)) for k, own in enumerate(patches)]
+        sides = [(Side(k, 1, patch), before(k)) for k, patch in enumerate(patches)]
         return FacesModel.of(request, bodies, [Facing.between(request, *sides)], measured)
 
 

@@ -89,10 +89,10 @@ class FacePatch(Declared):
         far = max(map(abs, drags), default=0.0)
         meshes = request.mesh, tuple(of_second(n, request) for n in request.mesh)
         first, second = (_body(request, (n1, n2), k, far * k, flat=flat) for k, (n1, n2) in enumerate(meshes))
-        own = SLAVES.index(request.choice("slave"))
+        slave_index = SLAVES.index(request.choice("slave"))
         faces = (1, 1 if flat else 0)
         lifted = Placed(first, LIFTED, np.array([0.0, SIDE, 1.5 * H])) if flat else Placed(first)
-        area = (first, second)[own].discretisation.nodal_areas(("inner", "outer")[faces[own]]).sum()
+        area = (first, second)[slave_index].discretisation.nodal_areas(("inner", "outer")[faces[slave_index]]).sum()
 
         def bodies(pressure: float, drag: float = 0.0) -> Bodies:
             shift = lifted.shift + np.array([drag, 0.0, 0.0])

@@ -49,13 +49,13 @@ SOURCE = "middle and half width of the band of three or four codes: Abaqus, FEBi
 
 def band() -> tuple[Reference, ...]:
     """What the digitised curves of the codes leave open."""
-    found: tuple[Reference, ...] = ()
+    bands: tuple[Reference, ...] = ()
     for row in reference_rows(FILE):
         forces = [force for name, force in row.items() if name.endswith("_N") and not math.isnan(force)]
         middle, half = (max(forces) + min(forces)) / 2, (max(forces) - min(forces)) / 2
         at: Row = ({"delta_mm": row["delta_mm"], "mu": row["mu"], "law": "neo-hooke"}, {"quarter_N": middle})
-        found += references("read", SOURCE, half / middle, [at])
-    return found
+        bands += references("read", SOURCE, half / middle, [at])
+    return bands
 
 
 LIMITS: dict[float, tuple[str, float, tuple[float, ...]]] = {
@@ -75,14 +75,14 @@ LIMITS: dict[float, tuple[str, float, tuple[float, ...]]] = {
 
 def limits() -> tuple[Reference, ...]:
     """What the finer meshes, steps and holes of solids leave open, and without friction shells."""
-    found: tuple[Reference, ...] = ()
+    bounds: tuple[Reference, ...] = ()
     for mu, (source, uncertainty, forces) in LIMITS.items():
         rows: list[Row] = [
             ({"delta_mm": float(i + 1), "mu": mu, "law": "neo-hooke"}, {"quarter_N": force})
             for i, force in enumerate(forces)
         ]
-        found += references("refined", source, uncertainty, rows)
-    return found
+        bounds += references("refined", source, uncertainty, rows)
+    return bounds
 
 
 class HalfSpheres(OfSolids):

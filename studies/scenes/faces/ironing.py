@@ -95,10 +95,10 @@ def _references() -> tuple[Reference, ...]:
 
     press, slide = rows(*OURS)
     ours = "limit of meshes, slabs of solids and as a shell"
-    found = references("refined", ours, WITHIN, [press]) + references("refined", ours, SLIDING, [slide])
+    collected = references("refined", ours, WITHIN, [press]) + references("refined", ours, SLIDING, [slide])
     for source, values in PUBLISHED.items():
-        found += references("read", f"{source}, curves digitised by solids4foam", SPREAD, rows(*values))
-    return found
+        collected += references("read", f"{source}, curves digitised by solids4foam", SPREAD, rows(*values))
+    return collected
 
 
 class Ironing(OfSolids):
@@ -122,11 +122,11 @@ class Ironing(OfSolids):
         if far > LONG:
             raise UsageError(f"start_mm and slide_mm take the die to {far:g} mm: the slab ends at {LONG:g} mm")
         slab, die = _slab(request), _die(request)
-        way = _Way(request.number("depth_mm"), request.numbers("slide_mm"))
+        travel = _Way(request.number("depth_mm"), request.numbers("slide_mm"))
         start = np.array([0.0, request.number("start_mm") + HALF, ABOVE])
 
         def placed(at: float) -> Bodies:
-            return Bodies((slab, PlacedSolid(die, shift=start + way.shift(at))))
+            return Bodies((slab, PlacedSolid(die, shift=start + travel.shift(at))))
 
         held = die.solid.discretisation.mesh.on(2, HIGH)
 
@@ -135,7 +135,9 @@ class Ironing(OfSolids):
             return {"V_N_mm": -V, "H_N_mm": H, "H_over_V": -H / V if V else 0.0}
 
         sides = [(Side(k, 1), columns(each)) for k, each in enumerate((slab, PlacedSolid(die)))]
-        return FacesModel.of(request, placed, [Facing.between(request, *sides)], measured, "way_mm", targets=way.stops)
+        return FacesModel.of(
+            request, placed, [Facing.between(request, *sides)], measured, "way_mm", targets=travel.stops
+        )
 
 
 def reaction(body: TiedSolid, u: np.ndarray, held: np.ndarray) -> np.ndarray:
@@ -187,9 +189,9 @@ def _along(request: Request) -> np.ndarray:
     start = request.number("start_mm")
     low = max(start - BESIDE, 0.0)
     high = min(start + max(request.numbers("slide_mm")) + 2 * HALF + BESIDE, LONG)
-    way = np.linspace(low, high, math.ceil((high - low) * n / LONG) + 1)
+    middle = np.linspace(low, high, math.ceil((high - low) * n / LONG) + 1)
     before, beyond = (growing(LONG / n, length) for length in (low, LONG - high))
-    return np.concatenate([low - before[:0:-1], way, high + beyond[1:]])
+    return np.concatenate([low - before[:0:-1], middle, high + beyond[1:]])
 
 
 def _depths(request: Request) -> np.ndarray:
@@ -245,11 +247,11 @@ def _die(request: Request) -> TiedSolid:
 
 def _sides(mesh: SolidMesh) -> list[np.ndarray]:
     """The quadrilaterals (F, 9) of both sides but for the highest, turned as those of the inner face are."""
-    found = [mesh.elements[:, nodes] for nodes in (LOW, HIGH_SIDE)]
+    both_sides = [mesh.elements[:, nodes] for nodes in (LOW, HIGH_SIDE)]
     a, high = mesh.parameter, mesh.parameter[:, 2].max()
     return [
         quads[np.all(a[quads, 1] == end, axis=1) & (a[quads, 2].max(axis=1) < high)]
-        for quads, end in zip(found, (-1.0, 1.0), strict=True)
+        for quads, end in zip(both_sides, (-1.0, 1.0), strict=True)
     ]
 
 

@@ -29,7 +29,7 @@ SHAPES = ("facets", "curved")
 SHAPE_OF_FACES = Setting.one_of(
     "faces", SHAPES, SHAPES[0], "faces between their points: flat patches, or curved by the normals at their corners"
 )
-TOUCHING = 1e-9  # of the size of faces: a gap at rest that is none
+TOUCHING = 1e-9  # of the size of faces: a smaller gap at rest counts as closed
 SLAVES = ("first", "second")
 SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "body whose face has the candidates; the other's is the master")
 OTHER = Setting(
@@ -53,7 +53,7 @@ def paired(**defaults: Value) -> tuple[Setting, ...]:
 
 
 def uncut(request: Request) -> Request:
-    """Without leaves: cuts of one body are none of the other's, all follow the mesh."""
+    """Without leaves: cuts of one body do not apply to the other, all follow the mesh."""
     return replace(request, leaves=())
 
 
@@ -78,16 +78,16 @@ class Facing:
 
     @classmethod
     def between(cls, request: Request, first: tuple[Side, np.ndarray], second: tuple[Side, np.ndarray]) -> Self:
-        """The side that is asked for is the slave; with each its points (m,), or (m, j) where j move alike."""
-        own = SLAVES.index(request.choice(SLAVE.key))
-        (slave, points), (master, _) = (first, second)[own], (first, second)[1 - own]
+        """The side requested is the slave; with each its points (m,), or (m, j) where j move alike."""
+        slave_index = SLAVES.index(request.choice(SLAVE.key))
+        (slave, points), (master, _) = (first, second)[slave_index], (first, second)[1 - slave_index]
         return cls(slave, master, points) if points.ndim == 1 else cls(slave, master, points[:, 0], alike=points)
 
     @property
     def said(self) -> str:
         """Which faces."""
-        own, its = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
-        return f"{own} against {its}"
+        slave, master = (f"the {FACES[side.face]} face of body {side.body + 1}" for side in (self.slave, self.master))
+        return f"{slave} against {master}"
 
     @property
     def whole(self) -> np.ndarray:
@@ -100,8 +100,8 @@ class Facing:
 
     def at_rest(self, bodies: Bodies, pairing: Pairing) -> Pair:
         """The pair of bodies that are at rest."""
-        found = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing)
-        return found if self.alike is None else replace(found, sampling=joined(found.sampling, self.alike.shape[1]))
+        pair = bodies.pair(self.slave, self.master, self.whole.ravel(), pairing)
+        return pair if self.alike is None else replace(pair, sampling=joined(pair.sampling, self.alike.shape[1]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ class Meeting:
     @cached_property
     def resultant(self) -> np.ndarray:
         """(pairs, 3) [N] of each pair on its slave; the sum of its forces where all have one direction."""
-        each = [own.resultant(self.u, self.force[self.pair == number]) for number, own in enumerate(self.pairs)]
+        each = [pair.resultant(self.u, self.force[self.pair == number]) for number, pair in enumerate(self.pairs)]
         return np.array(each)
 
 
@@ -168,7 +168,7 @@ class FacesModel:
 
     @cached_property
     def shell(self) -> ShellModel:
-        """The first of the bodies that is one; raises AttributeError where none is, as where there is no such thing."""
+        """The first body that is a shell; raises AttributeError without one, as for an attribute that is missing."""
         for each in self.bodies_at(self.targets[-1]).parts:
             if isinstance(each, Placed):
                 return each.shell
@@ -226,19 +226,19 @@ class FacesModel:
 
     @cached_property
     def _at_rest(self) -> tuple[Pair, ...]:
-        """They say where the slaves are looked at all along the path, and how curved faces hang together."""
+        """They define where the slaves are sampled along the path, and how curved faces are joined."""
         bodies = self.bodies_at(0.0)
         return tuple(each.at_rest(bodies, self.pairing) for each in self.pairs)
 
     def pairs_at(self, t: float) -> tuple[Pair, ...]:
         """The pairs at a point of the path."""
-        bodies, found = self.bodies_at(t), zip(self.pairs, self._at_rest, strict=True)
+        bodies, facings = self.bodies_at(t), zip(self.pairs, self._at_rest, strict=True)
         return tuple(
             replace(
                 bodies.pair(each.slave, each.master, each.nodes, self.pairing, rest),
                 smooth=each.smooth,
             )
-            for each, rest in found
+            for each, rest in facings
         )
 
     def problem_at(self, t: float) -> ContactProblem:
@@ -248,8 +248,8 @@ class FacesModel:
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         pairs, which = self.pairs_at(t), self.pair_of_candidate
-        found = zip(pairs, self.pairs, strict=True)
-        position = np.concatenate([pair.positions(state.u)[each.nodes] for pair, each in found])
+        facings = zip(pairs, self.pairs, strict=True)
+        position = np.concatenate([pair.positions(state.u)[each.nodes] for pair, each in facings])
         forces, pressure = problem.nodal_forces(state.pressure), state.pressure
         meeting = Meeting(state.u, which, position, forces, pressure, problem.weights, pairs)
         quantities = dict(self.measure_at(t, meeting))
@@ -274,7 +274,7 @@ class FacesModel:
         bodies = self.bodies_at(self.targets[-1] if self.shown is None else self.shown)
         pressures = [np.zeros(len(each.nodes)) for each in bodies.parts]
         for number, each in enumerate(self.pairs if len(state.pressure) else ()):
-            own = state.pressure[self.pair_of_candidate == number]
-            pressures[each.slave.body][each.points(bodies.parts)] = own[:, None]
+            on_pair = state.pressure[self.pair_of_candidate == number]
+            pressures[each.slave.body][each.points(bodies.parts)] = on_pair[:, None]
         layers = zip(bodies.parts, bodies.split(state.u), pressures, strict=True)
-        write_layers(path, [one.layer(own, pressure) for one, own, pressure in layers if len(one.nodes)])
+        write_layers(path, [part.layer(u, pressure) for part, u, pressure in layers if len(part.nodes)])

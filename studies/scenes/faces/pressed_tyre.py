@@ -100,8 +100,8 @@ def _inflated(request: Request, body: TyreBody, start: ContactSolution | None) -
     problem_at, begun = begin_inflation(body, start)
     (point,) = follow(problem_at, 0.0, [1.0], algorithm, begun, request.steps)
     if not point.outcome.converged:
-        asked = request.number("p0_MPa")
-        raise UsageError(f"p0_MPa = {asked:g}: this tyre is inflated no further than to {point.reached * asked:.3g}")
+        p0 = request.number("p0_MPa")
+        raise UsageError(f"p0_MPa = {p0:g}: this tyre is inflated no further than to {point.reached * p0:.3g}")
     return point.solution.u
 
 
@@ -109,7 +109,7 @@ class OnGround(Declared):
     """What scenes of it share; the mesh is that of the whole tyre."""
 
     default_mesh = (28, 28)
-    coarsest_mesh = (14, 14)  # a path of 8x8 is unstable, and those of odd numbers are none
+    coarsest_mesh = (14, 14)  # 8x8 has an unstable path, odd numbers have none
     models = ("auto", "full", "quarter")
     sheet = Sheet("-x", 42.0, 14.0, settings={"delta_mm": "20"}, model="full")
 
@@ -158,14 +158,14 @@ def pressed(
     """
     deltas = request.numbers("delta_mm")
     side = tyre.side(DEEP * deltas[-1] + BESIDES * request.number("R1_mm"))
-    own = SLAVES.index(request.choice("slave"))
+    slave_index = SLAVES.index(request.choice("slave"))
     copies = 4 if request.model == "quarter" else 1
 
     def bodies(delta: float) -> Bodies:
         return Bodies((Placed(tyre.shell), ground(np.array([tyre.crown + foremost - delta, 0.0, 0.0]))))
 
-    candidates = (tyre.nodes(side), facing[1])[own]
-    rest = bodies(0.0).parts[own].face(1)[0][candidates]
+    candidates = (tyre.nodes(side), facing[1])[slave_index]
+    rest = bodies(0.0).parts[slave_index].face(1)[0][candidates]
     along, across = (_line(rest, axis) for axis in (1, 2))
     middle = np.linalg.norm(rest[:, 1:], axis=1)
     centre = middle <= np.min(middle) + ON_LINE
@@ -174,7 +174,7 @@ def pressed(
     def measured(delta: float, meeting: Meeting) -> dict[str, float]:
         force, pressure, x = meeting.force, meeting.pressure, meeting.position
         return {
-            "force_N": copies * (2 * own - 1) * float(meeting.resultant[0, 0]),
+            "force_N": copies * (2 * slave_index - 1) * float(meeting.resultant[0, 0]),
             "centre_pressure_MPa": float(np.mean(pressure[centre])),
             "mean_pressure_MPa": float(force @ pressure) / (float(force.sum()) or 1.0),
             "half_length_mm": extent(x[along, 1], pressure[along] > 0),

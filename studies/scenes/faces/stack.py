@@ -77,7 +77,7 @@ class Stack(Declared):
         def measured(delta: float, meeting: Meeting) -> dict[str, float]:
             first = meeting.pair == 0
             read = ring.flattened(delta, h, meeting.force[first], meeting.position[first, 1])
-            forces = [float(meeting.force[own].sum()) for own in (first, ~first)]
+            forces = [float(meeting.force[of_pair].sum()) for of_pair in (first, ~first)]
             read["second_over_first"] = forces[1] / forces[0] if forces[0] > 0 else 1.0
             return {name: read[name] for name in QUANTITIES}
 

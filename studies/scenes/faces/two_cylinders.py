@@ -42,13 +42,13 @@ def _moduli(ratio: float) -> tuple[float, float]:
 
 
 def _references() -> tuple[Reference, ...]:
-    found: list[Row] = []
+    rows: list[Row] = []
     for delta in DELTAS:
         for ratio in (1.0, 10.0):
             force = pressed_cylinders(2 * delta, RADIUS, _moduli(ratio))[0]
             values = {"P_over_ER": force / E / RADIUS, "peak_over_hertz": 1.0, "half_width_over_hertz": 1.0}
-            found.append(({"delta_mm": delta, "E_ratio": ratio}, values))
-    return references("exact", SOURCE, 1e-2, found)
+            rows.append(({"delta_mm": delta, "E_ratio": ratio}, values))
+    return references("exact", SOURCE, 1e-2, rows)
 
 
 class TwoCylinders(OfSolids):

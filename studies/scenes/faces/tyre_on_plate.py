@@ -80,8 +80,8 @@ class TyreOnPlate(OnGround):
             y, z = meeting.position[:, 1:].T
             linear = copies * navier_deflection(sides, stiffness, z, y, meeting.force)
             over = {"deflection_over_navier": float(deflection[centre]) / linear if linear else 1.0}
-            found = {"deflection_mm": float(np.max(deflection))}
-            return found | (over if request.choice("edges") == "hinged" else {})
+            readings = {"deflection_mm": float(np.max(deflection))}
+            return readings | (over if request.choice("edges") == "hinged" else {})
 
         near = np.abs(body.grid.centre) <= np.multiply(NEAR, reach(request, np.inf))
         side = Side(1, 1, np.flatnonzero(near.all(axis=1)))

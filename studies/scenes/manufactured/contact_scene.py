@@ -80,7 +80,7 @@ class OntoBall:
 class Touching:
     """The exact solution of a shell on a ball; see :class:`studies.scenes.manufactured.solution.Solution`.
 
-    inside, outside: two smooth solutions, each over the whole rectangle; one holds on either side of the curve, where
+    inside, outside: two smooth solutions, each over the whole rectangle; each is valid on one side of the curve, where
     their displacements and strains agree. The pressure, per area of the outer face at rest, is taken off the force on
     that face: the ball provides it.
     """
@@ -223,16 +223,16 @@ def contact_errors(exact: Touching, touch: Touch) -> dict[str, float]:
 
 def edge_crossings(piece: Piece, touch: Touch) -> np.ndarray:
     """r (k,) where the pressure falls to zero on the grid lines, between a node that touches and one that does not."""
-    found = []
+    crossings = []
     for axis in (0, 1):
         for across in np.unique(touch.at[:, 1 - axis]):
             line = np.flatnonzero(touch.at[:, 1 - axis] == across)
             line = line[np.argsort(touch.at[line, axis])]
-            for way in (line, line[::-1]):
-                for before, last, after in zip(way, way[1:], way[2:], strict=False):
+            for nodes in (line, line[::-1]):
+                for before, last, after in zip(nodes, nodes[1:], nodes[2:], strict=False):
                     if touch.active[before] and touch.active[last] and not touch.active[after]:
-                        found.append(_zero(touch, before, last, after))
-    return np.sqrt(piece.distance(np.array(found))) if found else np.zeros(0)
+                        crossings.append(_zero(touch, before, last, after))
+    return np.sqrt(piece.distance(np.array(crossings))) if crossings else np.zeros(0)
 
 
 def _zero(touch: Touch, before: int, last: int, after: int) -> np.ndarray:

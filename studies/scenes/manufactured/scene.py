@@ -65,9 +65,9 @@ def errors(shell: ShellModel, u: np.ndarray, exact: Solution) -> dict[str, float
 
 
 def relative(pair: tuple[np.ndarray, np.ndarray], square: Callable[[np.ndarray], np.ndarray]) -> float:
-    """Norm of what was found less what is exact, over that of the exact; ``square``: the terms of its square."""
-    found, exact = pair
-    return float(np.sqrt(np.sum(square(found - exact)) / np.sum(square(exact))))
+    """Norm of the error of computed values, relative to the exact ones; ``square``: the terms of its square."""
+    computed, exact = pair
+    return float(np.sqrt(np.sum(square(computed - exact)) / np.sum(square(exact))))
 
 
 def interpolated(shell: ShellModel, u: np.ndarray) -> np.ndarray:
@@ -143,13 +143,13 @@ class ManufacturedModel(ShellSceneModel):
         yield Stage("motion", self._begin, (1.0,), self._observe)
 
     def problem_at(self, t: float) -> ContactProblem:
-        """Nothing to touch. Energy is not balanced: the straight way from rest with both edges where they are held
-        leads through elements that are pressed to nothing.
+        """Without contact. Energy is not balanced: the straight path from rest with both edges where they are held
+        passes through collapsed elements.
         """
         shell = carrying(self.shell, self.exact_at(t), self.loaded)
         problem = without_contact(shell.linearise, self.n_unknowns, ordered=shell.ordered)
-        seen = replace(problem, others=shell.left_to_foundation, residual=shell.residual)
-        return replace(seen, element_modes=element_modes(shell))
+        problem = replace(problem, others=shell.left_to_foundation, residual=shell.residual)
+        return replace(problem, element_modes=element_modes(shell))
 
     def moved(self, t: float) -> Self:
         """With its held edges where they are at t."""
@@ -161,8 +161,8 @@ class ManufacturedModel(ShellSceneModel):
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         exact = self.exact_at(t)
-        found = errors(carrying(self.shell, exact, self.loaded), state.u, exact)
-        return Observation({"motion": t, **found}, found)
+        norms = errors(carrying(self.shell, exact, self.loaded), state.u, exact)
+        return Observation({"motion": t, **norms}, norms)
 
 
 class Manufactured(Declared):

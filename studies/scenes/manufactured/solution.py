@@ -82,8 +82,8 @@ class Patch:
         points = a.reshape(-1, 2)
         first, second = (axis.basis(points[:, i]) for i, axis in enumerate(self.axes))
         along = np.tensordot(first, values, axes=1)
-        found = np.einsum("pj,pj...->p...", second, along)
-        return found.reshape(*a.shape[:-1], *values.shape[2:])
+        interpolated = np.einsum("pj,pj...->p...", second, along)
+        return interpolated.reshape(*a.shape[:-1], *values.shape[2:])
 
 
 Displacement = Callable[[np.ndarray], np.ndarray]  # points (..., 2) -> u of both faces (..., 2, 3), Cartesian

@@ -169,8 +169,8 @@ def wrong_coefficients(measure: QuadraticMeasure, statement: Statement) -> list[
     wrong = []
     for m, n in zip(*np.nonzero(np.abs(excess) > 1e-6), strict=True):
         indices = [QUANTITIES.index(name) for name in monomials[m]]
-        found = measure.linear[n, indices[0]] if len(indices) == 1 else measure.quadratic[n, indices[0], indices[1]]
-        found = float(found) / (2 if len(indices) == 2 and indices[0] == indices[1] else 1)
-        stated_value = round(found - float(excess[m, n]), 9) + 0.0
-        wrong.append(WrongCoefficient(STRAINS[n], " ".join(monomials[m]), found, stated_value))
+        terms = measure.linear if len(indices) == 1 else measure.quadratic
+        coefficient = float(terms[(n, *indices)]) / (2 if len(indices) == 2 and indices[0] == indices[1] else 1)
+        stated_value = round(coefficient - float(excess[m, n]), 9) + 0.0
+        wrong.append(WrongCoefficient(STRAINS[n], " ".join(monomials[m]), coefficient, stated_value))
     return wrong

@@ -1,4 +1,4 @@
-"""A deck with its elements cut: what holds, loads and names its nodes and elements is carried down.
+"""A deck with its elements cut: supports, loads and sets of its nodes and elements are carried over.
 
 A degree of freedom is held at a new node where it is at all nodes of the deck that it lies between, both ends of an
 edge or four corners, along one and the same axis: what an element of the deck cannot move stays. Forces stay on their
@@ -22,12 +22,12 @@ def cut_in(deck: Deck, mesh: Mesh, parts: int, smooth_deg: float) -> tuple[Deck,
     if parts == 1:
         return deck, mesh
     fine, around, shares = mesh.cut(parts, smooth_deg)
-    own = len(mesh.numbers)
-    held = Held(np.zeros((own, len(DEGREES)), bool), moved_of(deck, mesh))
+    n_nodes = len(mesh.numbers)
+    held = Held(np.zeros((n_nodes, len(DEGREES)), bool), moved_of(deck, mesh))
     for node, degrees in deck.degrees.items():
         held.degrees[np.ix_(mesh.at([node]), np.array(sorted(degrees)) - 1)] = True
-    systems, between = carried(deck, mesh.middle, mesh.axes, held, around[own:], shares[own:])
-    new = fine.numbers[own:].tolist()
+    systems, between = carried(deck, mesh.middle, mesh.axes, held, around[n_nodes:], shares[n_nodes:])
+    new = fine.numbers[n_nodes:].tolist()
     known = {new[i]: {int(j) + 1 for j in np.flatnonzero(between.degrees[i])} for i in _with(between.degrees)}
     moved = {new[i]: dict(enumerate(between.at[i].tolist(), 1)) for i in _with(between.at != 0)}
     turned = {new[i]: int(systems[i]) for i in np.flatnonzero(systems >= 0)}

@@ -3,7 +3,7 @@
 ::
 
     read_off = ["tip"]                    # groups whose displacements are wanted
-    finite_rotations = true               # false unless it says so
+    finite_rotations = true               # false by default
 
     [materials]                           # MPa; or E1, E2, nu12, G12, G23: fibres along 1
     steel = {E = 210000.0, nu = 0.3}
@@ -108,8 +108,8 @@ def _section(deck: Deck, name: str, said: Said, elements: list[int]) -> None:
     if axis:
         deck.orientations[name] = (tuple(each.real() for each in table["axis"].items(3)), 0.0)
     if "plies" in table:
-        told = Said(said.file, said.key, {key: each.value for key, each in table.items() if key != "axis"})
-        layers = [_layer(deck, *each.items(3)) for each in told.needs("plies")[0].items()]
+        laminate = Said(said.file, said.key, {key: each.value for key, each in table.items() if key != "axis"})
+        layers = [_layer(deck, *each.items(3)) for each in laminate.needs("plies")[0].items()]
     else:
         thickness, material = said.needs("thickness", "material")
         layers = [_layer(deck, thickness, material, Said(said.file, said.key, 0.0))]
@@ -151,6 +151,6 @@ def _force(deck: Deck, mesh: GmshMesh, name: str, said: Said) -> None:
     if not share.any():
         said.refuse("must be a group of points, or of lines that have a length")
     for node in np.flatnonzero(share).tolist():
-        own = deck.forces.setdefault(node + 1, {})
+        forces = deck.forces.setdefault(node + 1, {})
         for degree, value in enumerate((total * share[node] / share.sum()).tolist(), 1):
-            own[degree] = own.get(degree, 0.0) + value
+            forces[degree] = forces.get(degree, 0.0) + value

@@ -71,26 +71,26 @@ def _by_meshio(path: Path) -> Any:
         raise UsageError(f"{path}: meshes of gmsh need the extra mesh: {how}") from None
     if path.stat().st_size > LARGEST_FILE:
         raise UsageError(f"{path}: larger than {LARGEST_FILE // 10**6} MB")
-    told = io.StringIO()
+    stderr = io.StringIO()
     try:
-        with warnings.catch_warnings(), contextlib.redirect_stderr(told):
-            warnings.simplefilter("error")  # numbers that are cut off are a warning alone
+        with warnings.catch_warnings(), contextlib.redirect_stderr(stderr):
+            warnings.simplefilter("error")  # of truncated numbers meshio only warns
             mesh = gmsh.read(path)
     except OSError:
         raise
-    except Exception as error:  # of a file that is anything, it may be any
-        said = " ".join(f"{type(error).__name__} {error}".split())[:120]
-        if "gmsh:physical" in said:
+    except Exception as error:  # an arbitrary file may raise any of them
+        message = " ".join(f"{type(error).__name__} {error}".split())[:120]
+        if "gmsh:physical" in message:
             raise UsageError(f"{path.name}: has more than its groups: save it with Mesh.SaveAll = 0") from None
-        raise UsageError(f"{path.name}: is no mesh of gmsh in format 2.2 or 4.1: {said}") from None
-    if "not closed" in told.getvalue():
-        raise UsageError(f"{path.name}: is cut off: {' '.join(told.getvalue().split())[:120]}")
+        raise UsageError(f"{path.name}: is no mesh of gmsh in format 2.2 or 4.1: {message}") from None
+    if "not closed" in stderr.getvalue():
+        raise UsageError(f"{path.name}: is cut off: {' '.join(stderr.getvalue().split())[:120]}")
     return mesh
 
 
 def _groups(mesh: Any, blocks: list[tuple[str, np.ndarray]]) -> dict[str, dict[str, np.ndarray]]:
     """Format 4.1 names the cells of a group, 2.2 has its number at each of them."""
-    found = dict[str, dict[str, np.ndarray]]()
+    groups = dict[str, dict[str, np.ndarray]]()
     tags = mesh.cell_data.get("gmsh:physical")
     for name, (tag, dimension) in mesh.field_data.items():
         parts, first = dict[str, list[np.ndarray]](), 0
@@ -104,5 +104,5 @@ def _groups(mesh: Any, blocks: list[tuple[str, np.ndarray]]) -> dict[str, dict[s
             if len(cells):
                 parts.setdefault(kind, []).append(cells + first if kind == "quad" else data[cells])
             first += len(data) if kind == "quad" else 0
-        found[name] = {kind: np.concatenate(each) for kind, each in parts.items()}
-    return found
+        groups[name] = {kind: np.concatenate(each) for kind, each in parts.items()}
+    return groups

@@ -1,6 +1,6 @@
 """A deck as cards: a keyword, its parameters, its lines of data. What a keyword means does not enter here.
 
-Names and keywords are not told apart by case; every error names the file and the line.
+Names and keywords are not case-sensitive; every error names the file and the line.
 """
 
 import math
@@ -20,7 +20,7 @@ SHOWN = 40  # letters of a word from a file in a message
 
 
 class Place(Protocol):
-    """Where a file says something."""
+    """A place in a file: its name and a line."""
 
     def refuse(self, why: str) -> NoReturn:
         """Raise UsageError with the file and the place in it."""
@@ -28,7 +28,7 @@ class Place(Protocol):
 
 @dataclass(frozen=True)
 class Row:
-    """A line of data: its fields, stripped, those behind the last one that says something left out."""
+    """A line of data: its fields, stripped, without the empty ones at its end."""
 
     file: str
     line: int
@@ -39,7 +39,7 @@ class Row:
         raise UsageError(f"{self.file}, line {self.line}: {why}")
 
     def text(self, place: int, default: str | None = None) -> str:
-        """A field; raises UsageError where there is none."""
+        """A field; raises UsageError where it is missing."""
         if place < len(self.fields) and self.fields[place]:
             return self.fields[place]
         return default if default is not None else self.refuse(f"field {place + 1} is missing")
@@ -106,7 +106,7 @@ def shown(word: str) -> str:
 
 
 def cards_of(path: Path) -> list[Card]:
-    """The cards of a deck in order; raises UsageError for what is none, and OSError where it cannot be read."""
+    """The cards of a deck in order; raises UsageError for a malformed deck, and OSError."""
     if path.stat().st_size > LARGEST_FILE:
         raise UsageError(f"{path}: larger than {LARGEST_FILE // 10**6} MB")
     cards = list[Card]()

@@ -48,10 +48,10 @@ def cload(deck: Deck, card: Card) -> None:
             row.refuse(f"degree of freedom {degree}: understood are 1 to 6")
         word, value = row.text(0), row.real(2)
         for node in deck.members_of(row, word, deck.nodes, deck.node_sets, "node"):
-            own = deck.forces.setdefault(node, {})
-            if degree in own:
+            forces = deck.forces.setdefault(node, {})
+            if degree in forces:
                 row.refuse(f"a second load on node {node}, degree {degree}: programs differ in whether they add up")
-            own[degree] = value
+            forces[degree] = value
         if named(word) in deck.node_sets:
             deck.see(named(word))
 

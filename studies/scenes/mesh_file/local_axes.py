@@ -87,16 +87,16 @@ def carried(
     planes = [np.einsum("nix,ni,niy->nxy", axes, each, axes) for each in parts]
     moved = np.einsum("nix,ni->nx", axes, held.at)
     n = len(around)
-    best, found = np.full(n, -1), Held(np.zeros((n, 6), bool), np.zeros((n, 3)))
+    best, supports = np.full(n, -1), Held(np.zeros((n, 6), bool), np.zeros((n, 3)))
     for system in range(-1, len(deck.transforms)):
-        own = axes_at(deck, system, x)
-        off = [np.linalg.norm(own - np.einsum("nix,nxy->niy", own, plane), axis=-1) for plane in planes]
+        local = axes_at(deck, system, x)
+        off = [np.linalg.norm(local - np.einsum("nix,nxy->niy", local, plane), axis=-1) for plane in planes]
         both = np.all((np.concatenate(off, axis=-1) < LEVEL)[around], axis=1)  # false where an axis is NaN
-        more = both.sum(axis=1) > found.degrees.sum(axis=1)
-        along = np.einsum("nix,nx->ni", own, moved)[around[more]]
-        best[more], found.degrees[more] = system, both[more]
-        found.at[more] = np.where(both[more, :3], np.einsum("mr,mri->mi", shares[more], along), 0.0)
-    return best, found
+        more = both.sum(axis=1) > supports.degrees.sum(axis=1)
+        along = np.einsum("nix,nx->ni", local, moved)[around[more]]
+        best[more], supports.degrees[more] = system, both[more]
+        supports.at[more] = np.where(both[more, :3], np.einsum("mr,mri->mi", shares[more], along), 0.0)
+    return best, supports
 
 
 def _unit(x: np.ndarray) -> np.ndarray:

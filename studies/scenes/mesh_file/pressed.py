@@ -26,7 +26,7 @@ KEY = "foundation"
 AXES = (1, 2, 3)
 STEEP = 0.8  # cosine of an axis with the direction, above which a drum does not lie along it
 ADVANCES = 500  # of a foundation towards its first touch, each by the smallest gap
-TOUCHED = 1e-12  # of the size of the shell: a gap that is none
+TOUCHED = 1e-12  # of the size of the shell: a smaller gap counts as closed
 
 BESIDE = Setting.one_of(KEY, (NONE, *foundations.PARAMETERS), NONE, "rigid obstacle that the shell is pressed on")
 SETTINGS = (
@@ -64,7 +64,7 @@ QUANTITIES = {
 
 
 def direction(settings: Settings) -> np.ndarray:
-    """The unit vector from the shell to the foundation; raises UsageError for none."""
+    """The unit vector from the shell to the foundation; raises UsageError for a zero vector."""
     towards = np.array([settings.number(f"towards_{i}") for i in AXES])
     length = float(np.linalg.norm(towards))
     if length == 0:
@@ -73,7 +73,7 @@ def direction(settings: Settings) -> np.ndarray:
 
 
 def placed(request: Request, x: np.ndarray, over: np.ndarray | None) -> Foundation:
-    """At the first touch of a face, points x (N, 3); raises UsageError where it passes by.
+    """At the first touch of a face, points x (N, 3); raises UsageError where it misses the face.
 
     over (3,): the point that it stands over, by default the foremost, of several the one nearest to their mean.
     """

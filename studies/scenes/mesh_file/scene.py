@@ -80,11 +80,11 @@ class DeckScene:
         return "exact" if self.deck.nonlinear else "linear"
 
     def settle(self, request: Request) -> Request:
-        """Raises UsageError for a mesh that its own is not cut to."""
+        """Raises UsageError for a mesh other than NxN, N parts of each element along a side."""
         parts, most = request.mesh[0], math.isqrt(LARGEST_MESH // len(self.mesh.elements))
         if request.mesh != (parts, parts) or parts > most:
-            own = f"1x1, the mesh of {self.deck.path.name}, or NxN, each of its elements in N x N"
-            raise UsageError(f"--mesh {request.mesh_text} must be {own}, N up to {most}")
+            allowed = f"1x1, the mesh of {self.deck.path.name}, or NxN, each of its elements in N x N"
+            raise UsageError(f"--mesh {request.mesh_text} must be {allowed}, N up to {most}")
         return replace(request, model="full")
 
     def build(self, request: Request) -> SceneModel:
@@ -137,7 +137,7 @@ class DeckScene:
         yield f"read {mesh.file}: {len(mesh.numbers)} nodes, {len(mesh.elements)} quadrilaterals{unused}"
         given = np.count_nonzero(mesh.given)
         yield f"normals: {given} from the deck, {len(mesh.given) - given} from the positions around"
-        ridges = sum(len(told) > 1 for told in deck.normals.values())
+        ridges = sum(len(at_node) > 1 for at_node in deck.normals.values())
         if ridges:
             yield f"several normals at {ridges} nodes: their mean; a fold that is rounded off when elements are cut"
         yield from walls_told(deck, self.plies)
@@ -187,23 +187,23 @@ class _Reading:
         middle = np.mean(self.shell.cartesian(u, shell.prescribed), axis=0)
         size = np.linalg.norm(middle[: len(self.numbers)], axis=1)
         largest = int(np.argmax(size))
-        seen: dict[str, float] = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
+        readings: dict[str, float] = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
         total = np.sum(np.linalg.norm(self.forces, axis=1))
         if total > 0:
-            seen["along_forces_mm"] = float(np.sum(self.forces * middle) / total)
+            readings["along_forces_mm"] = float(np.sum(self.forces * middle) / total)
         for name, nodes in self.sets.items():
             word = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
-            seen |= {f"u{i + 1}_{word}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
-        return seen
+            readings |= {f"u{i + 1}_{word}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
+        return readings
 
     def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
         """Under a fraction of the loads; forces of the deck on what a support holds are borne by the support."""
         body = shell.discretisation
         axes = body.surface.frame(*body.grid.nodes.T)
         forces = np.einsum("nix,nx->ni", axes, self.forces)
-        own = np.where(body.map.held | body.map.hinged, np.repeat(0.5 * forces, 2, axis=1), 0.0)
+        on_supports = np.where(body.map.held | body.map.hinged, np.repeat(0.5 * forces, 2, axis=1), 0.0)
         shell = shell.scaled(fraction)
-        borne = shell.reactions(u) - fraction * own
+        borne = shell.reactions(u) - fraction * on_supports
         total = np.einsum("nif,nix->x", borne.reshape(-1, 3, 2), axes)
         return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
 
@@ -213,8 +213,8 @@ class DeckModel(StaticModel):
 
     def moved(self, t: float) -> DeckModel:
         """With the displacements of the supports at that fraction."""
-        own = self.shell.prescribed
-        return self if own is None else replace(self, shell=replace(self.shell, prescribed=t * own))
+        prescribed = self.shell.prescribed
+        return self if prescribed is None else replace(self, shell=replace(self.shell, prescribed=t * prescribed))
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         assert isinstance(self.measure_at, _Reading)

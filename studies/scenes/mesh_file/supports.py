@@ -15,7 +15,7 @@ from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.surface import Mesh
 
 ALL = frozenset(range(1, 7))
-LEVEL = 1e-9  # of a unit normal: a smaller component is none
+LEVEL = 1e-9  # of a unit normal: a smaller component counts as zero
 
 
 def planes_of(deck: Deck, mesh: Mesh) -> np.ndarray:

@@ -1,7 +1,7 @@
-"""The surface of a deck: its nodes counted from 0, the way round of its quadrilaterals, nodal normals, folds.
+"""The surface of a deck: its nodes counted from 0, the orientation of its quadrilaterals, nodal normals, folds.
 
 A director for each node follows a smooth surface alone: folds and edges of three elements are refused, and so are
-neighbours that go round against each other.
+neighbours of opposite orientation.
 """
 
 from __future__ import annotations
@@ -87,8 +87,8 @@ class Mesh:
 
     def at(self, nodes: list[int]) -> np.ndarray:
         """Places of nodes of the deck; those of no element are left out."""
-        found = np.asarray(nodes, dtype=np.int64)
-        return np.searchsorted(self.numbers, found[np.isin(found, self.numbers)])
+        numbers = np.asarray(nodes, dtype=np.int64)
+        return np.searchsorted(self.numbers, numbers[np.isin(numbers, self.numbers)])
 
     def _check_elements(self) -> None:
         corners = self.middle[self.elements]
@@ -147,14 +147,14 @@ class Mesh:
         for corner in range(4):
             np.add.at(total, self.elements[:, corner], self.areas)
         known = self.numbers[self.given].tolist()
-        told = np.array([_unit(np.array(deck.normals[number])).sum(axis=0) for number in known]).reshape(-1, 3)
-        against = np.sum(told * total[self.given], axis=-1) <= 0
+        given = np.array([_unit(np.array(deck.normals[number])).sum(axis=0) for number in known]).reshape(-1, 3)
+        against = np.sum(given * total[self.given], axis=-1) <= 0
         if against.any():
             raise UsageError(
                 f"{self.file}: normals that do not point to the side of their elements, at nodes "
                 f"{listed(np.array(known)[against].tolist())}"
             )
-        total[self.given] = _unit(told)
+        total[self.given] = _unit(given)
         normals = nodal_normals(self.middle, self.elements, total, self.given)
         none = np.linalg.norm(normals, axis=-1) == 0
         if none.any():

@@ -55,8 +55,8 @@ def walls_of(deck: Deck, mesh: Mesh, laminates: Sequence[Laminate]) -> Walls:
     """Of all elements, with the thickness of their section or of their nodes."""
     kind = np.array([deck.section_of[label] for label in mesh.labels.tolist()])
     nodal = np.array([section.nodal for section in deck.sections])[kind]
-    own = np.array([laminate.thickness for laminate in laminates])[kind]
-    return Walls(tuple(laminates), kind, np.where(nodal[:, None], mesh.thickness[mesh.elements], own[:, None]))
+    of_section = np.array([laminate.thickness for laminate in laminates])[kind]
+    return Walls(tuple(laminates), kind, np.where(nodal[:, None], mesh.thickness[mesh.elements], of_section[:, None]))
 
 
 def _ply(deck: Deck, layer: Layer, angle: float) -> Ply:
@@ -85,7 +85,7 @@ def first_axes(deck: Deck, mesh: Mesh) -> np.ndarray:
     """(N, 3) unit tangents at the nodes: the axis of the orientation, or the global x axis, laid on the surface.
 
     Where all plies are isotropic any tangents serve that turn little within an element, and another axis, or a tangent
-    carried from one normal to all others, stands in. Raises UsageError where there are none.
+    carried from one normal to all others, stands in. Raises UsageError without any.
     """
     with_fibres = [section for section in deck.sections if not _isotropic(deck, section)]
     names = {section.orientation for section in with_fibres or deck.sections}

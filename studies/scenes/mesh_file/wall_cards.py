@@ -26,10 +26,10 @@ def elastic(deck: Deck, card: Card) -> None:
     constants = {"ISOTROPIC": 2, "ISO": 2, "LAMINA": 6, "ENGINEERING CONSTANTS": 9}
     if kind not in constants:
         card.refuse(f", TYPE={shown(kind)} is not understood; understood are {', '.join(constants)}")
-    count, words = constants[kind], [word for row in card.rows for word in row.fields]
-    if len(card.rows) != 1 + (count > 8) or not count <= len(words) <= count + 1:
+    count, fields = constants[kind], [field for row in card.rows for field in row.fields]
+    if len(card.rows) != 1 + (count > 8) or not count <= len(fields) <= count + 1:
         card.refuse(f"needs {count} constants at one temperature, on {1 + (count > 8)} lines")
-    row = Row(card.file, card.line, tuple(words))
+    row = Row(card.file, card.line, tuple(fields))
     values = tuple(row.real(place) for place in range(count))
     deck.materials[deck.material] = Elastic("ISOTROPIC" if kind == "ISO" else kind, values, card)
 
@@ -86,8 +86,8 @@ def _layers(deck: Deck, card: Card) -> Iterator[Layer]:
     if "COMPOSITE" not in card.parameters:
         row = card.only_row()
         row.at_most(2)  # the second counts points across the wall, which is integrated exactly
-        told = "NODAL THICKNESS" not in card.parameters
-        yield Layer(row.real(0) if told else 1.0, card.parameter("MATERIAL"), 0.0, row)
+        by_section = "NODAL THICKNESS" not in card.parameters
+        yield Layer(row.real(0) if by_section else 1.0, card.parameter("MATERIAL"), 0.0, row)
         return
     if "NODAL THICKNESS" in card.parameters:
         card.refuse(": NODAL THICKNESS of a COMPOSITE is not understood: programs differ in whether plies grow")

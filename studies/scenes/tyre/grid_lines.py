@@ -1,4 +1,4 @@
-"""Grid lines of a tyre: equally spaced, finer in a fixed patch, or spaced as an estimate of the error asks.
+"""Grid lines of a tyre: equally spaced, finer in a fixed patch, or spaced by an estimate of the error.
 
 Every choice is symmetric about 0 with a node at (0, 0), as the parts of a tyre need it.
 
@@ -97,11 +97,11 @@ class LineSize:
             density, h = (density + density[::-1])[len(h) // 2 :], h[len(h) // 2 :]
         around = np.concatenate([density[:1], density, density[-1:]])
         density = 0.25 * around[:-2] + 0.5 * density + 0.25 * around[2:]
-        wanted = np.maximum(density, FLOOR * float(density @ h) / float(np.sum(h)))
+        floored = np.maximum(density, FLOOR * float(density @ h) / float(np.sum(h)))
         middles = np.cumsum(h) - 0.5 * h
         at = np.linspace(0.0, float(lines[-1]), FINE)
-        shape = np.exp(-np.interp(at, middles, np.log(wanted)) / 3)
-        error = 4 * float(np.trapezoid(1 / shape, at)) ** 2 * float(density @ (h * wanted ** (-2 / 3)))
+        shape = np.exp(-np.interp(at, middles, np.log(floored)) / 3)
+        error = 4 * float(np.trapezoid(1 / shape, at)) ** 2 * float(density @ (h * floored ** (-2 / 3)))
         return cls(at, shape, error)
 
     @classmethod
@@ -157,17 +157,17 @@ class TyreSizes:
             raise UsageError(
                 "an adapted mesh follows the contact: delta_mm = 0 has none, take grading=patch or uniform"
             )
-        # two travels are all that is wanted of the path, and lines that nodes may be moved from afterwards
+        # two travels suffice, and nodes are moved only from the lines that are estimated here
         left_out = {setting.key for setting in (*PATH_SETTINGS, *MOVED_NODES)}
         by_travel = Settings({key: value for key, value in request.settings.items() if key not in left_out})
         settings = by_travel.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
         coarse = replace(request, settings=settings, mesh=COARSE, model="full")
         lines = tyre_lines(COARSE, request.number("clamp_deg"))
-        found: list[TyreSizes] = []
+        estimates: list[TyreSizes] = []
         for _ in range(PASSES):
-            found.append(cls(*_estimate(coarse, *lines)))
-            lines = found[-1].lines(found[-1].proportioned(COARSE[0] * COARSE[1]))
-        return cls(LineSize.mean([f.psi for f in found]), LineSize.mean([f.phi for f in found]))
+            estimates.append(cls(*_estimate(coarse, *lines)))
+            lines = estimates[-1].lines(estimates[-1].proportioned(COARSE[0] * COARSE[1]))
+        return cls(LineSize.mean([f.psi for f in estimates]), LineSize.mean([f.phi for f in estimates]))
 
     def lines(self, mesh: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
         """Grid lines psi, phi [rad]."""
@@ -188,11 +188,11 @@ def _estimate(request: Request, psi: np.ndarray, phi: np.ndarray) -> tuple[LineS
     finer = (TyreModel.on(request, refined(psi), phi), TyreModel.on(request, psi, refined(phi)))
     rim = 0.5 * (rim_errors(model, before) + rim_errors(model, state))
     shape = (len(psi) - 1, len(phi) - 1)
-    found = []
+    sizes = []
     for axis, lines in enumerate((psi, phi)):
         errors = strain_errors(model, before, state, finer[axis], axis) + rim[:, axis]
-        found.append(LineSize.equidistributing(lines, errors.reshape(shape).sum(axis=1 - axis)))
-    return found[0], found[1]
+        sizes.append(LineSize.equidistributing(lines, errors.reshape(shape).sum(axis=1 - axis)))
+    return sizes[0], sizes[1]
 
 
 def strain_errors(model: TyreModel, before: Visited, state: Visited, finer: TyreModel, axis: int) -> np.ndarray:
@@ -208,13 +208,13 @@ def rim_errors(model: TyreModel, state: Visited) -> np.ndarray:
     split by how much the gap changes along a1 and a2 inside the element.
     """
     grid, geometry = model.shell.discretisation.grid, model.shell.discretisation.geometry
-    own, pressure, gap = model.part.merging(), model.outer_pressure(state.state), np.zeros(grid.n_nodes)
+    merged, pressure, gap = model.part.merging(), model.outer_pressure(state.state), np.zeros(grid.n_nodes)
     gap[model.nodes] = state.problem.gap(state.state.u)
-    p, g = pressure[grid.elements], gap[own][grid.elements]
+    p, g = pressure[grid.elements], gap[merged][grid.elements]
     w = np.maximum(geometry.weight * np.einsum("er,rs,es->e", p, CORNER_MASS, g), 0.0)
     slope = np.stack([(g @ CORNERS[:, a]) ** 2 for a in (0, 1)], axis=-1)
     share = slope / np.maximum(slope.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-    rim = np.max(np.abs(grid.nodes[own][np.flatnonzero(pressure > 0)]), axis=0, initial=0.0)
+    rim = np.max(np.abs(grid.nodes[merged][np.flatnonzero(pressure > 0)]), axis=0, initial=0.0)
     return w[:, None] * share * rim / (2 * state.point.requested) / (2 * grid.half)
 
 

@@ -39,10 +39,10 @@ def beside_the_patch(shell: ShellModel, part: Part, u: np.ndarray, touching: np.
 
     touching: nodes of the part's grid in contact.  The neighbourhood of the clamp is left out.
     """
-    grid, own = part.grid, part.merging()
+    grid, merged = part.grid, part.merging()
     held = np.zeros(grid.n_nodes, bool)
     held[touching] = True
-    free = ~held[own][grid.elements].any(axis=1)
+    free = ~held[merged][grid.elements].any(axis=1)
     free &= np.abs(grid.centre[:, 0]) < CLAMPED * np.max(np.abs(grid.nodes[:, 0]))
     least = short_waves(shell, u).least
     at = np.flatnonzero(free)[np.argmin(least[free])]
@@ -129,29 +129,29 @@ class TyreModel(ShellSceneModel, PressedTyre):
 
     def with_balances(self, problem: ContactProblem) -> ContactProblem:
         """Energy and forces of the inflated shell; of a part only those along the normal of the plane balance."""
-        seen = with_balances(problem, self.shell)
+        balanced = with_balances(problem, self.shell)
         if not self.part.whole:  # the seam at the cut carries what is not counted
-            return replace(seen, others=None)
-        if self.part.copies == 1 or seen.directions is None or seen.others is None:
-            return seen
-        directions, others = seen.directions, seen.others
-        return replace(seen, directions=lambda u: directions(u) * NORMAL, others=lambda u: others(u) * NORMAL)
+            return replace(balanced, others=None)
+        if self.part.copies == 1 or balanced.directions is None or balanced.others is None:
+            return balanced
+        directions, others = balanced.directions, balanced.others
+        return replace(balanced, directions=lambda u: directions(u) * NORMAL, others=lambda u: others(u) * NORMAL)
 
     def stages(self) -> Iterator[Stage]:
-        """The stages of every tyre; a sector also tells what it leaves out."""
+        """The stages of every tyre; a sector also estimates what it leaves out."""
         for stage in super().stages():
             cut = stage.name == "press" and not self.part.whole
             yield sector_stage(stage, self.shell, self.part, self.outer_pressure) if cut else stage
 
     def _see_mode(self, state: ContactSolution, mode: np.ndarray) -> Observation:
-        seen = super()._see_mode(state, mode)
+        observation = super()._see_mode(state, mode)
         if self.shell.discretisation.wall is not None:
-            return seen
+            return observation
         waves = beside_the_patch(self.shell, self.part, state.u, self.nodes[state.active])
-        said, least = seen.said, waves["short_wave_N_mm"]
+        message, least = observation.said, waves["short_wave_N_mm"]
         if least < 0:
-            said += f"; beside the patch short waves cost {least:.3g} N/mm: a finer grid may turn back earlier"
-        return replace(seen, quantities=seen.quantities | waves, said=said)
+            message += f"; beside the patch short waves cost {least:.3g} N/mm: a finer grid may turn back earlier"
+        return replace(observation, quantities=observation.quantities | waves, said=message)
 
     @property
     def candidate_of_node(self) -> np.ndarray:
@@ -161,11 +161,11 @@ class TyreModel(ShellSceneModel, PressedTyre):
 
 def _candidates(shell: ShellModel, part: Part, area: str, *, coupled: bool) -> tuple[np.ndarray, Candidates]:
     """Every free node between the clamps that mirrors no other, with the areas of all that mirror or hang on it."""
-    grid, own = part.grid, part.merging()
+    grid, merged = part.grid, part.merging()
     clamp = float(grid.ends[0, 1])
-    free = np.intersect1d(np.unique(own), grid.free_nodes)
+    free = np.intersect1d(np.unique(merged), grid.free_nodes)
     nodes = np.setdiff1d(free, np.union1d(grid.on_line(0, clamp), grid.on_line(0, -clamp)))
-    merge = sparse.csr_matrix((np.ones(len(own)), (own, np.arange(len(own)))), shape=2 * (len(own),))
+    merge = sparse.csr_matrix((np.ones(len(merged)), (merged, np.arange(len(merged)))), shape=2 * (len(merged),))
     mass = sparse.csr_matrix(merge @ shell.discretisation.nodal_mass(area) @ merge.T)[nodes][:, nodes]
     return nodes, Candidates(
         reference=shell.discretisation.positions()[1][nodes],

@@ -57,10 +57,10 @@ class Part:
 
     def merging(self) -> np.ndarray:
         """(n,) the node of the part that each of its nodes shares displacements with, itself or the one it mirrors."""
-        own = np.arange(self.grid.n_nodes)
+        merged = np.arange(self.grid.n_nodes)
         if self.images is not None:
-            own[self.images.nodes] = self.images.of
-        return own
+            merged[self.images.nodes] = self.images.of
+        return merged
 
 
 def mirrored(settings: Mapping[str, Value]) -> bool:

@@ -38,7 +38,7 @@ PATH_SETTINGS = (PATH, ARC_POINTS)
 
 
 def arc_of(request: Request) -> ArcLength | None:
-    """The continuation, or None for steps of the travel; raises UsageError for points of no curve."""
+    """The continuation, or None for steps of the travel; raises UsageError for points without a curve."""
     settings = request.settings
     if settings.get("path", "travel") == "travel":
         if "arc_points" in settings:
@@ -94,7 +94,7 @@ class Wall:
         return int(np.argmin(np.max(np.abs(self.part.angles), axis=1)))
 
     def spread(self, values: np.ndarray) -> np.ndarray:
-        """Values of the candidates (m,) at all places (N,), zero where there is none; true where all of them are."""
+        """Values of the candidates (m,) at all places (N,), zero elsewhere; of bool, whether all of a place are."""
         spread = self.of_candidates @ values.astype(float)
         return spread > 1 - WHOLE if values.dtype == bool else spread
 
@@ -115,9 +115,9 @@ class PressedStage(CurveStage):
         (point,) = follow(problem_at, 0.0, [self.first], algorithm, start)
         rest = ArcPoint(start.u, 0.0, pressure=start.pressure, active=start.active)
         if not point.outcome.converged:
-            said = str(point.solution.history[-1].get("event", point.outcome.value))
+            reason = str(point.solution.history[-1].get("event", point.outcome.value))
             return Trace(
-                (rest,), point.outcome, said, dict(point.solution.counters), list(map(dict, point.solution.history))
+                (rest,), point.outcome, reason, dict(point.solution.counters), list(map(dict, point.solution.history))
             )
         curve, begin = PressedCurve.through(problem_at, self.first, point.solution, algorithm)
         curve.tally.add(point.solution)
@@ -237,13 +237,13 @@ class PressedTyre:
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
 
         def tables() -> dict[str, Table]:
-            seen = wall.covered
-            a1, a2 = np.rad2deg(wall.part.angles[seen]).T
+            covered = wall.covered
+            a1, a2 = np.rad2deg(wall.part.angles[covered]).T
             nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
             at_candidates = {"pressure_MPa": state.pressure, "gap_mm": problem.gap(state.u), "active": state.active}
-            nodes |= {name: wall.spread(values)[seen] for name, values in at_candidates.items()}
+            nodes |= {name: wall.spread(values)[covered] for name, values in at_candidates.items()}
             nodes["active"] = nodes["active"].astype(int)
-            nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
+            nodes |= {f"{axis}_mm": x[covered, i] for i, axis in enumerate("xyz")}
             return {"contact": Table.of(nodes), "profile": self._profile("pressed", delta, state.u)}
 
         return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
@@ -259,8 +259,8 @@ class PressedTyre:
         place = {"mode_psi_deg": abs(float(angles[largest, 0])), "mode_phi_deg": abs(float(angles[largest, 1]))}
         nodes = {"psi_deg": angles[:, 0], "phi_deg": angles[:, 1]}
         nodes |= {f"{axis}": motion[:, i] / size[largest] for i, axis in enumerate("xyz")}
-        said = "its mode is largest at psi = {mode_psi_deg:.4g}, phi = {mode_phi_deg:.4g} deg".format(**place)
-        return Observation(None, place, lambda: {"mode": Table.of(nodes)}, said)
+        message = "its mode is largest at psi = {mode_psi_deg:.4g}, phi = {mode_phi_deg:.4g} deg".format(**place)
+        return Observation(None, place, lambda: {"mode": Table.of(nodes)}, message)
 
     def _profile(self, state: str, delta: float, u: np.ndarray) -> Table:
         """Both faces of the meridian phi = 0."""

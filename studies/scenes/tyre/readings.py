@@ -50,5 +50,5 @@ def to_edges(x: np.ndarray, active: np.ndarray) -> float:
 def asymmetries(pressure: np.ndarray) -> dict[str, float]:
     """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak."""
     peak = float(pressure.max())
-    found = {"central_asymmetry": central_asymmetry(pressure), "mirror_asymmetry": mirror_asymmetry(pressure)}
-    return {name: value / peak if peak > 0 else 0.0 for name, value in found.items()}
+    measures = {"central_asymmetry": central_asymmetry(pressure), "mirror_asymmetry": mirror_asymmetry(pressure)}
+    return {name: value / peak if peak > 0 else 0.0 for name, value in measures.items()}

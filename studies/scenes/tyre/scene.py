@@ -58,7 +58,7 @@ LADDER = Ladder(
     causes=dict.fromkeys(PATCH, JUMPS),
     whole={"delta_mm": "20,35"},
 )
-AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface is 4 % off a solid
+AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface differs from a solid by 4 %
 BY_LOAD = ", ".join(f"{load} {area}" for load, area in AREA_OF.items())
 TRAVELS = "indentation from first touch; 0: inflation alone"
 RIM = "rim of half length and width: half-way to the first node out of contact, or by pressure"

@@ -9,7 +9,7 @@ with the energy e per angle, goes on to decay::
     W = copies e(cut)/rate,    |dF|/F = |dW/d delta|/F <= SAFETY 4 W/(F delta)
 
 with W growing no faster than delta^4: it is of second order in a force that grows less than as delta^2. A rate fitted
-to waves is anything; DECAY/cut is taken instead, the mean rate measured on the tyres of the tests, and twice the sum.
+to waves is arbitrary; DECAY/cut is taken instead, the mean rate measured on the tyres of the tests, and twice the sum.
 """
 
 from collections.abc import Callable
@@ -94,10 +94,12 @@ def sector_stage(
 
     def observe(problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
         check_patch(part, pressure(state) > 0)
-        seen = stage.observe(problem, state, delta)
-        estimate = truncation_estimate(shell, part, inflated[0], state.u, delta, seen.quantities["force_N"])
-        told = {"truncation_estimate": estimate}
-        return replace(seen, quantities=seen.quantities | told, step={**(seen.step or {}), **told})
+        observation = stage.observe(problem, state, delta)
+        estimate = truncation_estimate(shell, part, inflated[0], state.u, delta, observation.quantities["force_N"])
+        truncation = {"truncation_estimate": estimate}
+        return replace(
+            observation, quantities=observation.quantities | truncation, step={**(observation.step or {}), **truncation}
+        )
 
     return replace(stage, begin=begin, observe=observe)
 

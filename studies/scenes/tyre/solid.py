@@ -37,11 +37,11 @@ NOT_OF_A_SOLID = {
 
 def _settings() -> tuple[Setting, ...]:
     kept = [setting for setting in Tyre.settings if setting.key not in NOT_OF_A_SOLID]
-    own = [replace(setting, default=DEFAULTS.get(setting.key, setting.default)) for setting in kept]
-    face = {"pressure_area": replace(next(s for s in own if s.key == "pressure_area"), choices=("face",))}
+    settings = [replace(setting, default=DEFAULTS.get(setting.key, setting.default)) for setting in kept]
+    face = {"pressure_area": replace(next(s for s in settings if s.key == "pressure_area"), choices=("face",))}
     through = Setting("per_ply", 1, "elements through each ply", "int", 1, 16)
     law = Setting.one_of("law", LAWS.keys(), "svk", "material law; of the rubber between cords, where there are any")
-    return (*(face.get(setting.key, setting) for setting in own), through, law)
+    return (*(face.get(setting.key, setting) for setting in settings), through, law)
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""Derivatives of solved answers with their settings, and the judge of them; no answer is found here."""
+"""Derivatives of solved answers with their settings, and the judge of them; no answer is computed here."""

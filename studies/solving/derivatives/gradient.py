@@ -69,8 +69,8 @@ def parse_gradient(text: str, scene: Scene, request: Request) -> tuple[str, tupl
 
 def values_of(result: Result) -> Values:
     """What is differentiated: what is read off at the last load, and headline values that are not read there."""
-    found = result.quantities | (result.loads[-1].quantities if result.loads else {})
-    return {name: value for name, value in found.items() if name not in result.request.settings}
+    quantities = result.quantities | (result.loads[-1].quantities if result.loads else {})
+    return {name: value for name, value in quantities.items() if name not in result.request.settings}
 
 
 def of_quantities(
@@ -84,9 +84,9 @@ def of_quantities(
     for quantity, _ in asked:
         if quantity not in has:
             raise UsageError(f"--gradient {quantity}: there is no such quantity; there are {', '.join(sorted(has))}")
-    found = gradients(scene, result, list(dict.fromkeys(key for _, keys in asked for key in keys)), progress)
-    wanted = {(quantity, key) for quantity, keys in asked for key in keys}
-    return [each for each in found if (each.quantity, each.setting) in wanted]
+    derivatives = gradients(scene, result, list(dict.fromkeys(key for _, keys in asked for key in keys)), progress)
+    pairs = {(quantity, key) for quantity, keys in asked for key in keys}
+    return [each for each in derivatives if (each.quantity, each.setting) in pairs]
 
 
 def gradients(
@@ -94,13 +94,13 @@ def gradients(
 ) -> list[Derivative]:
     """Of all quantities of a solved path with these settings.
 
-    Where there is none, as at a limit point, or where the scene cannot be built beside the settings, the result has a
-    remark. Raises UsageError where the path has not come to its end.
+    Without a derivative, as at a limit point, or where the scene cannot be built beside the settings, the result has a
+    remark. Raises UsageError where the path has not reached its end.
     """
     if not result.outcome.converged:
         raise UsageError(f"no derivatives without a converged answer: {result.reason or result.outcome.value}")
-    scene, path, found = on_one_grid(scene, result.request), Path(result), list[Derivative]()
-    seen = values_of(result)
+    scene, path, derivatives = on_one_grid(scene, result.request), Path(result), list[Derivative]()
+    values = values_of(result)
     for key in keys:
         progress(f"derivatives with {key}")
         try:
@@ -110,23 +110,25 @@ def gradients(
             result.remarks.append(f"no derivative with {key}: {error}")
             continue
         at = numbers_of(result.request.settings[key])[-1]
-        found += [Derivative(name, key, seen[name], at, below[name], above[name]) for name in above if name in seen]
-    return found
+        derivatives += [
+            Derivative(name, key, values[name], at, below[name], above[name]) for name in above if name in values
+        ]
+    return derivatives
 
 
-def record(result: Result, found: Sequence[Derivative]) -> None:
+def record(result: Result, derivatives: Sequence[Derivative]) -> None:
     """Into the result: of its headline values, and a table of all."""
-    result.tables[TABLE] = [Table.of_rows([each.row for each in found])]
-    for each in found:
+    result.tables[TABLE] = [Table.of_rows([each.row for each in derivatives])]
+    for each in derivatives:
         if each.quantity in result.quantities:
             sides = {"value": each.above} if each.above == each.below else {"below": each.below, "above": each.above}
             of_settings = result.gradients.setdefault(each.quantity, {})
             of_settings[each.setting] = {**sides, "relative": each.relative}
 
 
-def lines(found: Sequence[Derivative], quantity: str) -> list[str]:
+def lines(derivatives: Sequence[Derivative], quantity: str) -> list[str]:
     """For people: a line a setting of this quantity, the strongest first."""
-    mine = [each for each in found if each.quantity == quantity]
+    mine = [each for each in derivatives if each.quantity == quantity]
     rows = [["setting", "value", f"d {quantity} / d setting", "% for 1 %"]]
     for each in sorted(mine, key=lambda each: -abs(each.relative or 0.0)):
         sides = f"{each.above:.6g}" if each.above == each.below else f"{each.below:.6g} below, {each.above:.6g} above"

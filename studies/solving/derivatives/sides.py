@@ -73,13 +73,13 @@ class Path:
         request = self.result.request
         by = width_of(scene, request, key)
         sides = [Side(scene, changed(scene, request, key, k * by)) for k in OFFSETS]
-        found: Values = {}
+        slopes: Values = {}
         for passed, sensitivity in zip(self.states, self.sensitivities, strict=True):
             change = Change.between([each.posed(passed) for each in sides], passed.state, by)
             rates = sensitivity.rates(change)[side]
-            seen = [each.seen(passed, rates, k * by) for k, each in zip(OFFSETS, sides, strict=True)]
-            found |= {name: slope([each[name] for each in seen], by) for name in seen[0]}
-        return found | self._of_limits(sides, by)
+            readings = [each.seen(passed, rates, k * by) for k, each in zip(OFFSETS, sides, strict=True)]
+            slopes |= {name: slope([each[name] for each in readings], by) for name in readings[0]}
+        return slopes | self._of_limits(sides, by)
 
     @cached_property
     def _folds(self) -> dict[int, Fold]:
@@ -122,9 +122,9 @@ def _states(visited: Visited, epsilon: float) -> Iterator[Passed]:
     rubs = visited.problem.coulomb is not None
     if not (rubs or visited.ends_stage):
         return
-    index, way = targets.index(visited.point.requested), visited.point.way
+    index, substeps = targets.index(visited.point.requested), visited.point.way
     begun, end = targets[index - 1] if index else 0.0, targets[index]
-    pairs = list(pairwise(way)) or [(way[0], way[0])]
+    pairs = list(pairwise(substeps)) or [(substeps[0], substeps[0])]
     for (t0, before), (t, state) in pairs if rubs else pairs[-1:]:
         problem = visited.problem_at(t)
         if problem.coulomb is not None:
@@ -184,9 +184,9 @@ class Side:
         self.last = state = self._remembered(problem, state)
         if not passed.ends:
             return {}
-        seen = stage.observe(problem, state, self._parameter(passed))
-        self.headlines |= _measured(seen.quantities)
-        return self.headlines | _measured(dict(list((seen.step or {}).items())[1:]))
+        observation = stage.observe(problem, state, self._parameter(passed))
+        self.headlines |= _measured(observation.quantities)
+        return self.headlines | _measured(dict(list((observation.step or {}).items())[1:]))
 
     def _remembered(self, problem: ContactProblem, state: ContactSolution) -> ContactSolution:
         """With the anchors and the dissipation of the path here."""
@@ -204,5 +204,5 @@ class Side:
         return begun + passed.share * (targets[passed.index] - begun)
 
 
-def _measured(seen: Mapping[str, Any]) -> dict[str, float]:
-    return {name: value for name, value in seen.items() if isinstance(value, float) and name not in COUNTS}
+def _measured(values: Mapping[str, Any]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if isinstance(value, float) and name not in COUNTS}

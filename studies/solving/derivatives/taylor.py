@@ -1,6 +1,6 @@
 """The judge of derivatives: solutions with the setting a little less and more, differenced on a ladder of steps.
 
-It knows nothing of how a derivative was found. With J at s +- h on three steps h, each half of the last, the central
+It does not use how a derivative was computed. With J at s +- h on three steps h, each half of the last, the central
 differences are extrapolated (Richardson), and the remainder of Taylor's first order, J(s + h) - J(s) - h dJ/ds, has to
 fall with h^2: with a wrong derivative it falls with h. Steps are cut until all solutions of a ladder have the contact
 set, and the states of friction, of the answer: beyond a change of them J has another derivative.
@@ -35,7 +35,7 @@ LADDERS = 4
 EXACT = 1e-12  # residual of the solutions, relative to the forces in balance
 ENOUGH = 1e-6  # relative
 SEEN = 1e-4  # doubt up to which differences that agree within it confirm
-NOTHING = 1e-9  # per cent for a per cent, of the largest quantity in that unit: no change to speak of
+NOTHING = 1e-9  # per cent for a per cent, of the largest quantity in that unit: a negligible change
 SOLVED_TO = 1e-11  # relative digits of a quantity of such a solution
 CONFIRMED, WRONG, UNDECIDED = "confirmed", "wrong", "not decided"
 
@@ -44,7 +44,7 @@ CONFIRMED, WRONG, UNDECIDED = "confirmed", "wrong", "not decided"
 class Check:
     """What differences say of a derivative: extrapolated, with ``doubt`` of their own; order: of Taylor's remainder.
 
-    nothing: size of a derivative that is no change to speak of.
+    nothing: size below which a derivative is negligible.
     """
 
     derivative: Derivative
@@ -56,12 +56,12 @@ class Check:
 
     @property
     def one_sided(self) -> bool:
-        """Whether it is of one side alone, where central differences say nothing."""
+        """Whether it is one-sided, where central differences have no limit."""
         return self.derivative.above != self.derivative.below
 
     @property
     def error(self) -> float | None:
-        """Of the derivative, relative to the larger of both, where they can be told apart."""
+        """Of the derivative, relative to the larger of both, where they can be distinguished."""
         if self.differences is None:
             return None
         size = max(abs(self.derivative.above), abs(self.differences))
@@ -82,20 +82,20 @@ class Check:
     def row(self) -> dict[str, Any]:
         """As plain data."""
         named = {key: getattr(self.derivative, key) for key in ("quantity", "setting", "above")}
-        found = {"differences": self.differences, "error": self.error, "doubt": self.doubt, "order": self.order}
-        return {**named, **found, "verdict": self.word, "why": self.why}
+        figures = {"differences": self.differences, "error": self.error, "doubt": self.doubt, "order": self.order}
+        return {**named, **figures, "verdict": self.word, "why": self.why}
 
 
 def check(
-    scene: Scene, result: Result, found: Sequence[Derivative], progress: Callable[[str], None] = lambda text: None
+    scene: Scene, result: Result, derivatives: Sequence[Derivative], progress: Callable[[str], None] = lambda text: None
 ) -> list[Check]:
     """Of all derivatives of a result, setting by setting."""
     scene = on_one_grid(scene, result.request)
     exact = _exact(scene, result.request)
     checked, sizes = list[Check](), _sizes(exact)
-    for key in dict.fromkeys(each.setting for each in found):
+    for key in dict.fromkeys(each.setting for each in derivatives):
         progress(f"differences with {key}")
-        mine = [each for each in found if each.setting == key]
+        mine = [each for each in derivatives if each.setting == key]
         checked += _decided(scene, exact, mine, key, sizes)
     return checked
 
@@ -156,9 +156,9 @@ def _rungs(scene: Scene, exact: Result, key: str, first: float) -> tuple[list[Ru
 
 
 def _states(visits: Sequence[Visited]) -> list[np.ndarray]:
-    """Of all candidates where stages end, with friction at all requested points: who touches, and how."""
-    found = [each.point.solution for each in visits if each.ends_stage or each.point.solution.friction is not None]
-    return [each.active if each.friction is None else each.friction.state for each in found]
+    """Of all candidates where stages end, with friction at all requested points: which touch, and how."""
+    solutions = [each.point.solution for each in visits if each.ends_stage or each.point.solution.friction is not None]
+    return [each.active if each.friction is None else each.friction.state for each in solutions]
 
 
 def _same(these: Sequence[np.ndarray], those: Sequence[np.ndarray]) -> bool:
@@ -167,11 +167,11 @@ def _same(these: Sequence[np.ndarray], those: Sequence[np.ndarray]) -> bool:
 
 def _sizes(exact: Result) -> dict[str, float]:
     """The largest value of each unit: of what is nothing beside it rounding is left alone."""
-    found = dict[str, float]()
+    sizes = dict[str, float]()
     for name, value in values_of(exact).items():
         unit = unit_of(name)
-        found[unit] = max(found.get(unit, 1.0 if unit == name else 0.0), abs(value))
-    return found
+        sizes[unit] = max(sizes.get(unit, 1.0 if unit == name else 0.0), abs(value))
+    return sizes
 
 
 def _checked(
@@ -195,15 +195,15 @@ def _checked(
 
 def lines(checked: Sequence[Check]) -> list[str]:
     """For people: how many are confirmed, and each that is not."""
-    words = [each.word for each in checked]
-    seen = [each for each in checked if each.word == CONFIRMED and abs(each.derivative.above) > each.nothing]
-    worst = max((each.error or 0.0 for each in seen), default=0.0)
-    said = [f"derivatives: {words.count(CONFIRMED)} of {len(checked)} confirmed by solutions beside, to {worst:.1g}"]
+    count = sum(each.word == CONFIRMED for each in checked)
+    measurable = [each for each in checked if each.word == CONFIRMED and abs(each.derivative.above) > each.nothing]
+    worst = max((each.error or 0.0 for each in measurable), default=0.0)
+    report = [f"derivatives: {count} of {len(checked)} confirmed by solutions beside, to {worst:.1g}"]
     for each in checked:
         if each.word != CONFIRMED:
             one, other = each.derivative, "" if each.differences is None else f", by differences {each.differences:.6g}"
-            said.append(
+            report.append(
                 f"{each.word}: d {one.quantity} / d {one.setting} {one.above:.6g}{other}"
                 + (f"; {each.why}" if each.why else "")
             )
-    return said
+    return report

@@ -47,13 +47,13 @@ class Cascade:
     grids: list[Sketch] = field(default_factory=list)
 
     def grow(self, asked: Request) -> bool:
-        """Follow the path on one grid more; False where it does not get there."""
+        """Follow the path on one grid more; False where it does not reach its end."""
         loose = min(LOOSEST, max(TIGHTEST, TIGHT * self.error))
-        found = sketch(self.scene, asked, self.grids[-1] if self.grids else None, loose)
-        if found is not None:
-            self.quantity = self.quantity or default_quantity(self.scene, found.quantities)
-            self._append(found)
-        return found is not None
+        path = sketch(self.scene, asked, self.grids[-1] if self.grids else None, loose)
+        if path is not None:
+            self.quantity = self.quantity or default_quantity(self.scene, path.quantities)
+            self._append(path)
+        return path is not None
 
     def solved(self, asked: Request, progress: Callable[[str], None]) -> Result | None:
         """The judged result on one grid more, from the last one, in place of a sketch; None where it is no answer."""
@@ -116,8 +116,8 @@ class Cascade:
         ]
 
     def _limit(self, values: Sequence[float]) -> Estimate | str:
-        seen = [Seen(grid.size, float(value)) for grid, value in zip(self.grids, values, strict=True)]
-        return estimate_of(seen, touching=touches(self.last.end))
+        points = [Seen(grid.size, float(value)) for grid, value in zip(self.grids, values, strict=True)]
+        return estimate_of(points, touching=touches(self.last.end))
 
 
 def parse_budget(text: str | None, name: str = "budget") -> float:
@@ -146,40 +146,40 @@ def answer(
     request: on the coarsest mesh.  quantity: by default the force, or the first that the scene has references for.
     budget: CPU seconds, beyond which no grid is begun; the best answer in that time is one. The quantities hold
     the estimate, the table ``refinement`` the grids, ``loads`` what is stated of every load. No limit is stated for
-    what has none under a point load. What a cascade does not get at is left to grids that are cut where the error is,
+    what has none under a point load. What a cascade does not reach is left to grids that are cut where the error is,
     if the scene names no coarsest grid for them. Raises UsageError for a quantity that the scene does not have.
     """
     start, cascade = time.process_time(), Cascade(scene, error, quantity)
-    asked: Request | None = request
-    found: Estimate | str = FEW
+    grid: Request | None = request
+    estimate: Estimate | str = FEW
     late = False
     widths: list[tuple[float, float]] = []
     judged: Result | None = None  # on the last grid
-    while asked is not None and not late:
-        head = round_of(len(cascade.grids) + 1, asked, cascade.grids)
+    while grid is not None and not late:
+        head = round_of(len(cascade.grids) + 1, grid, cascade.grids)
         progress(head)
         if widths and _more(widths, error, ways(request)) <= ALMOST * FINER ** ways(request):
-            answered = cascade.solved(asked, headed(progress, head))  # what is foreseen to be the last is solved once
+            answered = cascade.solved(grid, headed(progress, head))  # the grid foreseen as the last is solved once
             if answered is None:
                 break
             judged = answered
-        elif not cascade.grow(asked) and (cascade.grids or element_size(asked) < TOO_FINE * element_size(request)):
+        elif not cascade.grow(grid) and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
             break
         if cascade.grids:
             cascade.check_quantity()
-            found = cascade.stated()
-            if isinstance(found, Estimate):
-                progress(f"{cascade.name} {found}")
-                widths.append((cascade.last.size, found.uncertainty))
-                if found.uncertainty <= error:
+            estimate = cascade.stated()
+            if isinstance(estimate, Estimate):
+                progress(f"{cascade.name} {estimate}")
+                widths.append((cascade.last.size, estimate.uncertainty))
+                if estimate.uncertainty <= error:
                     break
             last, more = cascade.last, _more(widths, error, ways(request))
             if math.isinf(budget) and last.unknowns * more > MOST:
                 break
             spent = time.process_time() - start
             late = spent + DEARER * last.seconds > budget or last.unknowns > MOST
-        asked = near(scene, asked, FINER)
-    known = isinstance(found, Estimate) and (found.uncertainty <= error or late)
+        grid = near(scene, grid, FINER)
+    known = isinstance(estimate, Estimate) and (estimate.uncertainty <= error or late)
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
         left = budget - (time.process_time() - start)
         return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress, budget=left)
@@ -192,10 +192,10 @@ def answer(
     longer = _longer(scene, result, request)
     if longer is not None:
         return answer(scene, longer, error, quantity, progress, budget - (time.process_time() - start))
-    return result, _stated(result, cascade, found) and known
+    return result, _stated(result, cascade, estimate) and known
 
 
-def _stated(result: Result, cascade: Cascade, found: Estimate | str) -> bool:
+def _stated(result: Result, cascade: Cascade, estimate: Estimate | str) -> bool:
     """Whether a cascade states the error of a judged result on its finest grid, with tables and the reason if not."""
     name, error = cascade.name, cascade.error
     record_grids(result, cascade.rows())
@@ -204,17 +204,17 @@ def _stated(result: Result, cascade: Cascade, found: Estimate | str) -> bool:
         result.reason = f"the finest grid has no {name}, though a coarser one has it"
         return False
     endless = no_limit(result, name, error)
-    if isinstance(found, str) or endless:
-        result.reason = endless or f"the error of {name} is not known: {found}"
+    if isinstance(estimate, str) or endless:
+        result.reason = endless or f"the error of {name} is not known: {estimate}"
         return False
     value, sketched = result.quantities[name], cascade.last.quantities[name]
-    if abs(value - sketched) > max(found.uncertainty, LOOSEST) * max(abs(value), abs(sketched)):
+    if abs(value - sketched) > max(estimate.uncertainty, LOOSEST) * max(abs(value), abs(sketched)):
         result.reason = f"from rest {name} is another than from coarser grids: there are two branches"
         return False
-    record_estimate(result, name, found, error)
+    record_estimate(result, name, estimate, error)
     record_loads(result, name, cascade.at_loads())
-    if found.uncertainty > error:
-        result.reason = f"{name} is known to {100 * found.uncertainty:.2g} %, not to {100 * error:g} %"
+    if estimate.uncertainty > error:
+        result.reason = f"{name} is known to {100 * estimate.uncertainty:.2g} %, not to {100 * error:g} %"
     return True
 
 
@@ -227,7 +227,7 @@ def _for_cuts(scene: Scene, request: Request) -> Request:
 
 
 def _more(widths: Sequence[tuple[float, float]], error: float, ways: int) -> float:
-    """How many times the unknowns the error asks for, by the order that intervals (size, width) have shown.
+    """How many times the unknowns the error takes, by the order that intervals (size, width) have shown.
 
     ways: coordinates that are refined. The order is taken to be SLOW to 2, for it comes with finer grids.
     """

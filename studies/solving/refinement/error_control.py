@@ -9,11 +9,11 @@ and two rounds with different grids say how well: L is within ::
 
     u = max(SAFETY |L - L_before|, |J' - J|/3, rim/2)
 
-of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements T may be off by
-more than four times what T' is. The third is half of what the rim of a patch of contact, which jumps from node to node,
-has done from T to T'. A first round alone knows |J' - J|. Where that is not well enough, the difference between the two
-shows which elements to cut (:mod:`studies.solving.refinement.goal`), and the next round begins. A grid whose elements
-have modes by themselves is none: its mesh is made finer across them, and the round begins again.
+of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements the error on T
+may be more than four times that on T'. The third is half of what the rim of a patch of contact, which jumps from node
+to node, has done from T to T'. A first round alone knows |J' - J|. Where that is not enough, the difference between the
+two shows which elements to cut (:mod:`studies.solving.refinement.goal`), and the next round begins. A grid whose
+elements have modes by themselves is not used: its mesh is made finer across them, and the round begins again.
 """
 
 from __future__ import annotations
@@ -152,15 +152,15 @@ def solve_to_error(
         if reason:
             fine.reason = reason
             return fine, False
-        found = estimate(rounds)
-        progress(f"{quantity} {found}")
-        record_estimate(fine, quantity, found, error)
+        limit = estimate(rounds)
+        progress(f"{quantity} {limit}")
+        record_estimate(fine, quantity, limit, error)
         record_loads(fine, quantity, of_rounds(seen_at))
-        if len(rounds) >= FEWEST and found.uncertainty <= error:
+        if len(rounds) >= FEWEST and limit.uncertainty <= error:
             return fine, True
         if time.process_time() - begun + GROWTH * rounds[-1].seconds > budget:
-            sure = f"not to {100 * error:g} %" if found.uncertainty > error else "by two grids alone"
-            fine.reason = f"{quantity} is known to {100 * found.uncertainty:.2g} %, {sure}"
+            sure = f"not to {100 * error:g} %" if limit.uncertainty > error else "by two grids alone"
+            fine.reason = f"{quantity} is known to {100 * limit.uncertainty:.2g} %, {sure}"
             return fine, True
         if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
             break
@@ -171,7 +171,7 @@ def solve_to_error(
 
 
 def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> tuple[Family, float]:
-    """The grid of the next round, refined where the quantity asks for it, and what the rim has of the indicators.
+    """The grid of the next round, refined where the quantity needs it, and what the rim has of the indicators.
 
     Where there is no dual problem, it is refined everywhere.
     """
@@ -197,10 +197,10 @@ def record_rounds(result: Result, quantity: str, rounds: Sequence[Round]) -> Non
 
 def at_loads(coarse: Result, fine: Result, quantity: str, last: Round) -> list[Round]:
     """The round at every requested load; the rim of the last is taken to have the same part in all."""
-    seen = [[step.seen.get(quantity) for step in result.loads] for result in (coarse, fine)]
-    if fine.end is None or fine.end.trace is not None or None in seen[0] + seen[1]:
+    values = [[step.seen.get(quantity) for step in result.loads] for result in (coarse, fine)]
+    if fine.end is None or fine.end.trace is not None or None in values[0] + values[1]:
         return []
-    pairs = zip(*seen, strict=True)
+    pairs = zip(*values, strict=True)
     return [replace(last, value=a, finer=b, rim=last.rim * abs(b / (last.finer or 1.0))) for a, b in pairs]
 
 

@@ -33,7 +33,7 @@ FLOAT = 8
 
 @dataclass(frozen=True)
 class Foresight:
-    """unknowns: of the grid.  seconds: of CPU time, None where the path does not get there on a small grid.
+    """unknowns: of the grid.  seconds: of CPU time, None where the path fails on a small grid.
 
     memory_MB: the largest at a time, beyond that of a process at rest.
     """
@@ -61,9 +61,9 @@ class _Seen:
 
 
 def foresee(scene: Scene, request: Request) -> Foresight | None:
-    """None where there are no two coarser grids, or the body is none of shells."""
+    """None without two coarser grids, or for a body that is no shell."""
     many = max(ways(request), 1)
-    grids = [near(scene, request, (wanted / math.prod(request.mesh)) ** (1 / many)) for wanted in ELEMENTS]
+    grids = [near(scene, request, (elements / math.prod(request.mesh)) ** (1 / many)) for elements in ELEMENTS]
     small_grid, large_grid = grids
     if small_grid is None or large_grid is None or element_size(large_grid) <= element_size(request):
         return None
@@ -85,7 +85,7 @@ def _seconds(small: _Seen, large: _Seen, times: float) -> float | None:
     if small.cost is None or large.cost is None:
         return None
     seconds, operations, iterations = large.cost
-    each = [seen.cost[1] / max(seen.cost[2], 1) / seen.unknowns for seen in (small, large) if seen.cost is not None]
+    each = [grid.cost[1] / max(grid.cost[2], 1) / grid.unknowns for grid in (small, large) if grid.cost is not None]
     root = math.sqrt(large.unknowns / small.unknowns)
     slope = max(each[1] - each[0], 0.0) / (root - 1) * root  # a + b sqrt(n): b sqrt(n) on the larger grid
     grown = each[1] + slope * (math.sqrt(times) - 1)
@@ -116,8 +116,8 @@ def _look(scene: Scene, request: Request) -> _Seen | None:
 def _entries(model: ShellSceneModel) -> int:
     """Of the factors of the tangent at rest: m (m + 1)/2 + m b of every front, of all if it is not symmetric."""
     K = sparse.csc_matrix(model.shell.linearise(np.zeros(model.n_unknowns)).tangent)
-    K, found = analysed(K)
-    sizes = [(front.stop - front.start, len(front.boundary)) for front in found.fronts]
+    K, analysis = analysed(K)
+    sizes = [(front.stop - front.start, len(front.boundary)) for front in analysis.fronts]
     half = sum(m * (m + 1) // 2 + m * b for m, b in sizes)
     return half if symmetric(K) else 2 * half
 

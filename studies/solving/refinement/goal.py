@@ -174,7 +174,7 @@ def _strains(at: OnGrid) -> tuple[np.ndarray, np.ndarray]:
 
 def _at(modes: np.ndarray, xi: np.ndarray) -> np.ndarray:
     """The strains (k, 11) at the points xi (k, 2) of elements with the mode strains (k, 22)."""
-    found = np.zeros((len(modes), N_E))
+    strains = np.zeros((len(modes), N_E))
     for m, ((r1, r2), row) in enumerate(MODE_ROWS):
-        found[:, row] += modes[:, m] * xi[:, 0] ** r1 * xi[:, 1] ** r2
-    return found
+        strains[:, row] += modes[:, m] * xi[:, 0] ** r1 * xi[:, 1] ** r2
+    return strains

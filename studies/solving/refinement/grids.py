@@ -41,7 +41,7 @@ class AdaptedScene(Protocol):
     """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
 
     def adapted(self, request: Request) -> Scene:
-        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
+        """With the estimate, for grids of any number of elements; raises UsageError where it fails."""
 
 
 def on_one_grid(scene: Scene, request: Request) -> Scene:
@@ -55,7 +55,7 @@ def on_one_grid(scene: Scene, request: Request) -> Scene:
 class Family:
     """Grids of a request: its mesh, halved ``times``, or the leaves of a tree over it.
 
-    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half ask for.  shell: on the coarsest grid.
+    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half need.  shell: on the coarsest grid.
     """
 
     request: Request
@@ -115,14 +115,14 @@ class Family:
         return self
 
     def _leaves_in(self, parts: tuple[int, int], cut: tuple[bool, bool]) -> np.ndarray:
-        """The leaves with so many more cells along a1 and a2, these cut as told."""
+        """The leaves with so many more cells along a1 and a2, these along the coordinates that are ``cut``."""
         assert self.tree is not None
-        found: list[Leaves] = []
+        children: list[Leaves] = []
         for level, *corner in self.tree.leaves.tolist():
             times = [n << level * (now - was) for n, now, was in zip(parts, cut, self.tree.cut, strict=True)]
             first, second = (range(k * n, (k + 1) * n) for k, n in zip(corner, times, strict=True))
-            found.append(tuple((level, i, j) for i in first for j in second))
-        return np.concatenate([np.array(each, np.intp) for each in found])
+            children.append(tuple((level, i, j) for i in first for j in second))
+        return np.concatenate([np.array(each, np.intp) for each in children])
 
     def refined(self, eta: np.ndarray) -> Family:
         """Elements cut by Dörfler's criterion for the indicators eta (E,), foreseen for the parts, up to GROWTH.
@@ -223,33 +223,33 @@ def near(scene: Scene, request: Request, times: float) -> Request | None:
     """
     if isinstance(scene, CutScene):
         return _cut(scene, request, times)
-    wanted = [n if n == 1 else max(n * times, min(n, FEWEST)) for n in request.mesh]
-    around = [[n] if n == 1 else _around(want) for n, want in zip(request.mesh, wanted, strict=True)]
+    target = [n if n == 1 else max(n * times, min(n, FEWEST)) for n in request.mesh]
+    around = [[n] if n == 1 else _around(want) for n, want in zip(request.mesh, target, strict=True)]
     for mesh in sorted(
-        product(*around), key=lambda mesh: sum(abs(n / w - 1) for n, w in zip(mesh, wanted, strict=True))
+        product(*around), key=lambda mesh: sum(abs(n / w - 1) for n, w in zip(mesh, target, strict=True))
     ):
-        asked = replace(request, mesh=(mesh[0], mesh[1]))
+        candidate = replace(request, mesh=(mesh[0], mesh[1]))
         try:
-            scene.build(asked)
+            scene.build(candidate)
         except UsageError:
             continue
-        return asked if mesh != request.mesh else None
+        return candidate if mesh != request.mesh else None
     return None
 
 
 def _cut(scene: Scene, request: Request, times: float) -> Request | None:
     """The same of a scene on a mesh of its own: its elements in so many times the parts, a whole number of them."""
     parts = request.mesh[0]
-    wanted = max(round(parts * times), parts + 1) if times > 1 else parts // round(1 / times)
-    asked = replace(request, mesh=(wanted, wanted))
+    new_parts = max(round(parts * times), parts + 1) if times > 1 else parts // round(1 / times)
+    candidate = replace(request, mesh=(new_parts, new_parts))
     try:
-        return None if wanted < 1 or not isinstance(scene, SettlingScene) else scene.settle(asked)
+        return None if new_parts < 1 or not isinstance(scene, SettlingScene) else scene.settle(candidate)
     except UsageError:
         return None
 
 
-def _around(wanted: float) -> list[int]:
-    return [n for n in range(round(wanted) - NEAR, round(wanted) + NEAR + 1) if n > 1]
+def _around(target: float) -> list[int]:
+    return [n for n in range(round(target) - NEAR, round(target) + NEAR + 1) if n > 1]
 
 
 def coarsest(
@@ -291,9 +291,9 @@ def first_grid(
             return scene.adapted(request), request
     if scene is None or mesh is not None:
         return complete(name, given, mesh, **options)
-    found = complete(name, given, quarter(scene), **options)
+    completed = complete(name, given, quarter(scene), **options)
     try:
-        scene.build(found[1])
+        scene.build(completed[1])
     except UsageError:  # a scene may take no such mesh
         return coarsest(name, given, mesh, **options)
-    return found
+    return completed

@@ -22,10 +22,11 @@ that of above with both differences as guard.
 
 The constants were chosen on ladders of grids, against limits of grids four times finer: tyres with dead and follower
 pressure, orthotropic and isotropic, at 5 to 20 mm, on lines that are even or closer in the patch. 89 of 89 intervals of
-their force hold (86 with SPREAD 2), half of them narrower than 2.9 times the error of the last grid; on three grids 343
-of 347 intervals of all their quantities. On tyres with dead and follower pressure, orthotropic and isotropic, and with
-cords at 40 deg, on lines that follow the error up to 80x80, 118 of 120 intervals of four grids hold, and 48 of 48 of
-five; at 80x80 four state 1.2 to 1.7 %, five 0.95 to 1.8 %. Without contact 150 of 151 hold, 138 of 145 with SAFETY = 1.
+their force contain the limit (86 with SPREAD 2), half of them narrower than 2.9 times the error of the last grid; on
+three grids 343 of 347 intervals of all their quantities. On tyres with dead and follower pressure, orthotropic and
+isotropic, and with cords at 40 deg, on lines that follow the error up to 80x80, 118 of 120 intervals of four grids
+contain it, and 48 of 48 of five; at 80x80 four state 1.2 to 1.7 %, five 0.95 to 1.8 %. Without contact 150 of 151 do,
+138 of 145 with SAFETY = 1.
 """
 
 from __future__ import annotations
@@ -106,10 +107,10 @@ def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | 
     """
     if touching and len(grids) >= min(FITTED):
         return _fitted(grids[-max(FITTED) :])
-    found = three_of(grids)
-    if found is None:
+    last_three = three_of(grids)
+    if last_three is None:
         return FEW
-    first, middle, last = found
+    first, middle, last = last_three
     before, now = middle.value - first.value, last.value - middle.value
     if not (math.isfinite(before) and math.isfinite(now)) or abs(now) > max(abs(before), LARGE * abs(last.value)):
         return GROWING
@@ -131,10 +132,10 @@ def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | 
 
 def order_shown(grids: Sequence[Seen]) -> float | None:
     """p of J = L + c h^p through three grids, each half as coarse as the one before; None where differences grow."""
-    found = three_of(grids)
-    if found is None:
+    last_three = three_of(grids)
+    if last_three is None:
         return None
-    first, middle, last = found
+    first, middle, last = last_three
     before, now = middle.value - first.value, last.value - middle.value
     if not abs(before) > abs(now) or before * now <= 0:
         return None

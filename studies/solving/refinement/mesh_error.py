@@ -1,8 +1,8 @@
 """What a plain solve says of the error of its mesh: the same path on two coarser grids, from which it sets out, too.
 
-Every quantity has an interval for its limit (:mod:`studies.solving.refinement.limits`), or a reason why there is none.
-Both coarser grids have half the elements of the next along each coordinate: what is said holds of grids that are fine
-enough to have an order, and so none is coarser than a quarter of the mesh of the scene. No grid is made finer here.
+Every quantity has an interval for its limit (:mod:`studies.solving.refinement.limits`), or a reason why it has none.
+Both coarser grids have half the elements of the next along each coordinate: the estimate is valid for grids that are
+fine enough to have an order, so none is coarser than a quarter of the mesh of the scene. No grid is made finer here.
 """
 
 from __future__ import annotations
@@ -74,18 +74,18 @@ def solve_with_error(
     if start == COLD and not error:
         return solve_from(scene, request, None, progress)
     scene = on_one_grid(scene, request)
-    asked = coarser_grids(scene, request)
+    requests = coarser_grids(scene, request)
     grids = list[Sketch]()
-    for number, each in enumerate(reversed(asked), 1):
+    for number, each in enumerate(reversed(requests), 1):
         progress(round_of(number, each, grids))
-        found = sketch(scene, each, grids[-1] if grids else None)
-        if found is not None:
-            grids.append(found)
+        path = sketch(scene, each, grids[-1] if grids else None)
+        if path is not None:
+            grids.append(path)
     known = grids[-1] if grids and start == NESTED else None
-    last = round_of(len(asked) + 1, request, grids)
+    last = round_of(len(requests) + 1, request, grids)
     result = solve_from(scene, request, known, headed(progress, last))
     if error:
-        state_error(scene, result, asked, grids)
+        state_error(scene, result, requests, grids)
         if result.verdict in SOLVED and isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:
             result.remarks.append(_as_it_stands(grids[0]))
     return result
@@ -93,11 +93,11 @@ def solve_with_error(
 
 def round_of(number: int, asked: Request, grids: Sequence[Sketch]) -> str:
     """Which grid it is, and the seconds that are foreseen for it from the last one before, if there is one."""
-    said = f"round {number}, {asked.mesh_text}"
+    label = f"round {number}, {asked.mesh_text}"
     if not grids:
-        return said
+        return label
     more = (grids[-1].size / element_size(asked)) ** ways(asked)
-    return f"{said}, about {grids[-1].seconds * more ** (sum(GROWS) / len(GROWS)):.2g} CPU s"
+    return f"{label}, about {grids[-1].seconds * more ** (sum(GROWS) / len(GROWS)):.2g} CPU s"
 
 
 def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
@@ -117,20 +117,20 @@ def state_error(scene: Scene, result: Result, asked: Sequence[Request], grids: S
 
 def coarser_grids(scene: Scene, request: Request) -> list[Request]:
     """Of half the elements and of half those, as far as there are such grids of that shape; fine to coarse."""
-    found = list[Request]()
+    coarser = list[Request]()
     least = [min(n, q) for n, q in zip(request.mesh, quarter(scene), strict=True)]
-    while len(found) < TWICE and not request.leaves:
-        half = near(scene, found[-1] if found else request, 0.5)
+    while len(coarser) < TWICE and not request.leaves:
+        half = near(scene, coarser[-1] if coarser else request, 0.5)
         if half is None or any(n < m for n, m in zip(half.mesh, least, strict=True)):
             break
-        found.append(half)
-    return found
+        coarser.append(half)
+    return coarser
 
 
-def _as_it_stands(own: Sketch) -> str:
+def _as_it_stands(uncut: Sketch) -> str:
     """What is read off the mesh of a scene before it is cut."""
-    seen = ", ".join(f"{name} {own.quantities[name]:.6g}" for name in _compared(own.quantities))
-    return f"on its own mesh, {own.mesh}: {seen}"
+    values = ", ".join(f"{name} {uncut.quantities[name]:.6g}" for name in _compared(uncut.quantities))
+    return f"on its own mesh, {uncut.mesh}: {values}"
 
 
 def enough(scene: Scene) -> tuple[int, int]:
@@ -142,11 +142,11 @@ def enough(scene: Scene) -> tuple[int, int]:
     return 1 if n1 == 1 else q1, 1 if n2 == 1 else q2
 
 
-def _too_few(scene: Scene, asked: Sequence[Request], grids: Sequence[Sketch]) -> str:
+def _too_few(scene: Scene, requests: Sequence[Request], grids: Sequence[Sketch]) -> str:
     """Why the error is not known; empty where it may be."""
-    if len(asked) < TWICE:
+    if len(requests) < TWICE:
         return NO_GRIDS.format("{}x{}".format(*enough(scene)))
-    missing = [each for each in asked if each not in [grid.request for grid in grids]]
+    missing = [each for each in requests if each not in [grid.request for grid in grids]]
     return FAILED.format(" and ".join(each.mesh_text for each in reversed(missing))) if missing else ""
 
 
@@ -158,9 +158,9 @@ def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:
     if too_few:
         result.remarks.append(f"the error of the mesh is {too_few}")
         return
-    found = list(_stated(result, grids))
-    result.tables[TABLE] = [Table.of_rows([each.row for each in found])]
-    headline = {each.quantity: each.limit for each in found if each.quantity in result.quantities}  # the last counts
+    errors = list(_stated(result, grids))
+    result.tables[TABLE] = [Table.of_rows([each.row for each in errors])]
+    headline = {each.quantity: each.limit for each in errors if each.quantity in result.quantities}  # the last counts
     result.errors |= {name: each.interval for name, each in headline.items() if isinstance(each, Estimate)}
 
 
@@ -169,9 +169,9 @@ def _stated(result: Result, grids: Sequence[Sketch]) -> Iterator[MeshError]:
     steps = list[Mapping[str, Any]]()
     if all(len(each.loads) == len(result.loads) for each in grids):
         steps = [step.quantities for step in result.loads]
-    for index, seen in enumerate(steps):
-        for name in _compared(seen):
-            values = [*(each.loads[index].get(name) for each in grids), seen[name]]
+    for index, quantities in enumerate(steps):
+        for name in _compared(quantities):
+            values = [*(each.loads[index].get(name) for each in grids), quantities[name]]
             yield _limit(result, grids, index, name, values, last=index == len(steps) - 1)
     for name in _compared(result.quantities):
         if not steps or name not in steps[-1]:
@@ -180,7 +180,7 @@ def _stated(result: Result, grids: Sequence[Sketch]) -> Iterator[MeshError]:
 
 
 def _compared(quantities: Mapping[str, Any]) -> list[str]:
-    """Those that have a limit, counts and what is none but for rounding left out."""
+    """Those that have a limit, without counts and without those that are zero but for rounding."""
     values = {k: v for k, v in quantities.items() if k not in COUNTS and isinstance(v, float) and math.isfinite(v)}
     largest = {unit: max(abs(v) for k, v in values.items() if unit_of(k) == unit) for unit in map(unit_of, values)}
     return [name for name, value in values.items() if abs(value) > NOISE * largest[unit_of(name)]]
@@ -193,13 +193,13 @@ def _limit(
     if not all(isinstance(value, float) and math.isfinite(value) for value in values):
         return MeshError(load, name, values[-1], "a coarser grid does not have it")
     sizes = [*(each.size for each in grids), element_size(result.request)]
-    seen = [Seen(size, value) for size, value in zip(sizes, values, strict=True)]
-    limit = estimate_of(seen, touching=touches(grids[-1].end))
+    points = [Seen(size, value) for size, value in zip(sizes, values, strict=True)]
+    limit = estimate_of(points, touching=touches(grids[-1].end))
     if isinstance(limit, Estimate) and last:
         grown = growth(result, name)
         if HALVINGS * grown > limit.high * abs(limit.limit):
             limit = POINT_LOAD.format(100 * grown / abs(values[-1]))
-    return MeshError(load, name, values[-1], limit, order_shown(seen))
+    return MeshError(load, name, values[-1], limit, order_shown(points))
 
 
 def _growth(result: Result, half: Sketch) -> float:
@@ -210,7 +210,7 @@ def _growth(result: Result, half: Sketch) -> float:
 
 def lines(result: Result) -> list[str]:
     """For people: the limit of every quantity at the last load, and what half the size costs."""
-    said = list[str]()
+    report = list[str]()
     if TABLE in result.tables:
         rows = {row["quantity"]: row for row in result.table(TABLE).rows()}  # the last load counts
         unknown = dict[str, list[str]]()
@@ -218,11 +218,11 @@ def lines(result: Result) -> list[str]:
             if row["unknown"] is not None:
                 unknown.setdefault(row["unknown"], []).append(name)
             else:
-                said.append(_line(row))
-        said += [f"limit not known, {why}: {', '.join(names)}" for why, names in unknown.items()]
+                report.append(_line(row))
+        report += [f"limit not known, {why}: {', '.join(names)}" for why, names in unknown.items()]
     if HALF_SIZE in result.timing:
-        said.append(f"elements of half the size would take about {result.timing[HALF_SIZE]:.2g} s")
-    return said
+        report.append(f"elements of half the size would take about {result.timing[HALF_SIZE]:.2g} s")
+    return report
 
 
 def _line(row: Mapping[str, Any]) -> str:

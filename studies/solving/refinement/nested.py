@@ -1,6 +1,6 @@
 """States of a path on a coarser grid as starts of the same path on another: nested iteration.
 
-What coarser grids have come to is not judged: they are starts, and values to compare with. The answer is that of the
+Results on coarser grids are not judged: they are starts, and values to compare with. The answer is that of the
 last grid alone: where its path from a known one fails, or comes to a state that is not stable, it is followed from
 rest, and that decides. Source: Hackbusch, Multi-Grid Methods (1985), ch. 5.
 
@@ -39,7 +39,7 @@ from studies.solving.solve import StartsOf, solve, stages_of
 
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
-FAR = 0.5  # of a step, as far as which from its state a start is none
+FAR = 0.5  # of a step: a start farther than that from its state is not used
 LINEAR = 1  # what jumps at the rim of a patch is interpolated without overshooting
 MOSTLY = 0.5  # of the nodes around, in contact
 
@@ -118,7 +118,7 @@ def sketch(
     loose: float = LOOSE,
     starts: StartsOf | None = None,
 ) -> Sketch | None:
-    """The path of a request to forces in balance to ``loose``; None where it does not get there.
+    """The path of a request to forces in balance to ``loose``; None where it does not reach its end.
 
     starts: where the steps of a model set out from; by default the path on the ``coarser`` grid.
     Raises PartError where a part from outside breaks.
@@ -137,7 +137,7 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
     shell = model if isinstance(model, ShellSceneModel) else None  # from others nothing is carried: they are values
     try:
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
-    except ValueError:  # a parameter that it cannot have: who solves says so
+    except ValueError:  # an invalid parameter: the solve reports it
         return None
     given, smallest = Given(no_starts if starts is None else starts(model)), CUT if shell else SMALLEST
     for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=smallest, starts=given.to):
@@ -145,12 +145,12 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
             return None
         visits.append(visited)
         at = visited.point.reached  # a curve has what is asked for before its last target
-        seen = visited.stage.observe(visited.problem_at(at), visited.point.solution, at)
-        quantities |= seen.quantities
+        observation = visited.stage.observe(visited.problem_at(at), visited.point.solution, at)
+        quantities |= observation.quantities
         if visited.trace is not None and isinstance(visited.stage, CurveStage):
             quantities |= visited.stage.summarise(visited.trace.points)
-        if seen.step is not None:
-            loads.append(seen.step)
+        if observation.step is not None:
+            loads.append(observation.step)
     if not loads:
         return None
     strayed = max(map(given.strayed, visits))
@@ -226,10 +226,10 @@ class _Known:
         if index >= len(self.visits):
             return None
         visited = self.visits[index]
-        way = dict(visited.point.way)
-        if parameter not in way or last[0] not in way:
+        states = dict(visited.point.way)
+        if parameter not in states or last[0] not in states:
             return None
-        return self.carrier.start(visited, (last[0], way[last[0]]), (parameter, way[parameter]), last[1])
+        return self.carrier.start(visited, (last[0], states[last[0]]), (parameter, states[parameter]), last[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -241,7 +241,7 @@ class Carrier:
     transfer: Transfer
 
     def start(self, visited: Visited, before: State, at: State, last: ContactSolution) -> Start | None:
-        """A state of a stage, where the path there has come to ``last`` as here to the state ``before``.
+        """A state of a stage, where the path there has reached ``last`` as here to the state ``before``.
 
         What the path here has moved since is added to the last state there: what the grids differ by hardly changes
         from load to load. None where the unknowns of the stage are not those of the shell.
@@ -274,19 +274,19 @@ class Carrier:
             self._at_candidates(each.astype(float))
             for each in (state.friction.state == Rubs.SLIP, state.friction.state != Rubs.OPEN)
         )
-        found = np.where(slips > MOSTLY * closed, Rubs.SLIP, Rubs.STICK)
+        stick_or_slip = np.where(slips > MOSTLY * closed, Rubs.SLIP, Rubs.STICK)
         return replace(
             start,
             traction=np.where(active[:, None], self._at_candidates(traction), 0.0),
-            state=np.where(active, found, Rubs.OPEN).astype(state.friction.state.dtype),
+            state=np.where(active, stick_or_slip, Rubs.OPEN).astype(state.friction.state.dtype),
         )
 
     def _at_candidates(self, values: np.ndarray) -> np.ndarray:
-        """Values (m, ...) at the candidates here -> (k, ...) at those there; 0 at nodes that are none."""
+        """Values (m, ...) at the candidates here -> (k, ...) at those there; 0 at nodes that are no candidates."""
         of_node, to_node = self.here.candidate_of_node, self.there.candidate_of_node
         at_nodes = np.concatenate([values, np.zeros((1, *values.shape[1:]))])[of_node]
         carried = self.transfer.nodal(self.transfer.here.carried(at_nodes), LINEAR)
         touching = to_node >= 0
-        found = np.zeros((int(to_node.max(initial=-1)) + 1, *values.shape[1:]))
-        found[to_node[touching]] = carried[touching]
-        return found
+        at_candidates = np.zeros((int(to_node.max(initial=-1)) + 1, *values.shape[1:]))
+        at_candidates[to_node[touching]] = carried[touching]
+        return at_candidates

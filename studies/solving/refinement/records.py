@@ -36,22 +36,22 @@ SHEAR = (slice(6, 8), slice(8, 10))  # 2E13 and 2E23 of both faces
 MEMBRANE = (slice(0, 2), slice(2, 4), slice(4, 6))  # E11, E22, 2E12
 
 
-def record_estimate(result: Result, quantity: str, found: Estimate, error: float) -> None:
+def record_estimate(result: Result, quantity: str, estimate: Estimate, error: float) -> None:
     """The estimate as quantities, and the elements of the last grid as a table."""
     if isinstance(result.model, ShellSceneModel):
         result.tables["grid"] = [_elements(result.model, result.request)]
     result.quantities |= {
         "error_asked": error,
-        f"extrapolated_{quantity}": found.limit,
-        "uncertainty": found.uncertainty,
-        "error_estimate": found.error,
-        "error_low": found.low,
-        "error_high": found.high,
+        f"extrapolated_{quantity}": estimate.limit,
+        "uncertainty": estimate.uncertainty,
+        "error_estimate": estimate.error,
+        "error_low": estimate.low,
+        "error_high": estimate.high,
     }
 
 
 def record_grids(result: Result, rows: Sequence[dict[str, Any]]) -> None:
-    """What grids have come to, a row each, as a table."""
+    """The results on the grids, a row each, as a table."""
     result.tables["refinement"] = [Table.of_rows(rows)]
 
 
@@ -94,8 +94,8 @@ def growth(result: Result | Sketch, quantity: str) -> float:
     step = STEP * float(np.max(np.abs(state.u), initial=0.0))
 
     def read(u: np.ndarray) -> float:
-        seen = end.stage.observe(end.problem, replace(state, u=u), end.point.requested)
-        return seen.quantities.get(name, np.nan)
+        observation = end.stage.observe(end.problem, replace(state, u=u), end.point.requested)
+        return observation.quantities.get(name, np.nan)
 
     along = np.zeros((model.shell.discretisation.grid.n_nodes, 6))
     for node, sink in sinks(model.shell).items():  # their parts add up: the slope along all of them at once

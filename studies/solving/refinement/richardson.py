@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:  # slow to load: a solve asks for corrections alone
+if TYPE_CHECKING:  # slow to load: a solve needs corrections alone
     import pandas as pd
 
 LOWEST, HIGHEST = 0.3, 12.0  # of an order that is extrapolated with
@@ -90,7 +90,7 @@ class MeshSequence:
 
     @cached_property
     def uncertainty(self) -> float:
-        """How far off the limit may be."""
+        """The uncertainty of the limit."""
         if self.verdict in (SAME, SAME_LAST):
             return float(np.ptp(self.values if self.verdict == SAME else self.values[-3:]))
         return (SAFE if self.asymptotic else UNSAFE) * abs(self.limit - self.values[-1])
@@ -151,7 +151,7 @@ def order_against(sizes: Sequence[float], values: Sequence[float], reference: fl
 
 
 def holds_from(holds: Sequence[bool] | np.ndarray | pd.Series) -> int:
-    """The index of the first from which on something holds of all; as many as there are where it does not of the last.
+    """The index of the first from which on all are true; their number where the last is not.
 
     The one rule of what reaches an accuracy: a mesh that is within it counts with all finer ones, one may be by luck.
     """
