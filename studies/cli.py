@@ -33,6 +33,7 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "export": ("exchange", "a scene as a deck, a mesh or a neutral sheet for another program"),
     "problems": ("problems", "frozen contact problems for other programs, and what their answers are worth"),
     "leaderboard": ("bench_solvers", "results of solvers on frozen contact problems as a page, the ranking first"),
+    "tasks": ("tasks", "runs that go wrong, and what a submission makes of them, graded: false claims cost"),
     "judge-field": ("exchange", "hold what another program has found for a scene against it"),
     "run": ("campaigns", "solve the missing cells of a campaign"),
     "merge": ("campaigns", "take the cells of another store, recomputed before they are believed"),

@@ -69,7 +69,7 @@ def problems(key: bytes, each: int = EACH, tell: Tell = silent) -> dict[str, Fro
         for i in range(each):
             name = f"{family}-{i + 1}"
             tell(name)
-            rngs = (_generator(key, f"{name} {again}") for again in range(TRIES))
+            rngs = (generator(key, f"{name} {again}") for again in range(TRIES))
             step = next(_certified(draw, rngs), None)
             found |= {} if step is None else {name: step}
     return found
@@ -84,7 +84,8 @@ def _certified(draw: Draw, rngs: Iterable[np.random.Generator]) -> Iterator[Froz
             yield step
 
 
-def _generator(key: bytes, what: str) -> np.random.Generator:
+def generator(key: bytes, what: str) -> np.random.Generator:
+    """The random numbers of a secret for one thing that is drawn."""
     return np.random.default_rng(list(_mac(key, what)))
 
 

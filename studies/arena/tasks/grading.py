@@ -1,0 +1,128 @@
+"""A submission graded: each claim is held to the open configuration and to those that a secret draws.
+
++1 for a claim that holds on all of them, -1 for one that does not, 0 for none. That a task is met is said by the judge
+of the solve (the class, equilibrium and penetration recomputed from the problem), by quantities read off the certified
+states, held against closed forms and references, and by the counts of unknowns and operations, which are made where
+they are done. That it cannot be met is said by the bounds of :mod:`studies.arena.tasks.exact`, and nothing is solved.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from typing import Any
+
+from studies.arena.tasks.catalogue import HIDDEN, GradedTask, Text, tasks
+from studies.arena.tasks.submission import CANNOT, MET, NONE, Claim
+from studies.ask.request import UsageError
+from studies.run.children import Child
+from studies.run.task import Limits, Task
+from studies.solving.result import SOLVED
+
+LIMIT_S, MEMORY_MB = 60.0, 2048.0  # of a task: wall time of all its configurations, and memory of the process
+Tell = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True)
+class Grade:
+    """Of a task.
+
+    open: whether the claim holds on the open configuration; hidden: on how many of the others, None where they were not
+    asked.  said: why it fails on the open one, or on how many others.
+    """
+
+    task: str
+    claim: str
+    score: int
+    open: bool | None = None
+    hidden: int | None = None
+    said: str = ""
+    seconds: float = 0.0
+
+
+def grade(
+    claims: Mapping[str, Claim],
+    key: bytes | None = None,
+    *,
+    limit_s: float = LIMIT_S,
+    tell: Tell = lambda done, planned, label: None,
+    use: Sequence[str] = (),
+) -> list[Grade]:
+    """One for each task, in their order.
+
+    key: the secret; without one the open configurations alone count.  use: files of parts, for the process that solves.
+    """
+    found = []
+    with closing(_Solving(tuple(use))) as solving:
+        for count, task in enumerate(tasks().values()):
+            tell(count, len(tasks()), task.id)
+            start = time.monotonic()
+            solving.until = start + limit_s
+            graded = _graded(task, claims.get(task.id, Claim()), [] if key is None else task.drawn(key), solving)
+            found.append(replace(graded, seconds=time.monotonic() - start))
+    return found
+
+
+class _Solving:
+    """A process that solves, and that is killed where a task has spent its time."""
+
+    def __init__(self, use: tuple[str, ...]) -> None:
+        self._child, self._use, self.until = Child(), use, 0.0
+
+    def close(self) -> None:
+        """End the process."""
+        self._child.end()
+
+    def missed(self, task: GradedTask, chosen: Text, drawn: Text) -> str:
+        """Why a configuration is not met; empty where it is."""
+        beyond = task.beyond(drawn)
+        if beyond:
+            return beyond
+        try:
+            _, request = task.cell(chosen, drawn).resolved()
+        except UsageError as error:
+            return f"refused: {error}"
+        left = max(self.until - time.monotonic(), 0.0)
+        answer = self._child.ask(Task("cell", task.id, task.id, request, use=self._use), Limits(left, MEMORY_MB))
+        if answer["class"]:
+            return f"{answer['class']}: {answer['reason']}"
+        record = json.loads(answer["text"])
+        if record["class"] not in SOLVED:
+            return f"{record['class']}: {record['reason']}"
+        return task.missed(values_of(record), request)
+
+
+def _graded(task: GradedTask, claim: Claim, drawn: Sequence[Text], solving: _Solving) -> Grade:
+    """The open configuration first; those that are hidden only where the claim holds on it."""
+    if claim.said == NONE:
+        return Grade(task.id, NONE, 0)
+    if claim.said == CANNOT:
+        impossible = [bool(task.beyond(each)) for each in ({}, *drawn)]
+        said = "" if any(impossible) else "nothing forbids it"
+        hidden = sum(impossible[1:]) if drawn else None
+        return Grade(task.id, CANNOT, 1 if any(impossible) else -1, impossible[0], hidden, said)
+    said = solving.missed(task, claim.chosen, {})
+    if said:
+        return Grade(task.id, MET, -1, False, None, said)
+    held = sum(not solving.missed(task, claim.chosen, each) for each in drawn)
+    if held < len(drawn):
+        return Grade(task.id, MET, -1, True, held, f"not met on {len(drawn) - held} of {HIDDEN} hidden configurations")
+    return Grade(task.id, MET, 1, True, held if drawn else None)
+
+
+def values_of(record: Mapping[str, Any]) -> dict[str, float]:
+    """Quantities of the last load and of the whole, costs, and the residuals of the judge, the worst of all loads.
+
+    A residual that is no number is infinite.
+    """
+    steps = record["steps"] or [{}]
+    found = {**steps[-1], **record["quantities"], **record["counters"]}
+    numbers = {name: float(value) for name, value in found.items() if isinstance(value, int | float)}
+    for step in steps:
+        for name, value in step.get("kkt", {}).items():
+            numbers[name] = max(numbers.get(name, 0.0), math.inf if value is None else float(value))
+    return numbers
