@@ -16,11 +16,11 @@ satisfied by making the answer larger: for any f with a positive response, du = 
 and t f with t -> infinity leaves r itself below every relative tolerance, while all gaps stay open (OSQP's two
 residuals accept that; a test shows it). So F comes from the file alone. L is bounded from the file: it grows with the
 motion of the answer only up to the largest gap there is, since no candidate has to come further to touch, and a
-smaller motion is judged more strictly. Nothing that an answer can say makes F or that bound larger.
+smaller motion is judged more strictly. No answer can increase F or that bound.
 
-What rounding explains is no error: of each residual eps times the terms that it is the sum of is taken off. An answer
-with nothing left solves a problem whose entries differ from the file's in their last digit (Oettli, Prager, Numer.
-Math. 6 (1964) 405-409), however large it is; thin shells get no further (1e-9 of F, measured elsewhere).
+Rounding is not counted as error: eps times the sum of the magnitudes of its terms is subtracted from each residual. An
+answer with zero residuals solves a problem whose entries differ from the file's in their last digit (Oettli, Prager,
+Numer. Math. 6 (1964) 405-409), however large it is; for thin shells 1e-9 of F is the measured limit of accuracy.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class Scales:
 
 @dataclass(frozen=True)
 class Accuracy:
-    """The four residuals, relative, best 0; infinite where an answer is no number."""
+    """The four residuals, relative, 0 for an exact answer; infinite where an answer is not finite."""
 
     equilibrium: float
     penetration: float
@@ -93,16 +93,17 @@ NONE = Accuracy(np.inf, np.inf, np.inf, np.inf)
 
 
 def accuracy(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, scales: Scales | None = None) -> Accuracy:
-    """What du (n,) [mm] and pressure (m,) [MPa] are worth; ``scales``: of the step, where known.
+    """The residuals of du (n,) [mm] and pressure (m,) [MPa]; ``scales``: of the step, where known.
 
     Raises ValueError when they do not fit the step.
     """
     if du.shape != step.r.shape or pressure.shape != step.gap.shape:
         raise ValueError(f"{du.shape} and {pressure.shape} for {step.r.shape} unknowns, {step.gap.shape} candidates")
     by = scales or Scales.of(step)
-    with np.errstate(over="ignore", invalid="ignore"):  # of numbers that solvers leave where they have no answer
-        found = _residuals(step, du, pressure, by)
-    return found if np.isfinite(found.worst) and np.all(np.isfinite(du)) and np.all(np.isfinite(pressure)) else NONE
+    with np.errstate(over="ignore", invalid="ignore"):  # solvers without an answer may return any numbers
+        residuals = _residuals(step, du, pressure, by)
+    finite = np.isfinite(residuals.worst) and np.all(np.isfinite(du)) and np.all(np.isfinite(pressure))
+    return residuals if finite else NONE
 
 
 def _residuals(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, by: Scales) -> Accuracy:
@@ -123,10 +124,10 @@ def _residuals(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, by: Scale
 
 
 def _pushed_out(step: FrozenStep, held: float) -> float:
-    """Force [N] on the deepest candidate i that closes its gap with no other pushed: |G_i| (-g_i)/(G K^-1 G^T)_ii.
+    """Force [N] on the deepest candidate i that closes its gap with no other loaded: |G_i| (-g_i)/(G K^-1 G^T)_ii.
 
-    Where K has no such compliance, as of a body that only the foundation holds, it takes no force at all; where the
-    file knows no other force either, that with all else held.
+    Zero where K has no such compliance, as for a body that only the foundation supports; where the file has no other
+    force either, the force with all other unknowns fixed.
     """
     if not np.any(step.gap < 0):
         return 0.0
@@ -142,16 +143,16 @@ def _pushed_out(step: FrozenStep, held: float) -> float:
     return 0.0 if step.scale > 0 or np.any(step.r) else size * depth * held
 
 
-CERTIFIED = 1e-8  # accuracy that is asked for unless said otherwise
+CERTIFIED = 1e-8  # default of the accuracy that is required
 SAME = 1e-9  # relative, of a claimed force
 CLAIMS = ("accuracy", *RESIDUALS, "force", "pressed")
 RUBBED = ("du", "normal", "friction")
-OFF = {"force": "of the larger of it and F", "pressed": "candidates"}  # a false claim; residuals: by a factor
+OFF = {"force": "of the larger of it and F", "pressed": "candidates"}  # units of deviations; residuals: a factor
 
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """An answer as it came: du (n,) [mm], pressure (m,) [MPa], and what it claims about itself."""
+    """An answer as read from its file: du (n,) [mm], pressure (m,) [MPa], and its claims."""
 
     du: np.ndarray
     pressure: np.ndarray
@@ -160,7 +161,7 @@ class Given:
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim, what it is in truth, and how far it is from that; false where that is farther than it may be."""
+    """A claimed value, the recomputed one and their deviation; false where that exceeds its tolerance."""
 
     what: str
     claimed: str
@@ -186,25 +187,25 @@ class Judgement:
         return self.certified and not any(claim.false for claim in self.claims)
 
     def lines(self) -> list[str]:
-        """In words: each residual, each claim, the verdict last."""
-        told = [f"{name}: {value:.2e}" for name, value in self.residuals.items()]
-        told.append(f"relative to {self.force_N:.6g} N and {self.length_mm:.6g} mm")
+        """As text: each residual, each claim, the verdict last."""
+        report = [f"{name}: {value:.2e}" for name, value in self.residuals.items()]
+        report.append(f"relative to {self.force_N:.6g} N and {self.length_mm:.6g} mm")
         for claim in self.claims:
             how = f"FALSE by {claim.off:.3g} {OFF.get(claim.what, 'times')}" if claim.false else "true"
-            told.append(f"claim {claim.what} = {claim.claimed}: {how}, it is {claim.found}")
-        return [*told, self.verdict]
+            report.append(f"claim {claim.what} = {claim.claimed}: {how}, it is {claim.found}")
+        return [*report, self.verdict]
 
 
 def read_answer(path: Path) -> Given:
     """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
     with _in_one_line(path, "no answer"):
-        told = _values(path, ("du", "pressure"), ("claims",))
-        claims = told.get("claims", {})
+        fields = _values(path, ("du", "pressure"), ("claims",))
+        claims = fields.get("claims", {})
         if isinstance(claims, np.ndarray):  # of a .npz, as text
             claims = parsed_object(text_of(claims, "claims"), "claims")
         if not isinstance(claims, dict):
             raise ValueError("claims must be a JSON object")
-        du, pressure = (np.asarray(told[name], dtype=float) for name in ("du", "pressure"))
+        du, pressure = (np.asarray(fields[name], dtype=float) for name in ("du", "pressure"))
         if du.ndim != 1 or pressure.ndim != 1:
             raise ValueError("du and pressure must each be a list of numbers")
     unknown = [name for name in claims if name not in CLAIMS]
@@ -215,7 +216,7 @@ def read_answer(path: Path) -> Given:
 
 @contextmanager
 def _in_one_line(path: Path, what: str) -> Iterator[None]:
-    """Whatever is wrong with a file, as UsageError."""
+    """Any fault of a file as a UsageError of one line."""
     try:
         yield
     except (ValueError, KeyError, TypeError) as error:
@@ -223,18 +224,18 @@ def _in_one_line(path: Path, what: str) -> Iterator[None]:
         raise UsageError(f"{path} is {what}: {why}") from None
 
 
-def _values(path: Path, wanted: Sequence[str], optional: Sequence[str] = ()) -> Mapping[str, Any]:
-    """Arrays of a .npz, or what a .json holds; raises ValueError, and OSError when there is no file."""
+def _values(path: Path, required: Sequence[str], optional: Sequence[str] = ()) -> Mapping[str, Any]:
+    """Arrays of a .npz, or the object in a .json; raises ValueError, and OSError when there is no file."""
     if path.suffix != ".json":
-        return read_arrays(path, wanted, optional)
-    told = read_json(path)
-    if not isinstance(told, dict):
+        return read_arrays(path, required, optional)
+    content = read_json(path)
+    if not isinstance(content, dict):
         raise ValueError("it must be a JSON object")
-    return told
+    return content
 
 
 def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Judgement:
-    """Every residual recomputed, every claim held against it; raises UsageError for the wrong number of values."""
+    """Recompute every residual and compare every claim with it; raises UsageError for the wrong number of values."""
     scales = Scales.of(step)
     try:
         worth = accuracy(step, given.du, given.pressure, scales)
@@ -248,39 +249,39 @@ def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Ju
     return Judgement(asdict(worth), scales.force, length, certified, verdict, claims)
 
 
-def _claim(step: FrozenStep, given: Given, worth: Accuracy, scales: Scales, what: str, said: Any) -> Claim:
+def _claim(step: FrozenStep, given: Given, worth: Accuracy, scales: Scales, what: str, value: Any) -> Claim:
     if what == "pressed":
-        return _pressed(given, said)
-    claimed = _number(what, said)
+        return _pressed(given, value)
+    claimed = _number(what, value)
     if what == "force":
-        found = float(np.sum(step.problem().nodal_forces(given.pressure)))
-        off = abs(found - claimed) / max(abs(found), scales.force)
-        return Claim(what, f"{claimed:.9g}", f"{found:.9g}", off, not off <= SAME)
-    found = worth.worst if what == "accuracy" else float(getattr(worth, what))
-    off = found / claimed if claimed > 0 else np.inf if found > 0 else 1.0
-    return Claim(what, f"{claimed:.2e}", f"{found:.2e}", off, not found <= claimed)
+        actual = float(np.sum(step.problem().nodal_forces(given.pressure)))
+        off = abs(actual - claimed) / max(abs(actual), scales.force)
+        return Claim(what, f"{claimed:.9g}", f"{actual:.9g}", off, not off <= SAME)
+    actual = worth.worst if what == "accuracy" else float(getattr(worth, what))
+    off = actual / claimed if claimed > 0 else np.inf if actual > 0 else 1.0
+    return Claim(what, f"{claimed:.2e}", f"{actual:.2e}", off, not actual <= claimed)
 
 
-def _pressed(given: Given, said: Any) -> Claim:
-    """off: how many candidates are in one of the two sets alone."""
-    if not isinstance(said, list) or not all(isinstance(i, int) and 0 <= i < len(given.pressure) for i in said):
+def _pressed(given: Given, claimed: Any) -> Claim:
+    """off: number of candidates in exactly one of the two sets."""
+    if not isinstance(claimed, list) or not all(isinstance(i, int) and 0 <= i < len(given.pressure) for i in claimed):
         raise UsageError(f"claim pressed must be a list of candidates from 0 to {len(given.pressure) - 1}")
-    found = set(np.flatnonzero(given.pressure > 0).tolist())
-    off = len(found ^ set(said))
-    return Claim("pressed", f"{len(said)} candidates", f"{len(found)}", off, off > 0)
+    actual = set(np.flatnonzero(given.pressure > 0).tolist())
+    off = len(actual ^ set(claimed))
+    return Claim("pressed", f"{len(claimed)} candidates", f"{len(actual)}", off, off > 0)
 
 
-def _number(what: str, said: Any) -> float:
-    if isinstance(said, bool) or not isinstance(said, int | float) or not (said >= 0 or what == "force"):
-        raise UsageError(f"claim {what} = {said!r} must be a number in [0, inf)")
-    return float(said)
+def _number(what: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not (value >= 0 or what == "force"):
+        raise UsageError(f"claim {what} = {value!r} must be a number in [0, inf)")
+    return float(value)
 
 
 def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> Judgement:
-    """Every residual of the answer in a file recomputed; raises UsageError for what is none, or of another size."""
+    """Recompute every residual of the answer in a file; raises UsageError where it is invalid or has the wrong size."""
     with _in_one_line(path, "no answer to a problem with friction"):
-        told = _values(path, (), RUBBED)
-        du, normal, friction = (np.asarray(told[name], dtype=float) for name in RUBBED)
+        fields = _values(path, (), RUBBED)
+        du, normal, friction = (np.asarray(fields[name], dtype=float) for name in RUBBED)
     if du.shape != step.r.shape:
         raise UsageError(f"du of the shape {du.shape} for {len(step.r)} unknowns")
     try:

@@ -24,8 +24,8 @@ def random_step(seed: int) -> FrozenFrictionalStep:
     """4 to 9 candidates with three unknowns each, in skew axes, and up to five unknowns more.
 
     K is symmetric positive definite with eigenvalues from 1 up to 1 to 1000 in random directions, mu from 0 to 1, every
-    ninth 0. The load is that of an answer that is drawn first, with every state in it; at these mu it need not be the
-    only one.
+    ninth 0. The load follows from an answer that is drawn first and has every state; at these mu it need not be
+    unique.
     """
     rng = np.random.default_rng([seed, 2026])
     m = int(rng.integers(4, 10))
@@ -61,7 +61,7 @@ def dense_step(
 
 
 DELTA, MU = 10.0, 0.5  # mm, -
-REACH = 3.0  # times the travel: gaps of the inflated tyre beyond which nobody touches
+REACH = 3.0  # times the travel: gaps of the inflated tyre beyond which no candidate touches
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +84,13 @@ class TyreDrag:
 
     @property
     def rest(self) -> PathState:
-        """Inflated, and not touching yet."""
+        """Inflated, before contact."""
         rest = ContactSolution.at_rest(len(self.begun), len(self.pressed.weights))
         return PathState(0.0, replace(rest, u=self.begun), self.candidates.positions(self.begun))
 
 
 def tyre_drag(mesh: str) -> TyreDrag:
-    """Pressed by DELTA; the candidates are those that the press can reach; dragged at half a right angle."""
+    """Pressed by DELTA; the candidates are those that the press can reach; dragged at an angle."""
     scene, request = complete("tyre", {"delta_mm": DELTA}, mesh, model="full")
     model = scene.build(request)
     assert isinstance(model, TyreModel)

@@ -1,12 +1,12 @@
-"""The tier that nobody can tune on: problems drawn from a secret, in memory alone.
+"""The held-out tier, on which no solver can be tuned: problems drawn from a secret, in memory only.
 
-Nothing is written: whoever judges has the secret and draws the same problems again. Results say how many of them were
-solved, and a digest of the secret, by which two results of one secret are known; it does not lead back to it.
+Nothing is written: a judge with the secret draws the same problems again. Results contain the number of solved problems
+and a digest of the secret, which identifies results of the same secret without revealing it.
 
 Families: ``relief``, a membrane over random waves, which the collection does not have; ``panel`` and ``ring``, scenes
-that it has, with settings that are drawn. A problem is taken when its answer is certified by two ways, as those of the
-collection are. Whoever draws has other kernels of BLAS, so that nothing may hang on the last digit: of a path the first
-iterates alone are asked for, as later ones depend on how steps were cut, and the last moves nothing but rounding.
+that it has, with settings that are drawn. A problem is taken when its answer is certified by two methods, as in the
+collection. BLAS kernels differ between machines, so that no problem may depend on the last digit: only the first
+iterates of a path are used, as later ones depend on how steps were cut, and the last step is mere rounding.
 """
 
 from __future__ import annotations
@@ -44,39 +44,39 @@ Draw = Callable[[np.random.Generator], FrozenStep]
 def secret(file: Path | None = None) -> bytes:
     """From a file, or from the environment; raises UsageError, and OSError where there is no file."""
     if file is None:
-        told, source = os.environ.get(SECRET, "").encode("utf-8", "surrogateescape"), SECRET
-        if not told:
+        value, source = os.environ.get(SECRET, "").encode("utf-8", "surrogateescape"), SECRET
+        if not value:
             raise UsageError(f"the held-out tier needs a secret: --held-out FILE, or the variable {SECRET}")
     else:
         try:
-            told, source = read_bytes(file, LONGEST).strip(), str(file)
+            value, source = read_bytes(file, LONGEST).strip(), str(file)
         except ValueError as error:
             raise UsageError(f"{file} is no secret: {error}") from None
-    if not SHORTEST <= len(told) <= LONGEST:
-        raise UsageError(f"{source}: a secret of {len(told)} bytes must have {SHORTEST} to {LONGEST}")
-    return told
+    if not SHORTEST <= len(value) <= LONGEST:
+        raise UsageError(f"{source}: a secret of {len(value)} bytes must have {SHORTEST} to {LONGEST}")
+    return value
 
 
 def digest(key: bytes) -> str:
-    """By which results of one secret are known."""
+    """Identifies results of the same secret."""
     return _mac(key, "digest").hex()[:16]
 
 
 def problems(key: bytes, each: int = EACH, tell: Tell = silent) -> dict[str, FrozenStep]:
     """The problems of a secret by name: ``each`` of a family, fewer where draws have no certified answer."""
-    found: dict[str, FrozenStep] = {}
+    steps: dict[str, FrozenStep] = {}
     for family, draw in FAMILIES.items():
         for i in range(each):
             name = f"{family}-{i + 1}"
             tell(name)
             rngs = (generator(key, f"{name} {again}") for again in range(TRIES))
             step = next(_certified(draw, rngs), None)
-            found |= {} if step is None else {name: step}
-    return found
+            steps |= {} if step is None else {name: step}
+    return steps
 
 
 def _certified(draw: Draw, rngs: Iterable[np.random.Generator]) -> Iterator[FrozenStep]:
-    """What is drawn, and has an answer that two ways agree on."""
+    """The drawn steps whose answer two methods agree on."""
     for rng in rngs:
         with suppress(ArithmeticError):
             step = draw(rng)

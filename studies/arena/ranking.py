@@ -1,9 +1,9 @@
-"""The leaderboard as rows: entries in their order, what each did on each machine, and which results are stale.
+"""The leaderboard as rows: entries by rank, their results on each machine, and which results are stale.
 
-An entry counts by the machine where it solves least. Ranked by the problems of the split ``test`` that it solves with
-the accuracy asked for, most first; then by the fewest false claims; then by the cost, the geometric mean over those
-that it solves, in factorisations of K on the same machine, so that seconds of one machine are not held against those of
-another. Equal in all three is an equal rank. A stale result is listed, and ranks nothing.
+An entry is ranked by the machine where it solves fewest problems: by the problems of the split ``test`` that it solves
+with the accuracy required, most first; then by the fewest false claims; then by the cost, the geometric mean over those
+that it solves, in factorisations of K on the same machine, so that seconds of different machines are not compared.
+Equal in all three is an equal rank. A stale result is listed, but not ranked.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from studies.arena.collected.collection import TEST, split_of
 from studies.arena.results import ANOMALOUS, EXCLUDED, FAILED, MISSING, OK, STALE, Asked, Result, mean_cost, statuses
 from studies.ask.request import UsageError
 
-LEAD = 1e-6  # the accuracy that is ranked by, or else the strictest one that all were asked for
+LEAD = 1e-6  # the accuracy that is ranked by, or else the strictest tolerance that all results have in common
 Split = Callable[[str], str]
 Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Board:
-    """The tolerance that is ranked by, rows of entries, of results by machine, and of machines."""
+    """The tolerance of the ranking, rows of entries, of results by machine, and of machines."""
 
     tolerance: float
     ranked: list[Row]
@@ -35,7 +35,7 @@ class Board:
 
 
 def board(results: Sequence[Result], split: Split = split_of) -> Board:
-    """Of all results; raises UsageError where those that are not stale were asked for no tolerance in common."""
+    """Of all results; raises UsageError where those that are not stale have no tolerance in common."""
     fresh, old = ([each for each in results if each.stale is stale] for stale in (False, True))
     tolerance = _tolerance(fresh) if fresh else math.nan
     runs = [_run(each, _at(each, tolerance), split) for each in fresh]
@@ -72,7 +72,7 @@ def _nothing(result: Result) -> Row:
 
 
 def _ranked(runs: Iterable[Row]) -> Iterator[Row]:
-    """An entry each, by its worst machine; entries that nothing tells apart share a rank."""
+    """One row per entry, by its worst machine; entries with equal figures share a rank."""
     groups: dict[str, list[Row]] = {}
     for run in runs:
         groups.setdefault(run["entry"], []).append(run)

@@ -1,4 +1,4 @@
-"""One frozen step again, alone, by any algorithm or by an answer; the judge has the word, and the oracle if asked."""
+"""Solve one frozen step again with any algorithm, or judge an answer to it; on request the oracle confirms it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WHOLE = "full"  # the model that is the whole scene
 
 @dataclass(frozen=True, eq=False)
 class Resolved:
-    """The step, its solution, its certificate by the law of ``epsilon``, and what the oracle says or why it can not."""
+    """The step, its solution, its certificate by the law of ``epsilon``, and the confirmation, or why there is none."""
 
     step: FrozenStep
     solution: ContactSolution
@@ -36,13 +36,13 @@ class Resolved:
 
     @property
     def sound(self) -> bool:
-        """Judged without a failure, and not contradicted by the oracle."""
+        """Whether the judge has no failure and the oracle does not contradict."""
         return not self.certificate["failures"] and not (
             isinstance(self.oracle, Confirmation) and not self.oracle.agrees
         )
 
     def lines(self) -> list[str]:
-        """What a user reads."""
+        """The report for the user."""
         step, solution, meta = self.step, self.solution, self.step.meta
         rubs = isinstance(step, FrozenFrictionalStep)
         origin = ", ".join(f"{key} {meta[key]}" for key in ("scene", "mesh", "stage", "parameter") if key in meta)
@@ -55,7 +55,7 @@ class Resolved:
         ]
         lines += [f"wrong: {name}" for name in self.certificate["failures"]] if rubs else self.certificate["diagnosis"]
         model = meta.get("model", WHOLE)
-        if model != WHOLE:  # whoever solved the whole saw more nodes and another force
+        if model != WHOLE:  # the solve of the whole model has more nodes and another force
             lines.append(f"of the model {model} alone: forces and nodes are those of that part")
         if isinstance(self.oracle, Confirmation):
             verdict = "agrees" if self.oracle.agrees else f"differs at {len(self.oracle.differing)} candidates"
@@ -84,7 +84,7 @@ def read_step(path: Path) -> FrozenStep:
 
 
 def judge_files(problem: Path, answer: Path, tolerance: float | None = None) -> Judgement:
-    """What an answer in a file is worth; tolerance: the accuracy asked for, default CERTIFIED, none with friction.
+    """The judgement of an answer in a file; tolerance: the accuracy asked for, default CERTIFIED, none with friction.
 
     Raises UsageError with one line, and OSError where there is no file.
     """
@@ -114,16 +114,16 @@ def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, ask_oracle: b
     if refused is not None:
         raise UsageError(f"{algorithm.name} does not apply: {refused}")
     solution = answered(algorithm, problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
-    said: Confirmation | str | None = None
+    confirmation: Confirmation | str | None = None
     if ask_oracle:
         try:
-            said = _confirmation(step, solution, algorithm.epsilon)
+            confirmation = _confirmation(step, solution, algorithm.epsilon)
         except OracleError as error:
-            said = str(error)
+            confirmation = str(error)
     if isinstance(step, FrozenFrictionalStep):
         verdict = judge(problem, solution.u, solution.pressure, solution.rubbed.force, epsilon=algorithm.epsilon)
-        return Resolved(step, solution, verdict.certificate, algorithm.epsilon, said)
-    return Resolved(step, solution, certificate(problem, solution, algorithm.epsilon), algorithm.epsilon, said)
+        return Resolved(step, solution, verdict.certificate, algorithm.epsilon, confirmation)
+    return Resolved(step, solution, certificate(problem, solution, algorithm.epsilon), algorithm.epsilon, confirmation)
 
 
 def _confirmation(step: FrozenStep, solution: ContactSolution, epsilon: float) -> Confirmation:

@@ -1,9 +1,9 @@
-"""What an entry has done on a machine, as one JSON file.
+"""The results of an entry on a machine, as one JSON file.
 
     format, format_version   FORMAT, VERSION
     entry                    the solver, 1 to 80 printable characters
     machine                  texts: cpu, cores, system, python, numpy, scipy, threads and kernels of BLAS, instructions
-    harness, collection      the checksums of what judged and of what was solved: other ones are stale
+    harness, collection      the checksums of the judge and of the problems; a file with others is stale
     limit_s                  processor time of a solve
     tolerances               a list of {tolerance, public, held_out}, the accuracy asked for, largest first
 
@@ -14,7 +14,7 @@ ok. ``held_out`` is null, or the counts by status, the mean of cost and the dige
     anomalous  claimed, and not as accurate                 missing    not installed, or not asked
     failed     not claimed, or killed at the limit          stale      of another harness or collection, as read
 
-Nothing is run, read or ranked here.
+No solver is run and no result is read or ranked here.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from studies.run.source_hash import sources_hash
 
 FORMAT, VERSION = "footprint arena result", 1
 OK, ANOMALOUS, FAILED, MISSING, EXCLUDED, STALE = "ok", "anomalous", "failed", "missing", "excluded", "stale"
-STATUS = (OK, ANOMALOUS, FAILED, MISSING, EXCLUDED)  # of a problem; STALE of a whole file
+STATUS = (OK, ANOMALOUS, FAILED, MISSING, EXCLUDED)  # of a problem; STALE is that of a whole file
 HARNESS = ("studies.arena.solver_table", "studies.arena.results")
-NOT_HARNESS = ("studies.arena.solvers.catalogue",)  # who is judged
+NOT_HARNESS = ("studies.arena.solvers.catalogue",)  # the solvers being judged
 MACHINE = ("cpu", "cores", "system", "python", "numpy", "scipy", "threads", "kernels", "instructions")
 TEXT = 80  # characters of an entry, twice as many of the machine
 
@@ -66,7 +66,7 @@ class Counted:
 
 @dataclass(frozen=True)
 class Asked:
-    """All that was asked for one accuracy."""
+    """All results at one tolerance."""
 
     tolerance: float
     public: tuple[Solved, ...]
@@ -86,12 +86,12 @@ class Result:
 
     @property
     def place(self) -> str:
-        """Of the machine: eight digits of a hash of what it says of itself."""
+        """Of the machine: eight digits of a hash of its description."""
         return hashlib.sha256(repr(sorted(self.machine.items())).encode()).hexdigest()[:8]
 
     @property
     def file(self) -> str:
-        """Its name: the entry in letters, and where it was run."""
+        """Its name: the entry in letters, and the place of the machine."""
         word = re.sub(r"[^a-z0-9]+", "-", self.entry.lower()).strip("-")[:40] or "entry"
         own = hashlib.sha256(self.entry.encode()).hexdigest()[:4]
         return f"{word}-{own}-{self.place}.json"
@@ -110,18 +110,18 @@ class Result:
 
 @cache
 def harness() -> str:
-    """The checksum of what asks, times and judges: 16 digits of a hash of its sources."""
+    """The checksum of the code that runs, times and judges: 16 digits of a hash of its sources."""
     return sources_hash(HARNESS, without=NOT_HARNESS)[:16]
 
 
 def here() -> dict[str, str]:
-    """MACHINE of this one. kernels, instructions: what the environment makes of it."""
-    told = provenance()
-    machine, packages = told["machine"], told["packages"]
+    """MACHINE of this machine. kernels, instructions: as set by the environment."""
+    record = provenance()
+    machine, packages = record["machine"], record["packages"]
     about = {key: str(machine[key]) for key in ("cpu", "cores", "system", "python")}
     about |= {key: str(packages.get(key, "")) for key in ("numpy", "scipy")}
     without = os.environ.get("NPY_DISABLE_CPU_FEATURES", "")
-    about |= {"threads": str(told["blas"]["threads"]), "kernels": os.environ.get("OPENBLAS_CORETYPE", "own")}
+    about |= {"threads": str(record["blas"]["threads"]), "kernels": os.environ.get("OPENBLAS_CORETYPE", "own")}
     about["instructions"] = f"without {without}" if without else "own"
     return {key: plain(value) for key, value in about.items()}
 
@@ -134,9 +134,9 @@ def plain(text: str) -> str:
 def results_of(
     tables: Mapping[str, pd.DataFrame], limit_s: float, wanted: Sequence[str], secret: str = ""
 ) -> list[Result]:
-    """One a solver of the solver tables ``public`` and ``held_out`` (columns of solver_table), either may be absent.
+    """One result per solver of the tables ``public`` and ``held_out`` (columns of solver_table), either may be absent.
 
-    wanted: all problems of the collection without friction; one that was not asked is missing.
+    wanted: all problems of the collection without friction; one that was not put to a solver is missing.
     """
     public, held = tables.get("public"), tables.get("held_out")
     present = [each for each in (public, held) if each is not None]
@@ -154,8 +154,8 @@ def _asked(
     tolerances = {float(value) for each in sides if each is not None for value in each["tolerance"]}
     for tolerance in sorted(tolerances, reverse=True):
         own, drawn = (None if each is None else each[each["tolerance"] == tolerance] for each in sides)
-        found = {} if own is None else {each.problem: each for each in map(_solved, own.to_dict("records"))}
-        listed = tuple(found.get(problem, Solved(problem, MISSING, math.nan)) for problem in wanted)
+        by_problem = {} if own is None else {each.problem: each for each in map(_solved, own.to_dict("records"))}
+        listed = tuple(by_problem.get(problem, Solved(problem, MISSING, math.nan)) for problem in wanted)
         counts = None
         if drawn is not None and len(drawn):
             ended = [_solved(row) for row in drawn.to_dict("records")]
@@ -173,9 +173,9 @@ def _solved(row: Mapping[Any, Any]) -> Solved:
 
 
 def statuses(ended: Iterable[Solved]) -> dict[str, int]:
-    """How many ended how, each of STATUS."""
-    found = [each.status for each in ended]
-    return {status: found.count(status) for status in STATUS}
+    """The number of problems with each STATUS."""
+    ends = [each.status for each in ended]
+    return {status: ends.count(status) for status in STATUS}
 
 
 def mean_cost(ended: Iterable[Solved]) -> float:

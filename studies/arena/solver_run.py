@@ -1,7 +1,7 @@
-"""A run of the solver table into a store: the problems of a folder, samples that it goes on with, the tables of pages.
+"""A run of the solver table into a store: the problems of a folder, samples, and the tables of pages.
 
-Two fields are run, each with tables of its own name: all solvers, and the settings of OSQP. A run goes on only with
-the same files, limit, judge, versions and machine. Nothing is timed, judged or summed up here.
+Two fields are run, each with tables of its own name: all solvers, and the settings of OSQP. A run is resumed only with
+the same files, limit, judge, versions and machine. Nothing is timed, judged or summarised here.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from studies.ask.request import UsageError
 from studies.output.atomic import write_table
 from studies.output.provenance import provenance
 
-REPEATED = 0.95  # the correlation of ranks from which two runs say the same
-STEADY = ("limit_s", "harness", "cpu", "cores", "numpy", "scipy")  # what may not change within a run, nor PACKAGES
+REPEATED = 0.95  # the correlation of ranks from which two runs agree
+STEADY = ("limit_s", "harness", "cpu", "cores", "numpy", "scipy")  # may not change within a run, nor may PACKAGES
 PACKAGES = (
     *("osqp", "clarabel", "proxsuite", "piqp", "daqp", "highspy", "scs", "qpalm", "cvxopt", "quadprog", "cvxpy"),
     "qpsolvers",
@@ -36,7 +36,7 @@ PROBLEM_COLUMNS = ("problem", "digest", "kind", "unknowns", "candidates", "entri
 
 @dataclass(frozen=True)
 class Field:
-    """Who competes, and the tables that are made of a solver table beside its summary, by their names."""
+    """The competing solvers, and the tables derived from a solver table besides its summary, by name."""
 
     name: str
     of: Callable[[], Sequence[Solver]]
@@ -44,7 +44,7 @@ class Field:
 
     @property
     def solvers(self) -> Sequence[Solver]:
-        """Those that there are now: --use brings others."""
+        """The solvers at this moment: --use adds others."""
         return self.of()
 
     def path(self, store: Path, table: str) -> Path:
@@ -63,18 +63,18 @@ FIELDS = {
 
 
 def problems_in(folder: Path) -> dict[str, FrozenStep]:
-    """The frozen steps of a folder by name, fewest unknowns first; raises UsageError for one that is none.
+    """The frozen steps of a folder by name, fewest unknowns first; raises UsageError for an invalid file.
 
-    Those with friction are left out: no solver here knows it.
+    Those with friction are left out: no solver here supports it.
     """
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise UsageError(f"--problems {folder}: no frozen steps (*.npz) in it")
     try:
-        found = {path.stem: FrozenStep.read(path) for path in paths}
+        steps = {path.stem: FrozenStep.read(path) for path in paths}
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
-    without = {name: step for name, step in found.items() if not isinstance(step, FrozenFrictionalStep)}
+    without = {name: step for name, step in steps.items() if not isinstance(step, FrozenFrictionalStep)}
     if not without:
         raise UsageError(f"--problems {folder}: all frozen steps in it are with friction, which no solver here knows")
     return dict(sorted(without.items(), key=lambda item: len(item[1].r)))
@@ -91,10 +91,10 @@ def run(
     limit_s: float = LIMIT_S,
     tell: Tell = lambda done, planned, label: None,
 ) -> pd.DataFrame:
-    """Ask what has not been asked, write all tables and return the solver table.
+    """Run the solves that are missing, write all tables and return the solver table.
 
-    only: names of solvers, default all. Raises UsageError for a name that is none, and where the store has been begun
-    with other files, another limit, other versions or on another machine.
+    only: names of solvers, default all. Raises UsageError for an unknown name, and where the store was begun with
+    other files, another limit, other versions or on another machine.
     """
     chosen = _chosen(field, only)
     about, listed = conditions(limit_s), listing(problems)
@@ -111,11 +111,17 @@ def run(
 
 
 def conditions(limit_s: float) -> dict[str, str]:
-    """The limit of a solve, the checksum of what judges, the machine, and the versions of what solves."""
-    told = provenance()
-    machine = {key: str(told["machine"][key]) for key in ("cpu", "cores", "memory_GiB", "system", "python")}
+    """The limit of a solve, the checksum of the judge, the machine, and the versions of the solvers."""
+    record = provenance()
+    machine = {key: str(record["machine"][key]) for key in ("cpu", "cores", "memory_GiB", "system", "python")}
     versions = {name: _version(name) for name in ("numpy", "scipy", *PACKAGES)}
-    return {"limit_s": repr(float(limit_s)), "harness": harness(), "commit": str(told["commit"]), **machine, **versions}
+    return {
+        "limit_s": repr(float(limit_s)),
+        "harness": harness(),
+        "commit": str(record["commit"]),
+        **machine,
+        **versions,
+    }
 
 
 def _version(name: str) -> str:
@@ -126,7 +132,7 @@ def _version(name: str) -> str:
 
 
 def listing(problems: Mapping[str, FrozenStep]) -> pd.DataFrame:
-    """What was put to the solvers: PROBLEM_COLUMNS; digest: of all numbers of a problem."""
+    """The problems put to the solvers: PROBLEM_COLUMNS; digest: of all numbers of a problem."""
     rows = [
         (name, _digest(step), kind(step), len(step.r), len(step.gap), step.K.nnz) for name, step in problems.items()
     ]
@@ -135,10 +141,10 @@ def listing(problems: Mapping[str, FrozenStep]) -> pd.DataFrame:
 
 def _digest(step: FrozenStep) -> str:
     matrices = [each for each in (step.K, step.G, step.coupling) if each is not None]
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for part in (*(each.data for each in matrices), step.r, step.gap, step.weights, np.array(step.scale)):
-        found.update(np.ascontiguousarray(part).tobytes())
-    return found.hexdigest()[:16]
+        digest.update(np.ascontiguousarray(part).tobytes())
+    return digest.hexdigest()[:16]
 
 
 def _chosen(field: Field, only: Sequence[str]) -> list[Solver]:
@@ -150,7 +156,7 @@ def _chosen(field: Field, only: Sequence[str]) -> list[Solver]:
 
 
 def _same_run(field: Field, store: Path, about: Mapping[str, str], listed: pd.DataFrame) -> None:
-    """Raises UsageError where samples of other conditions are there."""
+    """Raises UsageError where the store has samples of other conditions."""
     if not field.path(store, "samples").exists():
         return
     before = told(field, store)
@@ -174,7 +180,7 @@ def told(field: Field, store: Path) -> dict[str, str]:
 
 
 def against(field: Field, store: Path, other: Path) -> pd.DataFrame:
-    """How alike the rankings of two stores are, failures at the shorter of their limits: RANK_COLUMNS."""
+    """Rank correlation of two stores, with failures at the shorter of their limits: RANK_COLUMNS."""
     limits = [float(told(field, each)["limit_s"]) for each in (store, other)]
     one, two = (read(field.path(each, "table")) for each in (store, other))
     return rank_correlation(one, two, min(limits))

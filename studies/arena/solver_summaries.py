@@ -1,7 +1,7 @@
-"""What a solver table says: shares, false claims, means with the failures in them, profiles, and whether ranks repeat.
+"""Summaries of a solver table: shares, false claims, means that include failures, profiles, and rank correlation.
 
-An answer is a solution when it is claimed and is as accurate as asked. Everything else is a failure: what is not
-claimed, what is claimed falsely, what was killed, and what the solver refuses among problems of a kind that it takes.
+An answer is a solution when it is claimed and as accurate as required. All others are failures: not claimed, claimed
+falsely, killed at the limit, or refused by a solver that accepts other problems of the kind.
 Sources: Dolan, Moré, Math. Program. 91 (2002) 201-213 (performance profiles); Moré, Wild, SIAM J. Optim. 20 (2009)
 172-191 (data profiles); Achterberg, Constraint integer programming (2007), appendix A.3 (shifted geometric means).
 """
@@ -16,7 +16,7 @@ import pandas as pd
 
 from studies.arena.solver_table import KILLED
 
-SHIFT_S = 0.01  # what a small problem takes: times far below it, mostly calls of Python, count as equal
+SHIFT_S = 0.01  # time of a small problem: times far below it, mostly calls of Python, count as equal
 FACTORS = tuple(float(f"{10 ** (i / 4):.3g}") for i in range(13))  # of the time of the quickest, up to 1000
 BUDGETS = tuple(float(f"{10 ** (i / 4):.3g}") for i in range(17))  # factorisations of K, up to 10,000
 SIZES = {"small": (0, 1_000), "medium": (1_000, 10_000), "large": (10_000, np.inf)}  # unknowns
@@ -33,19 +33,19 @@ Shares = Callable[[pd.DataFrame, pd.Series], pd.DataFrame]  # times and unit of 
 
 
 def within(matrix: pd.DataFrame, factors: tuple[float, ...]) -> pd.DataFrame:
-    """Share of the problems in which each competitor needs at most so many times what the best one needs."""
+    """Share of the problems in which each competitor is within a factor of the best one."""
     best = matrix.min(axis=1)
-    ratios = matrix.div(best.where(best > 0, 1.0), axis=0)  # a cost of nothing is its own best
+    ratios = matrix.div(best.where(best > 0, 1.0), axis=0)  # a cost of zero is the best
     return pd.DataFrame([(ratios <= factor).mean() for factor in factors])
 
 
 def summary(table: pd.DataFrame, limit_s: float) -> pd.DataFrame:
-    """One row a solver and tolerance, for each kind and size and for all sizes of a kind: SUMMARY_COLUMNS.
+    """One row per solver and tolerance, for each kind and size and for all sizes of a kind: SUMMARY_COLUMNS.
 
-    refused: not asked, for the reason ``why_not``, the commonest.  timed_out: killed at the limit.  false: claims less
-    accurate than asked; false_tenfold: by more than ten times; false_own: that do not even keep the solver's own
+    refused: not run, most often for the reason ``why_not``.  timed_out: killed at the limit.  false: claims less
+    accurate than required; false_tenfold: by more than ten times; false_own: that violate even the solver's own
     criterion.  worst_claim: accuracy of the worst claim over the tolerance.  mean_s: see :func:`shifted_mean`, with the
-    limit for each of ``failed_at_limit``.  memory_MB, iterations: medians of what was asked.
+    limit for each of ``failed_at_limit``.  memory_MB, iterations: medians of the solves that were run.
     """
     rows = [
         (*place, solver, *_summed(own, limit_s))
@@ -72,7 +72,7 @@ def _summed(own: pd.DataFrame, limit_s: float) -> tuple[object, ...]:
 
 
 def solves(table: pd.DataFrame) -> pd.Series:
-    """Which rows are solutions: claimed, and as accurate as asked in every round."""
+    """Which rows are solutions: claimed, and as accurate as required in every round."""
     return table["claimed"].astype(bool) & (table["accuracy"].astype(float) <= table["tolerance"])
 
 
@@ -87,12 +87,12 @@ def shifted_mean(seconds: Iterable[float], shift: float = SHIFT_S) -> float:
 
 
 def performance_profiles(table: pd.DataFrame, factors: Sequence[float] = FACTORS) -> pd.DataFrame:
-    """Share of the problems that a solver solves in at most so many times what the quickest takes: PROFILE_COLUMNS."""
+    """Share of the problems that a solver solves within a factor of the quickest one's time: PROFILE_COLUMNS."""
     return _profiles(table, "the quickest", lambda times, unit: within(times, tuple(factors)), factors)
 
 
 def data_profiles(table: pd.DataFrame, budgets: Sequence[float] = BUDGETS) -> pd.DataFrame:
-    """Share of the problems solved within so many times what a factorisation of their K takes: PROFILE_COLUMNS."""
+    """Share of the problems solved within so many times of a factorisation of their K: PROFILE_COLUMNS."""
 
     def shares(times: pd.DataFrame, unit: pd.Series) -> pd.DataFrame:
         return pd.DataFrame([(times.div(unit, axis=0) <= budget).mean() for budget in budgets])
@@ -101,23 +101,23 @@ def data_profiles(table: pd.DataFrame, budgets: Sequence[float] = BUDGETS) -> pd
 
 
 def _profiles(table: pd.DataFrame, of: str, shares: Shares, points: Sequence[float]) -> pd.DataFrame:
-    """Of times (problems, solvers), infinite for failures: problems that nobody solves count, for everybody alike."""
+    """Of times (problems, solvers), infinite for failures: problems that no solver solves count for all of them."""
     priced_rows = table.assign(cost=table["seconds"].astype(float).where(solves(table), np.inf))
     rows: list[tuple[object, ...]] = []
     for place, own in _sized(priced_rows):
         times = own.pivot_table(index="problem", columns="solver", values="cost", sort=False)
         unit = own.groupby("problem")["factorisation_s"].first()
-        found = shares(times, unit)
+        curves = shares(times, unit)
         rows += [
             (*place, name, len(times), of, point, float(share))
             for name in times
-            for point, share in zip(points, found[name], strict=True)
+            for point, share in zip(points, curves[name], strict=True)
         ]
     return pd.DataFrame(rows, columns=list(PROFILE_COLUMNS))
 
 
 def _sized(table: pd.DataFrame) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
-    """Rows by tolerance, kind and size: all sizes of a kind, then each that there is."""
+    """Rows by tolerance, kind and size: all sizes of a kind, then each that is present."""
     for (tolerance, kind), rows in table.groupby(["tolerance", "kind"], sort=False):
         yield (tolerance, kind, ALL), rows
         for size, (low, up) in SIZES.items():
@@ -129,7 +129,7 @@ def _sized(table: pd.DataFrame) -> Iterator[tuple[tuple[object, ...], pd.DataFra
 def ranking(table: pd.DataFrame, limit_s: float) -> pd.Series:
     """Rank of each solver by its shifted mean, 1 the best, ties in the middle; by tolerance, kind and solver.
 
-    Only solvers that were asked: what is not installed, or refuses a whole kind, has no rank in it.
+    A solver that is not installed, or refuses a whole kind, has no rank in it.
     """
     whole = summary(table, limit_s)
     whole = whole[(whole["size"] == ALL) & (whole["refused"] < whole["problems"])]
@@ -155,7 +155,7 @@ def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) 
 
 
 def effects(summed: pd.DataFrame) -> pd.DataFrame:
-    """What each setting changes against the defaults of the same scale: a row a tolerance, kind, size and variant.
+    """What each setting changes against the defaults of the same scale: a row per tolerance, kind, size and variant.
 
     summed: of :func:`summary`.  time_ratio: of the shifted means, below 1 where the
     setting is quicker.  more_solved, more_false: of the number of problems.
@@ -165,8 +165,8 @@ def effects(summed: pd.DataFrame) -> pd.DataFrame:
     table = summed.assign(scale=scale, setting=setting)
     table = table[[*places, "setting", "problems", "mean_s", "solved", "false"]]
     defaults = table[table["setting"] == "defaults"].drop(columns=["setting", "problems"])
-    found = table.merge(defaults, on=places, suffixes=("", "_default"))
-    found["time_ratio"] = found["mean_s"] / found["mean_s_default"]
+    merged = table.merge(defaults, on=places, suffixes=("", "_default"))
+    merged["time_ratio"] = merged["mean_s"] / merged["mean_s_default"]
     for column in ("solved", "false"):
-        found[f"more_{column}"] = found[column] - found[f"{column}_default"]
-    return found[[*places, "setting", "problems", "mean_s", "time_ratio", "more_solved", "more_false"]]
+        merged[f"more_{column}"] = merged[column] - merged[f"{column}_default"]
+    return merged[[*places, "setting", "problems", "mean_s", "time_ratio", "more_solved", "more_false"]]

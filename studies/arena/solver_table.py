@@ -1,9 +1,9 @@
-"""Who solves which frozen problem, asked for which tolerance: each answer judged from the file alone, each solve timed.
+"""Every solver on every frozen problem and tolerance: each answer judged from the file alone, each solve timed.
 
 Rounds are interleaved: in each, every problem is put to every solver with every tolerance, one after another in one
-process that may be killed. Whoever was killed over a tolerance is not asked for a stricter one of that problem, which
-counts as killed, too, and says so. Samples are one flat table that a run which was interrupted goes on with; times are
-medians over the rounds.
+process that may be killed. A solver that was killed at one tolerance is not run at a stricter one on that problem; this
+sample counts as killed, too, with the same reason. Samples are one flat table, from which an interrupted run resumes.
+Times are medians over the rounds.
 """
 
 from __future__ import annotations
@@ -40,30 +40,30 @@ SAMPLE_COLUMNS = (
     "reason",
 )
 COLUMNS = (*SAMPLE_COLUMNS[1:], "samples")
-KILLED = "killed after"  # how the reason of a solve begins that reached its limit
+KILLED = "killed after"  # the reason of a solve that reached its limit begins with this
 Problems = Collection[tuple[str, FrozenStep]]
-Tell = Callable[[int, int, str], None]  # how many solves are behind, of how many, and what comes
+Tell = Callable[[int, int, str], None]  # solves that are done, solves in all, and the next one
 
 
 def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
-    """One row a solver, problem and tolerance of samples, with COLUMNS.
+    """One row per solver, problem and tolerance of samples, with COLUMNS.
 
-    asked: whether the solver is there and applies; ``reason`` says why not, or what it said.  accuracy, RESIDUALS: of
+    asked: whether the solver is installed and applies; ``reason``: why not, or its message.  accuracy, RESIDUALS: of
     the answer, claimed or not, infinite where it was killed, see :mod:`studies.arena.answers`; of the least accurate
-    round.  false: claimed, and less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by
-    the solver's own criterion, where it has one.
+    round.  false: claimed, and less accurate than required, in any round.  kept: whether a claim meets the tolerance
+    by the solver's own criterion, where it has one.
     seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see
     :mod:`studies.arena.solvers.process`.  factorisation_s: of K, median, the unit of data profiles.
     """
     worst = samples.sort_values("accuracy", kind="stable", ascending=False).drop_duplicates(list(KEY))
     groups = samples.groupby(list(KEY), sort=False)
-    found = worst.set_index(list(KEY)).reindex(groups.size().index)
-    found["false"], found["claimed"] = groups["false"].max(), groups["claimed"].max()
-    found["seconds"], found["memory_MB"] = groups["seconds"].median(), groups["memory_MB"].max()
-    found["samples"] = groups["seconds"].count()
+    table = worst.set_index(list(KEY)).reindex(groups.size().index)
+    table["false"], table["claimed"] = groups["false"].max(), groups["claimed"].max()
+    table["seconds"], table["memory_MB"] = groups["seconds"].median(), groups["memory_MB"].max()
+    table["samples"] = groups["seconds"].count()
     units = samples.groupby("problem")["factorisation_s"].median()
-    found["factorisation_s"] = units.reindex(found.index.get_level_values("problem")).to_numpy()
-    return found.reset_index()[list(COLUMNS)]
+    table["factorisation_s"] = units.reindex(table.index.get_level_values("problem")).to_numpy()
+    return table.reset_index()[list(COLUMNS)]
 
 
 def recorded(
@@ -76,9 +76,9 @@ def recorded(
     limit_s: float = LIMIT_S,
     tell: Tell = lambda done, planned, label: None,
 ) -> pd.DataFrame:
-    """The samples of a run, each written to ``path`` (CSV) as it comes; what is there already is not asked again.
+    """The samples of a run, each written to ``path`` (CSV) at once; those in the file are not repeated.
 
-    A last line without an end, of a machine that went down, is taken away.
+    An incomplete last line, left by a machine that went down, is removed.
     """
     done = read(path)
     if path.exists():
@@ -91,21 +91,21 @@ def recorded(
         keys = {(int(n), *rest) for n, *rest in done[["round", *KEY]].itertuples(index=False)}
         none = done.loc[done["seconds"].isna(), [*KEY, "reason"]]
         over = {(solver, problem, tolerance): reason for solver, problem, tolerance, reason in none.to_numpy()}
-        asked = samples(problems, solvers, tolerances, rounds=rounds, limit_s=limit_s, done=keys, over=over, tell=tell)
-        for row in asked:
+        rows = samples(problems, solvers, tolerances, rounds=rounds, limit_s=limit_s, done=keys, over=over, tell=tell)
+        for row in rows:
             writer.writerow(row)
             file.flush()
     return read(path)
 
 
 def read(path: Path) -> pd.DataFrame:
-    """Samples, or a solver table, as far as they were written whole; none where there is no file."""
+    """Complete rows of samples, or of a solver table; none where there is no file."""
     whole = path.read_text(encoding="utf-8").rpartition("\n")[0] if path.exists() else ""
     if not whole:
         return pd.DataFrame(columns=list(SAMPLE_COLUMNS))
     types = {"kept": object, "reason": object}
-    found = pd.read_csv(io.StringIO(whole), dtype=types, keep_default_na=False, na_values=["", "nan"])
-    return found.assign(kept=found["kept"].map({"True": True, "False": False}), reason=found["reason"].fillna(""))
+    table = pd.read_csv(io.StringIO(whole), dtype=types, keep_default_na=False, na_values=["", "nan"])
+    return table.assign(kept=table["kept"].map({"True": True, "False": False}), reason=table["reason"].fillna(""))
 
 
 def samples(
@@ -119,18 +119,18 @@ def samples(
     over: Mapping[tuple[str, str, float], str] = MappingProxyType({}),
     tell: Tell = lambda done, planned, label: None,
 ) -> Iterator[dict[str, object]]:
-    """One row a solve, with SAMPLE_COLUMNS.
+    """One row per solve, with SAMPLE_COLUMNS.
 
-    What is refused, or was killed, is asked once; ``over`` was before, for such a reason; ``done`` is what was asked
-    in which round.
+    Refused or killed solves are not repeated: ``over`` has those of earlier runs with their reasons; ``done`` has the
+    round and the KEY of all earlier samples.
     """
     solvers, loose_first, ended = list(solvers), sorted(tolerances, reverse=True), dict(over)
-    planned, asked = rounds * len(problems) * len(solvers) * len(loose_first), count()
+    planned, progress = rounds * len(problems) * len(solvers) * len(loose_first), count()
     with closing(Child(limit_s)) as child:
         for turn, (name, step) in product(range(rounds), problems):
             bench = _Bench(child, name, step, turn)
             for solver, tolerance in product(_turned(solvers, turn), loose_first):
-                tell(next(asked), planned, f"{name}: {solver.name}")
+                tell(next(progress), planned, f"{name}: {solver.name}")
                 key = solver.name, name, tolerance
                 if key in ended or (turn, *key) in done:
                     continue
@@ -143,7 +143,7 @@ def samples(
 
 @lru_cache(maxsize=2)
 def kind(step: FrozenStep) -> str:
-    """What a problem is, from its file: ``convex``, ``not convex``, ``not symmetric`` or ``consistent coupling``."""
+    """Kind of a problem, from its file: ``convex``, ``not convex``, ``not symmetric`` or ``consistent coupling``."""
     if step.coupling is not None:
         return "consistent coupling"
     if not symmetric(step.K):
@@ -153,7 +153,7 @@ def kind(step: FrozenStep) -> str:
 
 @dataclass
 class _Bench:
-    """A problem, and the process it is solved in."""
+    """A problem, and the process in which it is solved."""
 
     child: Child
     name: str
@@ -163,11 +163,11 @@ class _Bench:
 
     @cached_property
     def scales(self) -> Scales:
-        """What residuals are measured by."""
+        """The scales of the residuals."""
         return Scales.of(self.step)
 
     def row(self, solver: Solver, tolerance: float, killed: str = "") -> dict[str, object]:
-        """What a solver makes of it; ``killed``: over a looser tolerance, for which reason."""
+        """The sample of a solver; ``killed``: the reason, where it was killed at a looser tolerance."""
         step, answer, peak = self.step, None, np.nan
         reason = solver.missing() or solver.applies(step)
         if reason is None:
@@ -177,13 +177,13 @@ class _Bench:
                 answer = Answer.none(step, killed)
             else:
                 answer, peak = self.child.solve(solver, step, tolerance)
-        told = answer or Answer.none(step, str(reason))
-        kept = solver.keeps(step, told, tolerance) if told.claimed else None
+        result = answer or Answer.none(step, str(reason))
+        kept = solver.keeps(step, result, tolerance) if result.claimed else None
         about = {"round": self.turn, "solver": solver.name, "problem": self.name, "tolerance": tolerance}
         about |= {"kind": kind(step), "unknowns": len(step.r), "candidates": len(step.gap), "asked": answer is not None}
-        about |= {"kept": kept, "seconds": told.seconds, "iterations": told.iterations, "memory_MB": peak}
-        worth = judged(told, step, tolerance, self.scales)
-        return {**about, **worth, "factorisation_s": self.factorisation_s, "reason": told.reason}
+        about |= {"kept": kept, "seconds": result.seconds, "iterations": result.iterations, "memory_MB": peak}
+        worth = judged(result, step, tolerance, self.scales)
+        return {**about, **worth, "factorisation_s": self.factorisation_s, "reason": result.reason}
 
 
 def judged(answer: Answer, step: FrozenStep, tolerance: float, scales: Scales) -> dict[str, object]:
@@ -195,7 +195,7 @@ def judged(answer: Answer, step: FrozenStep, tolerance: float, scales: Scales) -
 
 @dataclass(frozen=True)
 class _Factorisation(Solver):
-    """One factorisation of K: no solver, but the unit in which data profiles count."""
+    """One factorisation of K: not a solver, but the unit of data profiles."""
 
     def answer(self, step: FrozenStep, tolerance: float) -> Answer:
         factorise(step.K)

@@ -1,6 +1,6 @@
-"""The card itself: laws and tries of one part, what follows from them, and the one sentence that says it.
+"""The card of one part: its laws and trials, the figures derived from them, and the verdict in one sentence.
 
-Every number and verdict of the page is worked out here; how it is written is the business of the page.
+Every number and verdict of the page is computed here; formatting is left to the page.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from studies.arena.solver_summaries import within
 from studies.experiments.conformance import LINES1, LINES2, TORUS, Check, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup
 
-TWICE = 2.0  # of the least cost: who is within it counts as cheap
+TWICE = 2.0  # of the least cost: what is within it counts as cheap
 AT_REST = 1e-12  # relative, of tangents
 FIGURES = {"solved share": "", "operations": "operations", "seconds": "seconds"}
 Tell = Callable[[str], None]
@@ -32,7 +32,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Card:
-    """A part, its laws, and all tries (a row each, of :class:`studies.arena.card.trials.Trial`), those of ours too."""
+    """A part, its laws, and all trials (rows of :class:`studies.arena.card.trials.Trial`), of our parts as well."""
 
     subject: Subject
     laws: tuple[Check, ...]
@@ -40,21 +40,21 @@ class Card:
 
     @property
     def own(self) -> pd.DataFrame:
-        """The tries of the part itself."""
+        """The trials of the part itself."""
         return self.tries[self.tries["who"] == self.subject.name]
 
-    def ended(self, *words: str) -> pd.DataFrame:
-        """Its tries that ended so."""
-        return self.own[self.own["ended"].isin(words)]
+    def ended(self, *ends: str) -> pd.DataFrame:
+        """Its trials with one of these ends."""
+        return self.own[self.own["ended"].isin(ends)]
 
     @property
     def broken(self) -> list[Check]:
-        """Its laws that are not kept."""
+        """The laws that it breaks."""
         return [law for law in self.laws if not law.passed]
 
     @property
     def compared(self) -> pd.DataFrame:
-        """Its answers that were held against others."""
+        """Its answers that were compared with others."""
         return self.own[self.own["agreement"] != ""]
 
     @property
@@ -64,14 +64,14 @@ class Card:
 
     @property
     def failed(self) -> dict[str, list[str]]:
-        """Whatever fails it, by what it is: false claims, exceptions, broken laws, answers that are not explained."""
-        found = {
+        """Reasons for failure by kind: false claims, exceptions, broken laws, unexplained differences of answers."""
+        failures = {
             "false claims on": list(self.ended(FALSE)["problem"]),
             "exceptions on": list(self.ended(RAISED)["problem"]),
             "laws broken:": [law.law for law in self.broken],
             "other answers on": list(self.different["problem"]),
         }
-        return {what: names for what, names in found.items() if names}
+        return {what: names for what, names in failures.items() if names}
 
     @property
     def passes(self) -> bool:
@@ -82,26 +82,26 @@ class Card:
     def verdict(self) -> str:
         """One sentence: passed or failed, on how many problems, and what failed."""
         counts = {word: len(self.ended(word)) for word in ENDS}
-        told = f"solves {counts.pop(SOLVED)} of {len(self.own)} problems"
-        told += "".join(f", {word} on {count}" for word, count in counts.items() if count)
-        told += "" if counts[FALSE] else ", no claim is false"
-        told += f"; {len(self.laws) - len(self.broken)} of {len(self.laws)} laws are kept"
-        told += f", {len(self.different)} of {len(self.compared)} answers differ from the exact ones"
-        told += "".join(f"; {what} {_listed(names)}" for what, names in self.failed.items())
-        return f"`{self.subject.name}` {'passes' if self.passes else 'FAILS'}: it {told}."
+        sentence = f"solves {counts.pop(SOLVED)} of {len(self.own)} problems"
+        sentence += "".join(f", {word} on {count}" for word, count in counts.items() if count)
+        sentence += "" if counts[FALSE] else ", no claim is false"
+        sentence += f"; {len(self.laws) - len(self.broken)} of {len(self.laws)} laws are kept"
+        sentence += f", {len(self.different)} of {len(self.compared)} answers differ from the exact ones"
+        sentence += "".join(f"; {what} {_listed(names)}" for what, names in self.failed.items())
+        return f"`{self.subject.name}` {'passes' if self.passes else 'FAILS'}: it {sentence}."
 
     @property
     def reference(self) -> str:
-        """The part of ours that its cost is compared with; the next one where it is that itself."""
+        """The part of ours that its cost is compared with; the next one where the part is the reference itself."""
         first = REFERENCE[self.subject.kind]
         if self.subject.name != first:
             return first
         return next(name for name in self.tries["who"].unique() if name != first)
 
     def ratios(self) -> pd.DataFrame:
-        """A row a problem and who: operations and seconds over those of the reference, where both solve it.
+        """A row per problem and part: operations and seconds over those of the reference, where both solve it.
 
-        NaN where one of them does not: ``ended`` says how it ended.
+        NaN where one of them does not: ``ended`` has the reason.
         """
         keys = ["group", "problem"]
         unit = self.tries[(self.tries["who"] == self.reference) & (self.tries["ended"] == SOLVED)]
@@ -116,18 +116,18 @@ class Card:
     def place(self) -> pd.DataFrame:
         """Its rank among ours in every figure: figure, rank, of, value, best, who is best, problems.
 
-        On the problems that it does not refuse. solved share: of those that are not refused.  operations, seconds:
-        share of the problems solved with at most TWICE the least cost; a failure is never within it, and so counts.
+        On the problems that it does not refuse.  solved share: of those that are not refused.  operations, seconds:
+        share of the problems solved with at most TWICE the least cost; a failure is never within it.
         """
         put = self.own.loc[self.own["ended"] != REFUSED, ["group", "problem"]]
         rows = self.tries.merge(put, on=["group", "problem"])
         rows = rows[rows["ended"] != REFUSED]
-        found = []
+        places = []
         for figure, cost in FIGURES.items():
             if cost:
                 costs = rows[cost].where(rows["ended"] == SOLVED)
                 if not (costs[rows["who"] == self.subject.name] > 0).any():
-                    continue  # it counts none, or solves nothing
+                    continue  # it counts no operations, or solves nothing
                 matrix = rows.assign(cost=costs.fillna(np.inf)).pivot_table(
                     index=["group", "problem"], columns="who", values="cost", sort=False
                 )
@@ -136,17 +136,17 @@ class Card:
                 shares = (rows["ended"] == SOLVED).groupby(rows["who"]).mean()
             mine = float(shares[self.subject.name])
             rank = 1 + int((shares > mine + 1e-12).sum())
-            found.append((figure, rank, len(shares), mine, float(shares.max()), str(shares.idxmax()), len(put)))
-        return pd.DataFrame(found, columns=["figure", "rank", "of", "value", "best", "who", "problems"])
+            places.append((figure, rank, len(shares), mine, float(shares.max()), str(shares.idxmax()), len(put)))
+        return pd.DataFrame(places, columns=["figure", "rank", "of", "value", "best", "who", "problems"])
 
     def hard(self) -> pd.DataFrame:
-        """How everybody ends at the hard points: a row a point, a column a part."""
+        """How each part ends at the hard points: a row per point, a column per part."""
         rows = self.tries[self.tries["group"] == HARD]
         return rows.pivot(index="problem", columns="who", values="ended").reindex(rows["problem"].unique())
 
     @property
     def drawn(self) -> pd.DataFrame:
-        """What is drawn: who, problem, how it ended, and the cost over that of the reference, operations if counted."""
+        """The data of the figure: part, problem, end, and cost over that of the reference, in operations if counted."""
         ratios = self.ratios()
         counted = ratios.loc[ratios["who"] == self.subject.name, "operations_ratio"].notna().any()
         cost = "operations" if counted else "seconds"
@@ -155,7 +155,7 @@ class Card:
 
     @property
     def told(self) -> dict[str, Any]:
-        """All that the page says, by its names in the template."""
+        """All values of the page, by their names in the template."""
         own, ratios = self.own, self.ratios()
         counts = pd.crosstab(own["group"], own["ended"]).reindex(own["group"].unique()).reindex(columns=ENDS).fillna(0)
         counts = counts.astype(int).assign(tried=counts.sum(axis=1).astype(int))
@@ -179,13 +179,13 @@ def _listed(names: Sequence[str], most: int = 5) -> str:
 
 
 def _cheap(matrix: pd.DataFrame) -> pd.Series:
-    """Share of its problems that each solves at TWICE the least cost; NaN is what it was not asked."""
+    """Share of its problems that each solves at TWICE the least cost; NaN: not put to it."""
     finite = matrix[np.isfinite(matrix.min(axis=1))]
     return within(finite, (TWICE,)).iloc[0] * len(finite) / finite.notna().sum().clip(lower=1)
 
 
 def card_of(subject: Subject, tell: Tell = lambda name: None) -> Card:
-    """The card of a part; raises UsageError where it cannot be tried."""
+    """The card of a part; raises UsageError where it cannot be run."""
     tell("laws")
     laws = tuple(_laws(subject))
     tries = pd.DataFrame([vars(trial) for trial in trials(subject, tell)])
@@ -204,16 +204,16 @@ def _laws(subject: Subject) -> Iterator[Check]:
 def _kit(subject: Subject) -> Iterator[Check]:
     """The conformance kit on every element that suits a measure, or with the exact measure on those of an option.
 
-    A row a law: of all elements the one that breaks it, or the largest number.
+    One row per law: of all elements the one that breaks it, or the largest value.
     """
     measure = MEASURES[subject.name if subject.kind == MEASURE else "exact"]
     fixed = {} if subject.kind == MEASURE else element(subject.name)
     suited = [each for each in dict.fromkeys(Element(**{**vars(e), **fixed}) for e in ELEMENTS) if each.suits(measure)]
-    found: dict[str, list[Check]] = {}
+    by_law: dict[str, list[Check]] = {}
     for each in suited:
         for check in conformance(measure, each):
-            found.setdefault(check.law, []).append(replace(check, said=" ".join(vars(each).values())))
-    for laws in found.values():
+            by_law.setdefault(check.law, []).append(replace(check, said=" ".join(vars(each).values())))
+    for laws in by_law.values():
         worst = max(laws, key=lambda law: (not law.passed, law.found))
         broken = sum(not law.passed for law in laws)
         yield replace(
@@ -224,7 +224,7 @@ def _kit(subject: Subject) -> Iterator[Check]:
 
 
 def _at_rest(name: str) -> Check:
-    """At rest a measure with full gradients has the tangent of the exact one: only its products may differ."""
+    """At zero displacement a measure with full gradients has the tangent of the exact one; only products may differ."""
     law, measure = "at rest it is the exact one", MEASURES[name]
     if measure.kinematics != FULL:
         return Check(law, math.nan, refused="its gradients leave something out")

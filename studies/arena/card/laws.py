@@ -1,7 +1,7 @@
-"""The laws that every contact algorithm and every solver of frozen problems keeps, alone and from outside as well.
+"""The laws that every contact algorithm and every solver of frozen problems must satisfy, plug-ins included.
 
-As of measures (:mod:`studies.experiments.conformance`), a law is a number found and the interval that it must lie in.
-What a part refuses is refused, not broken. Solvers are asked in a process of their own, as in the tries.
+As for measures (:mod:`studies.experiments.conformance`), a law is a measured value and the interval it must lie in.
+A problem that a part refuses breaks no law. Solvers run in a separate process, as in the trials.
 """
 
 from __future__ import annotations
@@ -42,14 +42,14 @@ ORACLE = 1e-7  # agreement with independent solutions, all quantities are of the
 KINDS = ("obstacle", "definite", "inclined")
 SEEDS = range(4)
 SIZES = (1e-6, 1e6)
-LIMIT_S = 20.0  # of a law, on the clock
+LIMIT_S = 20.0  # of a law, wall time
 STATES = {
     "all open": [OPEN] * 5,
     "all pressed": [PRESSED] * 5,
     "some touch without pressure": [OPEN, TOUCHING, PRESSED, TOUCHING, PRESSED],
     "all touch without pressure": [TOUCHING] * 5,
 }
-SOLVER_LIMIT_S, TOLERANCE = 5.0, 1e-6  # of a solver: processor time, and the accuracy that it is asked for
+SOLVER_LIMIT_S, TOLERANCE = 5.0, 1e-6  # of a solver: processor time, and the accuracy required
 SOLVER_LAWS = (
     "an answer has the shape of its problem",
     "a claim of a built-in answer is true",
@@ -57,12 +57,12 @@ SOLVER_LAWS = (
 )
 
 
-Found = tuple[float, str]  # a number, and of what it is
+Measurement = tuple[float, str]  # a value, and what it was measured on
 
 
 @dataclass(frozen=True)
 class Tried:
-    """An algorithm of the catalogue, with the epsilon that it is tried with."""
+    """An algorithm of the catalogue, with the epsilon of its trials."""
 
     name: str
 
@@ -72,7 +72,7 @@ class Tried:
         return epsilon_of(self.name)
 
     def solve(self, data: Quadratic, start: ContactSolution | None = None) -> ContactSolution:
-        """From rest unless told; raises UsageError where the algorithm refuses."""
+        """From ``start``, by default from rest; raises UsageError where the algorithm refuses."""
         algorithm, problem = ALGORITHMS[self.name](epsilon=self.epsilon), data.problem()
         refused = algorithm.supports(problem)
         if refused is not None:
@@ -80,38 +80,38 @@ class Tried:
         return algorithm.solve(problem, start or ContactSolution.at_rest(len(data.f), len(data.w)))
 
     def off(self, data: Quadratic, u: np.ndarray, pressure: np.ndarray, start: ContactSolution | None = None) -> float:
-        """Largest distance of its answer to u and pressure; infinite where it does not converge, NaN of no number."""
-        found = self.solve(data, start)
-        if not found.outcome.converged:
+        """Largest deviation of its answer from u and pressure; infinite without convergence, NaN for NaN."""
+        solution = self.solve(data, start)
+        if not solution.outcome.converged:
             return math.inf
-        apart = np.max(np.abs(np.append(found.u - u, found.pressure - pressure)), initial=0.0)
+        apart = np.max(np.abs(np.append(solution.u - u, solution.pressure - pressure)), initial=0.0)
         return float(apart) if np.isfinite(apart) else math.nan
 
 
 def laws_of(name: str) -> Iterator[Check]:
-    """Every law of an algorithm of the catalogue, one after another; what one raises breaks it."""
+    """Every law of an algorithm of the catalogue in turn; an exception breaks the law."""
     tried = Tried(name)
     for law, measured, high in LAWS:
-        found: list[Found] = []
-        ended = guarded(partial(_into, found, measured, tried), LIMIT_S)
+        measurements: list[Measurement] = []
+        ended = guarded(partial(_into, measurements, measured, tried), LIMIT_S)
         if ended.ended:
             refused = ended.reason if ended.ended == REFUSED else ""
             yield Check(law, math.nan, 0.0, high, refused, ended.reason)
         else:
-            worst = max(found, key=lambda each: (math.inf if math.isnan(each[0]) else each[0], each[1]))
+            worst = max(measurements, key=lambda each: (math.inf if math.isnan(each[0]) else each[0], each[1]))
             yield Check(law, worst[0], 0.0, high, said=worst[1])
 
 
-def _into(found: list[Found], measured: Callable[[Tried], Iterator[Found]], tried: Tried) -> Ended:
-    found += measured(tried)
+def _into(measurements: list[Measurement], measured: Callable[[Tried], Iterator[Measurement]], tried: Tried) -> Ended:
+    measurements += measured(tried)
     return Ended("")
 
 
-# --- of an algorithm, each: the numbers found, the largest of which counts --------------------------------------------
+# --- of an algorithm, each: the measured values, the largest of which counts ------------------------------------------
 
 
-def _parameters(tried: Tried) -> Iterator[Found]:
-    """How many parameters are no fields with a default in their range."""
+def _parameters(tried: Tried) -> Iterator[Measurement]:
+    """The number of parameters that are no field with a default in range."""
     own = ALGORITHMS[tried.name]
     if not dataclasses.is_dataclass(own):
         yield math.inf, "no dataclass"
@@ -130,47 +130,47 @@ def _parameters(tried: Tried) -> Iterator[Found]:
     yield len(wrong), ", ".join(wrong)
 
 
-def _independent(tried: Tried) -> Iterator[Found]:
-    """Distance to non-negative least squares on the dual; infinite where it does not converge on an M-matrix."""
+def _independent(tried: Tried) -> Iterator[Measurement]:
+    """Deviation from non-negative least squares on the dual; infinite where it does not converge on an M-matrix."""
     for kind, seed in product(KINDS, SEEDS):
         data = random_quadratic(np.random.default_rng(seed), kind)
         off = tried.off(data, *dual_by_nnls(data, tried.epsilon))
-        if off != math.inf or kind == "obstacle":  # a plain active set may fail on any other matrix, if it says so
+        if off != math.inf or kind == "obstacle":  # a plain active set may fail on any other matrix, if it reports it
             yield off, f"{kind}, seed {seed}"
 
 
-def _touching(tried: Tried) -> Iterator[Found]:
-    """Distance to an answer that is built in, candidates that touch without pressure and full contact included."""
-    for (said, states), kind in product(STATES.items(), KINDS):
+def _touching(tried: Tried) -> Iterator[Measurement]:
+    """Deviation from a built-in answer, including touching candidates without pressure and full contact."""
+    for (label, states), kind in product(STATES.items(), KINDS):
         rng = np.random.default_rng(7)
-        yield tried.off(*manufactured(rng, kind, np.array(states), tried.epsilon)), f"{kind}, {said}"
+        yield tried.off(*manufactured(rng, kind, np.array(states), tried.epsilon)), f"{kind}, {label}"
 
 
-def _sizes(tried: Tried) -> Iterator[Found]:
-    """Relative distance to an answer a million times smaller, or larger."""
+def _sizes(tried: Tried) -> Iterator[Measurement]:
+    """Relative deviation from an answer a million times smaller, or larger."""
     for size in SIZES:
         data, u, pressure = manufactured(np.random.default_rng(7), "inclined", np.arange(9) % 3, tried.epsilon)
         scaled = replace(data, f=size * data.f, g0=size * data.g0)
         yield tried.off(scaled, size * u, size * pressure) / size, f"times {size:g}"
 
 
-def _restart(tried: Tried) -> Iterator[Found]:
-    """How far it goes from its own answer."""
+def _restart(tried: Tried) -> Iterator[Measurement]:
+    """Deviation from its own answer after a restart."""
     data = random_quadratic(np.random.default_rng(3), "obstacle")
     first = tried.solve(data)
     yield tried.off(data, first.u, first.pressure, first), ""
 
 
-def _same_twice(tried: Tried) -> Iterator[Found]:
-    """Distance between two answers to the same question."""
+def _same_twice(tried: Tried) -> Iterator[Measurement]:
+    """Deviation between two answers to the same problem."""
     for seed in SEEDS:
         data = random_quadratic(np.random.default_rng(seed), "definite", 12)
         one, two = (tried.solve(data) for _ in range(2))
         yield max(float(np.max(np.abs(one.u - two.u))), float(one.outcome is not two.outcome)), ""
 
 
-def _start_kept(tried: Tried) -> Iterator[Found]:
-    """How much of the state that it is given it has written over."""
+def _start_kept(tried: Tried) -> Iterator[Measurement]:
+    """The number of entries of the start that it has overwritten."""
     data = random_quadratic(np.random.default_rng(3), "definite")
     first = tried.solve(data)
     parts = (first.u, first.pressure, first.active)
@@ -179,25 +179,25 @@ def _start_kept(tried: Tried) -> Iterator[Found]:
     yield float(sum(np.sum(part != kept) for part, kept in zip(parts, before, strict=True))), ""
 
 
-def _no_answer(tried: Tried) -> Iterator[Found]:
-    """How many problems without an answer, or with no numbers, are said to be solved against the judge."""
+def _no_answer(tried: Tried) -> Iterator[Measurement]:
+    """The number of problems without an answer, or with NaN, that it claims to solve against the judge."""
     false = []
-    for said, data in HOPELESS.items():
-        found = tried.solve(data)
-        if found.outcome.converged:
-            finite = np.all(np.isfinite(found.u)) and np.all(np.isfinite(data.f))
-            if not finite or judge(data.problem(), found.u, found.pressure, epsilon=tried.epsilon).failures():
-                false.append(said)
+    for label, data in HOPELESS.items():
+        solution = tried.solve(data)
+        if solution.outcome.converged:
+            finite = np.all(np.isfinite(solution.u)) and np.all(np.isfinite(data.f))
+            if not finite or judge(data.problem(), solution.u, solution.pressure, epsilon=tried.epsilon).failures():
+                false.append(label)
     yield len(false), ", ".join(false)
 
 
-def _no_candidate(tried: Tried) -> Iterator[Found]:
-    """Distance to plain equilibrium where nothing can touch."""
+def _no_candidate(tried: Tried) -> Iterator[Measurement]:
+    """Deviation from plain equilibrium without candidates."""
     data = Quadratic(np.eye(2), np.array([1.0, 0.5]), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
     yield tried.off(data, data.f, np.zeros(0)), ""
 
 
-LAWS: tuple[tuple[str, Callable[[Tried], Iterator[Found]], float], ...] = (
+LAWS: tuple[tuple[str, Callable[[Tried], Iterator[Measurement]], float], ...] = (
     ("parameters are fields with a meaning and a default in range", _parameters, 0.0),
     ("answers are those of non-negative least squares", _independent, ORACLE),
     ("touch without pressure and full contact do not matter", _touching, ORACLE),
@@ -214,7 +214,7 @@ LAWS: tuple[tuple[str, Callable[[Tried], Iterator[Found]], float], ...] = (
 
 
 def solver_laws(name: str) -> Iterator[Check]:
-    """How many answers break each; where it is not installed, or applies to none, it has refused."""
+    """The number of answers that break each law; refused where it is not installed or applies to no problem."""
     solver = SOLVERS[name]
     missing = solver.missing()
     if missing:
@@ -226,9 +226,9 @@ def solver_laws(name: str) -> Iterator[Check]:
 
 
 def _built_in(child: Child, solver: Solver) -> Iterator[Check]:
-    """Shapes and claims of answers to problems whose own is known."""
+    """Shapes and claims of answers to problems with a built-in answer."""
     shapes, false, refusals = [], [], list[str]()
-    for (said, states), kind in product(STATES.items(), KINDS):
+    for (label, states), kind in product(STATES.items(), KINDS):
         step = manufactured(np.random.default_rng(7), kind, np.array(states))[0].step()
         refused = solver.applies(step)
         if refused is not None:
@@ -236,23 +236,23 @@ def _built_in(child: Child, solver: Solver) -> Iterator[Check]:
             continue
         answer, _ = child.solve(solver, step, TOLERANCE)
         if answer.du.shape != step.r.shape or answer.pressure.shape != step.gap.shape:
-            shapes.append(f"{kind}, {said}")
+            shapes.append(f"{kind}, {label}")
         elif judged(answer, step, TOLERANCE, Scales.of(step))["false"]:
-            false.append(f"{kind}, {said}")
+            false.append(f"{kind}, {label}")
     refusal = refusals[-1] if len(refusals) == len(STATES) * len(KINDS) else ""
     for law, wrong in zip(SOLVER_LAWS, (shapes, false), strict=False):
         yield Check(law, len(wrong), refused=refusal, said=", ".join(wrong))
 
 
 def _hopeless(child: Child, solver: Solver) -> Check:
-    """No numbers, and -x - 1 = p with no p >= 0 where x >= 0."""
+    """A problem with NaN, and -x - 1 = p, which has no p >= 0 where x >= 0."""
     claimed, refusals = [], []
-    for said in ("no number", "no solution"):
-        step = HOPELESS[said].step()
+    for label in ("no number", "no solution"):
+        step = HOPELESS[label].step()
         refused = solver.applies(step)
         if refused is not None:
             refusals.append(refused)
         elif child.solve(solver, step, TOLERANCE)[0].claimed:
-            claimed.append(said)
+            claimed.append(label)
     refusal = refusals[0] if len(refusals) == 2 else ""
     return Check(SOLVER_LAWS[2], len(claimed), refused=refusal, said=", ".join(claimed))

@@ -1,8 +1,8 @@
-"""The problems of a card: a frozen sample, problems made from their answer, small scenes, and hard points of scenes.
+"""The problems of a card: a frozen sample, problems with built-in answers, small scenes, and hard points of scenes.
 
 The sample, about twenty small steps made in a few seconds, is taken by the rule of the collection from a few of its
-paths. All are the same for everybody who is tried; nobody is tried here. For the laws there are problems of a few
-unknowns with dense random matrices, some made from their answer, and a second way to solve them.
+paths. All parts get the same problems; none is run here. For the laws there are problems of a few unknowns with dense
+random matrices, some with a built-in answer, and an independent method of solution.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ CASES = range(24)  # of random matrices
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A contact problem alone, its answer, and the step that it is from, if it is frozen."""
+    """A contact problem, its answer, and its frozen step, if there is one."""
 
     group: str
     name: str
@@ -49,7 +49,7 @@ class Posed:
 
 @dataclass(frozen=True)
 class Asked:
-    """A request of a scene; why: what is hard about it."""
+    """A request of a scene; why: the difficulty of a hard point."""
 
     group: str
     scene: str
@@ -59,9 +59,9 @@ class Asked:
 
     @property
     def name(self) -> str:
-        """The request as one line, after what is hard about it."""
-        told = " ".join([self.scene, self.mesh, *(f"{key}={value}" for key, value in self.settings.items())])
-        return f"{self.why}: {told}" if self.why else told
+        """The request as one line, after its difficulty."""
+        request = " ".join([self.scene, self.mesh, *(f"{key}={value}" for key, value in self.settings.items())])
+        return f"{self.why}: {request}" if self.why else request
 
 
 DECLARED: dict[str, list[Any]] = tomllib.loads(Path(__file__).with_name("problems.toml").read_text(encoding="utf-8"))
@@ -74,8 +74,8 @@ POINTS = tuple(Asked(HARD, **each) for each in DECLARED["points"])
 def sample() -> tuple[Taken, ...]:
     """Frozen problems with their certified answers, always the same in the same order."""
     rule = Rule()
-    wanted = (each for each in candidates(PATHS) if "scene" in each.origin or each.name in DECLARED["published"])
-    return tuple(taken for taken in map(rule.taken, wanted) if taken is not None)
+    selected = (each for each in candidates(PATHS) if "scene" in each.origin or each.name in DECLARED["published"])
+    return tuple(taken for taken in map(rule.taken, selected) if taken is not None)
 
 
 def posed(epsilon: float) -> Iterator[Posed]:
@@ -87,13 +87,13 @@ def posed(epsilon: float) -> Iterator[Posed]:
 def frozen() -> Iterator[Posed]:
     """The sample with its certified answers."""
     for taken in sample():
-        step, found = taken.candidate.step, taken.answer
-        answer = ContactSolution(found.du, found.pressure, found.pressed, Outcome.CONVERGED)
+        step, certified = taken.candidate.step, taken.answer
+        answer = ContactSolution(certified.du, certified.pressure, certified.pressed, Outcome.CONVERGED)
         yield Posed(FROZEN, taken.candidate.name, step.problem(), answer, step)
 
 
 def made(epsilon: float) -> Iterator[Posed]:
-    """Random matrices, a number each; see :mod:`studies.fuzz.posed`."""
+    """Random matrices, one per seed; see :mod:`studies.fuzz.posed`."""
     for seed in CASES:
         yield Posed(MADE, f"matrices {seed}", *random_matrices(seed, epsilon))
 
@@ -133,7 +133,7 @@ class Quadratic:
 
 
 _EYE, _ONES, _FAR = np.eye(2), np.ones(2), np.array([10.0, 10.0])
-HOPELESS = {  # problems without an answer, or with no numbers
+HOPELESS = {  # problems without an answer, or with NaN
     "no number": Quadratic(_EYE, np.array([np.nan, 0.5]), -_EYE, _FAR, _ONES),
     "no solution": Quadratic(np.diag([-1.0, 1.0]), np.array([1.0, 0.0]), _EYE, np.zeros(2), _ONES),
     "no stiffness": Quadratic(np.zeros((2, 2)), np.array([1.0, 0.5]), -_EYE, _FAR, _ONES),

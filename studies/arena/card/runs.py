@@ -1,8 +1,8 @@
-"""Who a card is of, and all tries of it, kind by kind: the newcomer and those of ours, one problem after another.
+"""The subject of a card and its trials, kind by kind: the new part and ours, one problem after another.
 
-A card is of a part that a file adds to a catalogue, or of one of ours by its name. Nothing is concluded here. The
-newcomer may take BUDGET_S in all and LIMIT_S for a try, on the clock; tries that are left when that is spent are not
-begun.
+The subject is a part that a file adds to a catalogue, or one of ours by its name. The results are not evaluated here.
+The new part has BUDGET_S in all and LIMIT_S per trial, wall time; trials that are left when the budget is spent are not
+started.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from studies.arena.card.trials import (
     epsilon_of,
 )
 from studies.arena.solver_table import judged
-from studies.arena.solvers.base import Answer as Said
+from studies.arena.solvers.base import Answer as SolverAnswer
 from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.process import Child
@@ -70,16 +70,16 @@ CATALOGUES: dict[str, tuple[dict[str, Any], ...]] = {
 }
 LIMIT_S, BUDGET_S = 10.0, 60.0
 TOLERANCES = (1e-6, 1e-8)
-SOLVER_LIMIT_S, PATIENCE = 5.0, 3  # of processor time; so often it may be killed
+SOLVER_LIMIT_S, PATIENCE = 5.0, 3  # of processor time; number of kills after which a solver is not run any more
 BESIDE = ("semismooth", "Lemke", "condensed QP, finished", "OSQP, scaled", "Clarabel, scaled", "HiGHS, scaled")
 REFERENCE = {ALGORITHM: "semismooth", MEASURE: "exact", SOLVER: "semismooth", ELEMENT: "balanced"}  # of ratios of cost
-EXACT = ("semismooth", "lcp")  # whose answer is the right one on a scene
+EXACT = ("semismooth", "lcp")  # their answer is the reference on a scene
 Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True)
 class Subject:
-    """A part by kind and name; file: that it came with, or nothing; ours: the parts of its kind that were there."""
+    """A part by kind and name; file: its source, or empty; ours: the parts of its kind in the suite."""
 
     kind: str
     name: str
@@ -108,33 +108,33 @@ def _of_file(path: Path) -> list[Subject]:
     before = {kind: [dict(each) for each in catalogues] for kind, catalogues in CATALOGUES.items()}
     scenes = len(SCENES)
     load_file(path.resolve())
-    found = []
+    added = []
     for kind, catalogues in CATALOGUES.items():
         ours = _names(before[kind])
         for kept, now in zip(before[kind], catalogues, strict=True):
             for name, part in now.items():
                 if name not in kept:
-                    found.append(Subject(kind, name, str(path), ours))
+                    added.append(Subject(kind, name, str(path), ours))
                 elif kept[name] is not part:
                     raise UsageError(f"plug-in {path}: {name!r} is a part of ours; give it another name")
-    for each in found:
+    for each in added:
         _check(path, each)
-    if not found:
+    if not added:
         more = "only scenes, which have no card" if len(SCENES) > scenes else "nothing to any catalogue"
         raise UsageError(f"plug-in {path}: it adds {more}: no algorithm, measure, element option or QP solver")
-    return found
+    return added
 
 
 def _check(path: Path, subject: Subject) -> None:
-    """Raises UsageError for an entry that is not what its catalogue holds; who loads a file has checked the others."""
+    """Raises UsageError for an invalid entry of a catalogue; the loader of the file has checked the other kinds."""
     if subject.kind == SOLVER and not isinstance(SOLVERS[subject.name], Solver):
         raise UsageError(f"plug-in {path}: {subject.name!r} of SOLVERS must be a studies.arena.solvers.base.Solver")
     if subject.kind == SOLVER:
         try:
             pickle.dumps(SOLVERS[subject.name])
-        except Exception as error:  # pickle raises whatever it meets
-            said = f"{subject.name!r} cannot be sent to the process that solves"
-            raise UsageError(f"plug-in {path}: {said}: {error}") from error
+        except Exception as error:  # pickle raises exceptions of any type
+            message = f"{subject.name!r} cannot be sent to the process that solves"
+            raise UsageError(f"plug-in {path}: {message}: {error}") from error
     share = THICKNESS_STRAINS.get(subject.name, 0.0) if subject.kind == ELEMENT else 0.0
     if not (isinstance(share, float | int) and 0 <= share <= 1):
         raise UsageError(f"plug-in {path}: the share {subject.name!r} = {share!r} must be a number in [0, 1]")
@@ -145,9 +145,9 @@ def _names(catalogues: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
 
 
 def write_layout(directory: Path) -> list[Path]:
-    """Write the layout of a repository that hands in an algorithm, and return its files.
+    """Write the layout of a repository that submits an algorithm, and return its files.
 
-    Raises UsageError unless the directory is empty, or none yet.
+    Raises UsageError unless the directory is empty or does not exist.
     """
     if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
         raise UsageError(f"--template {directory} must be an empty directory, or none yet")
@@ -160,30 +160,30 @@ def write_layout(directory: Path) -> list[Path]:
     return sorted(written)
 
 
-# --- tries ------------------------------------------------------------------------------------------------------------
+# --- trials -----------------------------------------------------------------------------------------------------------
 
 
 @dataclass
 class Field:
-    """Who is tried in turn, each for LIMIT_S at most; the newcomer only as long as it has anything left of BUDGET_S."""
+    """The parts in turn, each for LIMIT_S at most; the new one only while some of its BUDGET_S is left."""
 
     names: Sequence[str]
     newcomer: str
     left_s: float = BUDGET_S
 
     def take(self, name: str, attempt: Callable[[float], Ended]) -> Ended:
-        """One try, if there is any time for it."""
+        """One trial, if time is left for it."""
         if name != self.newcomer:
             return attempt(LIMIT_S)
         if self.left_s <= 0:
             return Ended(LATE, f"not begun: {BUDGET_S:g} s were spent before")
-        seconds, found = timed(partial(attempt, min(LIMIT_S, self.left_s)), time.monotonic)
+        seconds, result = timed(partial(attempt, min(LIMIT_S, self.left_s)), time.monotonic)
         self.left_s -= seconds
-        return found
+        return result
 
 
 def trials(subject: Subject, tell: Tell) -> Iterator[Trial]:
-    """Of the newcomer and of ours."""
+    """The trials of the new part and of ours."""
     run = {ALGORITHM: _algorithms, SOLVER: _solvers}.get(subject.kind, _parts)
     return run(subject, tell)
 
@@ -192,7 +192,7 @@ def trials(subject: Subject, tell: Tell) -> Iterator[Trial]:
 
 
 def _algorithms(subject: Subject, tell: Tell) -> Iterator[Trial]:
-    """Each on each problem; on a scene the right answer is the first by an algorithm of EXACT."""
+    """Each algorithm on each problem; on a scene the reference is the first answer by an algorithm of EXACT."""
     everyone = [*(name for name in subject.ours if name != subject.name), subject.name]
     field, epsilons = Field(everyone, subject.name), {name: epsilon_of(name) for name in everyone}
     problems = {name: list(posed(epsilon)) for name, epsilon in epsilons.items()}
@@ -205,14 +205,14 @@ def _algorithms(subject: Subject, tell: Tell) -> Iterator[Trial]:
         tell(scene.name)
         right: Answer | None = None
         for name in sorted(everyone, key=lambda each: (each == subject.name, each not in EXACT)):
-            found = field.take(name, partial(asked, scene, contact=name))
-            yield against(name, scene, found, right if math.isinf(epsilons[name]) else None)
-            if right is None and name in EXACT and found.ended == SOLVED:
-                right = found.answer
+            result = field.take(name, partial(asked, scene, contact=name))
+            yield against(name, scene, result, right if math.isinf(epsilons[name]) else None)
+            if right is None and name in EXACT and result.ended == SOLVED:
+                right = result.answer
 
 
 def _made(name: str, epsilon: float, case: Posed) -> Answer | None:
-    """The answer of a problem; of a frozen one it is that of the exact constraint."""
+    """The known answer of a problem; that of a frozen one belongs to the exact constraint."""
     if case.step is not None and math.isfinite(epsilon):
         return None
     return Answer(case.problem, case.answer, ALGORITHMS[name](epsilon=epsilon))
@@ -222,7 +222,7 @@ def _made(name: str, epsilon: float, case: Posed) -> Answer | None:
 
 
 def _parts(subject: Subject, tell: Tell) -> Iterator[Trial]:
-    """Each measure, or element option, by an algorithm; the newcomer by a second one, which must agree."""
+    """Each measure, or element option, with one algorithm; the new one with a second one, too, which must agree."""
     reference, mine = REFERENCE[subject.kind], subject.name
     names = dict.fromkeys([reference, *subject.ours, mine])
     field = Field(sorted(names, key=lambda name: (name == mine, name != reference)), mine)
@@ -231,20 +231,20 @@ def _parts(subject: Subject, tell: Tell) -> Iterator[Trial]:
         tell(scene.name)
         usual: Answer | None = None
         for name in field.names:
-            found = field.take(name, partial(asked, scene, contact=EXACT[0], part=options[name]))
+            result = field.take(name, partial(asked, scene, contact=EXACT[0], part=options[name]))
             second = None
-            if name == mine and found.answer is not None and len(found.answer.problem.weights):
+            if name == mine and result.answer is not None and len(result.answer.problem.weights):
                 second = field.take(name, partial(asked, scene, contact=EXACT[1], part=options[name])).answer
             if name == reference:
-                usual = found.answer
-            yield against(name, scene, found, second, usual)
+                usual = result.answer
+            yield against(name, scene, result, second, usual)
 
 
 # --- solvers --------------------------------------------------------------------------------------------------------
 
 
 def _solvers(subject: Subject, tell: Tell) -> Iterator[Trial]:
-    """In a process of their own, which is killed when it takes too long; judged from the file alone."""
+    """In a separate process, which is killed at the time limit; judged from the file alone."""
     everyone = [SOLVERS[name] for name in (*(each for each in BESIDE if each != subject.name), subject.name)]
     killed = Counter[str]()
     with closing(Child(SOLVER_LIMIT_S)) as child:
@@ -260,24 +260,24 @@ def _solvers(subject: Subject, tell: Tell) -> Iterator[Trial]:
                 elif killed[solver.name] >= PATIENCE:
                     yield Trial(solver.name, case.group, name, LATE, f"not begun: killed {PATIENCE} times before")
                 else:
-                    said, _ = child.solve(solver, step, tolerance)
-                    killed[solver.name] += bool(np.isnan(said.seconds))
-                    worth = judged(said, step, tolerance, scales)
-                    yield _row(solver.name, case, name, said, worth)
+                    answer, _ = child.solve(solver, step, tolerance)
+                    killed[solver.name] += bool(np.isnan(answer.seconds))
+                    worth = judged(answer, step, tolerance, scales)
+                    yield _row(solver.name, case, name, answer, worth)
 
 
-def _row(who: str, case: Posed, name: str, said: Said, worth: Mapping[str, object]) -> Trial:
-    """Of an answer; where it is as accurate as was asked, its distance is what the problem makes of that."""
-    spent: dict[str, Any] = {"iterations": said.iterations, "seconds": said.seconds}
-    if np.isnan(said.seconds):
-        return Trial(who, case.group, name, LATE, said.reason)
-    if not said.claimed:
-        return Trial(who, case.group, name, FAILED, said.reason, **spent)
+def _row(who: str, case: Posed, name: str, answer: SolverAnswer, worth: Mapping[str, object]) -> Trial:
+    """The trial of an answer; where it is as accurate as required, its deviation is due to the problem."""
+    spent: dict[str, Any] = {"iterations": answer.iterations, "seconds": answer.seconds}
+    if np.isnan(answer.seconds):
+        return Trial(who, case.group, name, LATE, answer.reason)
+    if not answer.claimed:
+        return Trial(who, case.group, name, FAILED, answer.reason, **spent)
     accuracy = float(str(worth["accuracy"]))
     if worth["false"]:
         return Trial(who, case.group, name, FALSE, f"its accuracy is {accuracy:.1e}", **spent)
-    found = ContactSolution(said.du, said.pressure, said.pressure > 0, Outcome.CONVERGED)
+    solution = ContactSolution(answer.du, answer.pressure, answer.pressure > 0, Outcome.CONVERGED)
     algorithm = ALGORITHMS["semismooth"]()
-    apart = difference(*(Answer(case.problem, state, algorithm) for state in (case.answer, found)))
+    apart = difference(*(Answer(case.problem, state, algorithm) for state in (case.answer, solution)))
     agreement = AGREES if apart <= ALIKE else f"as accurate as asked, {accuracy:.1e}: apart by {apart:.1e}"
     return Trial(who, case.group, name, SOLVED, "", **spent, apart=apart, agreement=agreement)

@@ -1,7 +1,7 @@
-"""One try of an algorithm on one problem: what it ends in, whether the judge takes it, what it costs, and the answer.
+"""One trial of an algorithm on one problem: its end, the verdict of the judge, its cost, and the answer.
 
-Processor seconds and operations are those inside the algorithm, assembly included; building and judging are not. Who is
-better is not asked here.
+Processor seconds and operations are those inside the algorithm, assembly included, without building and judging. Parts
+are not compared here.
 """
 
 from __future__ import annotations
@@ -36,19 +36,19 @@ from studies.solving.solve import counted
 ENDS = ("solved", "false claim", "not solved", "refused", "raised", "over the limit")
 SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE = ENDS
 ALIKE = 1e-8  # relative, of displacements and contact forces
-CARRIES = 1e-8  # of the largest pressure: less is none
+CARRIES = 1e-8  # of the largest pressure: smaller ones count as zero
 AGREES, DIFFERS = "agrees", "differs"
 COSTS = ("iterations", "factorisations", "operations", "seconds")
-REPEATS, QUICK_S = 2, 0.02  # a quick solve is timed again; the least counts
+REPEATS, QUICK_S = 2, 0.02  # a quick solve is repeated; the least time counts
 
 
 class OvertimeError(BaseException):
-    """A try has taken too long; no ``except Exception`` of whoever is tried keeps it."""
+    """A trial has exceeded its time; no ``except Exception`` of the code under trial catches it."""
 
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Raises OvertimeError inside after so many seconds on the clock; compiled code is left to return first."""
+    """Raises OvertimeError inside after so many seconds of wall time; compiled code returns first."""
 
     def late(number: int, frame: FrameType | None) -> None:
         raise OvertimeError
@@ -64,10 +64,10 @@ def within(seconds: float) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Trial:
-    """A row: who on what, its end of ENDS and why, what it cost, and how far it is from the reference (NaN: unknown).
+    """A row: part, problem, its end of ENDS and the reason, its cost, and the deviation from the reference (NaN: none).
 
-    away: from the answer by the part that the kind is compared with, of measures and element options.
-    agreement: AGREES, DIFFERS, what explains a difference, or nothing where there is nothing to compare.
+    away: deviation from the answer with the reference part of the kind, for measures and element options.
+    agreement: AGREES, DIFFERS, the explanation of a difference, or empty where nothing is compared.
     """
 
     who: str
@@ -86,23 +86,23 @@ class Trial:
 
 @dataclass(eq=False)
 class Metered(Watched):
-    """Keeps what has been spent inside the algorithm: seconds of the processor, operations, its own counters."""
+    """Records the cost inside the algorithm: processor seconds, operations, its own counters."""
 
     spent: dict[str, float] = field(default_factory=lambda: dict.fromkeys(COSTS, 0.0))
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        """Solve, and keep what it cost."""
+        """Solve, and add the cost."""
         with counted() as work:
-            seconds, found = timed(lambda: self.inside.solve(problem, start))
-        counts = (found.counters.get(key, 0) for key in ("newton_iterations", "factorisations"))
+            seconds, solution = timed(lambda: self.inside.solve(problem, start))
+        counts = (solution.counters.get(key, 0) for key in ("newton_iterations", "factorisations"))
         for cost, spent in zip(COSTS, (*counts, sum(work.values()), seconds), strict=True):
             self.spent[cost] += spent
-        return found
+        return solution
 
 
 @dataclass(frozen=True, eq=False)
 class Ended:
-    """What a try has come to, before it is compared; answer: the last state that was reached, if it was the last."""
+    """The end of a trial, before any comparison; answer: the last state, where the path was completed."""
 
     ended: str
     reason: str = ""
@@ -111,13 +111,13 @@ class Ended:
 
 
 def epsilon_of(name: str) -> float:
-    """The epsilon [MPa/mm] that an algorithm is tried with: infinity where it has it, otherwise its default."""
+    """The epsilon [MPa/mm] of the trials of an algorithm: infinity where it supports it, otherwise its default."""
     own, any_problem = ALGORITHMS[name], random_quadratic(np.random.default_rng(0), "definite").problem()
     return math.inf if own(epsilon=math.inf).supports(any_problem) is None else own().epsilon
 
 
 def alone(name: str, case: Posed, limit_s: float) -> Ended:
-    """An algorithm on a problem by itself, from rest."""
+    """An algorithm on a single problem, from rest."""
     algorithm = ALGORITHMS[name](epsilon=epsilon_of(name))
     problem = case.problem
 
@@ -128,8 +128,8 @@ def alone(name: str, case: Posed, limit_s: float) -> Ended:
         tried: list[Ended] = []
         while len(tried) < REPEATS and all(each.cost["seconds"] <= QUICK_S for each in tried):
             metered = Metered(algorithm)
-            found = metered.solve(problem, ContactSolution.at_rest(len(case.answer.u), len(case.answer.pressure)))
-            tried.append(_judged(problem, found, algorithm, metered.spent))
+            solution = metered.solve(problem, ContactSolution.at_rest(len(case.answer.u), len(case.answer.pressure)))
+            tried.append(_judged(problem, solution, algorithm, metered.spent))
         return min(tried, key=lambda each: each.cost["seconds"])
 
     return guarded(solve, limit_s)
@@ -145,23 +145,23 @@ def followed(scene: Scene, request: Request, limit_s: float) -> Ended:
             solution = visited.point.solution
             if not visited.converged:
                 refused = visited.point.outcome is Outcome.REFUSED
-                said = visited.said or visited.point.outcome.value
-                return Ended(REFUSED if refused else FAILED, said, metered.spent)
-            seen = visited.stage.observe(visited.problem, solution, visited.point.requested)
+                reason = visited.said or visited.point.outcome.value
+                return Ended(REFUSED if refused else FAILED, reason, metered.spent)
+            observation = visited.stage.observe(visited.problem, solution, visited.point.requested)
             answer = Answer(visited.problem, solution, metered.inside)
-            if seen.step is not None:
+            if observation.step is not None:
                 tolerance = request.number("tolerance")
-                told = certificate(visited.problem, solution, metered.epsilon, tolerance, visited.passed)
-                if told["failures"]:
+                verdict = certificate(visited.problem, solution, metered.epsilon, tolerance, visited.passed)
+                if verdict["failures"]:
                     at = f"{visited.stage.name} at {visited.point.requested:g}"
-                    return Ended(FALSE, f"{at}: {_told(told['failures'], told['kkt'])}", metered.spent)
+                    return Ended(FALSE, f"{at}: {_listed(verdict['failures'], verdict['kkt'])}", metered.spent)
         return Ended(SOLVED, "", metered.spent, answer)
 
     return guarded(solve, limit_s)
 
 
 def asked(case: Asked, limit_s: float, *, contact: str, part: Mapping[str, str] = MappingProxyType({})) -> Ended:
-    """An algorithm on a request, with a measure or an element option, which need not be known to the scene."""
+    """An algorithm on a request, with a measure or an element option, which the scene need not offer."""
     more: dict[str, Value] = {key: value for key, value in part.items() if key != "measure"}
     measure = part.get("measure", "exact")
     try:
@@ -174,20 +174,28 @@ def asked(case: Asked, limit_s: float, *, contact: str, part: Mapping[str, str] 
 
 
 def against(
-    who: str, case: Posed | Asked, found: Ended, reference: Answer | None = None, other: Answer | None = None
+    who: str, case: Posed | Asked, result: Ended, reference: Answer | None = None, other: Answer | None = None
 ) -> Trial:
-    """The row of a try beside the answer that it should have: the same set, displacements and forces to ALIKE.
+    """The row of a trial, compared with the reference: the same set, displacements and forces to ALIKE.
 
-    other: the answer by another law, that it is only measured from.
+    other: the answer with the reference measure or element option, from which only the deviation is recorded.
     """
     apart, away, agreement = math.nan, math.nan, ""
-    if found.answer is not None and other is not None:
-        away = difference(other, found.answer)
-    if found.ended == SOLVED and found.answer is not None and reference is not None:
-        apart = difference(reference, found.answer)
-        agreement = _agreement(reference, found.answer, apart)
+    if result.answer is not None and other is not None:
+        away = difference(other, result.answer)
+    if result.ended == SOLVED and result.answer is not None and reference is not None:
+        apart = difference(reference, result.answer)
+        agreement = _agreement(reference, result.answer, apart)
     return Trial(
-        who, case.group, case.name, found.ended, found.reason, agreement=agreement, apart=apart, away=away, **found.cost
+        who,
+        case.group,
+        case.name,
+        result.ended,
+        result.reason,
+        agreement=agreement,
+        apart=apart,
+        away=away,
+        **result.cost,
     )
 
 
@@ -201,7 +209,7 @@ def _agreement(one: Answer, other: Answer, apart: float) -> str:
 
 
 def guarded(solve: Callable[[], Ended], limit_s: float) -> Ended:
-    """What it returns, or the end that an exception or the clock makes of it."""
+    """The result of ``solve``, or the end given by an exception or the time limit."""
     with quiet():
         try:
             with within(limit_s):
@@ -212,35 +220,35 @@ def guarded(solve: Callable[[], Ended], limit_s: float) -> Ended:
             return Ended(REFUSED, str(error))
         except (MemoryError, KeyboardInterrupt):
             raise
-        except Exception as error:  # whoever is tried may raise anything
+        except Exception as error:  # the code under trial may raise anything
             return Ended(RAISED, " ".join(f"{type(error).__name__}: {error}".split()))
 
 
 def same_set(one: Answer, other: Answer) -> bool:
-    """Whether the same candidates carry pressure; who touches without may be in a set or not."""
+    """Whether the same candidates carry pressure; those that touch without it may be in either set."""
     p, q = one.state.pressure, other.state.pressure
     least = CARRIES * max(float(np.max(np.abs(p), initial=0.0)), float(np.max(np.abs(q), initial=0.0)))
     return not np.any((p > least) != (q > least))
 
 
 def _judged(
-    problem: ContactProblem, found: ContactSolution, algorithm: ContactAlgorithm, cost: Mapping[str, float]
+    problem: ContactProblem, solution: ContactSolution, algorithm: ContactAlgorithm, cost: Mapping[str, float]
 ) -> Ended:
-    if found.outcome is Outcome.REFUSED:
-        return Ended(REFUSED, _last(found), cost)
-    if not found.outcome.converged:
-        return Ended(FAILED, _last(found) or found.outcome.value, cost)
-    verdict = judge(problem, found.u, found.pressure, epsilon=algorithm.epsilon)
+    if solution.outcome is Outcome.REFUSED:
+        return Ended(REFUSED, _last(solution), cost)
+    if not solution.outcome.converged:
+        return Ended(FAILED, _last(solution) or solution.outcome.value, cost)
+    verdict = judge(problem, solution.u, solution.pressure, epsilon=algorithm.epsilon)
     tolerance = float(getattr(algorithm, "tolerance", RESIDUAL_TOLERANCE))
-    failures = verdict.failures(**claim(tolerance, len(found.u)))
+    failures = verdict.failures(**claim(tolerance, len(solution.u)))
     if failures:
-        return Ended(FALSE, _told(failures, {**verdict.kkt, **verdict.balances}), cost)
-    return Ended(SOLVED, "", cost, Answer(problem, found, algorithm))
+        return Ended(FALSE, _listed(failures, {**verdict.kkt, **verdict.balances}), cost)
+    return Ended(SOLVED, "", cost, Answer(problem, solution, algorithm))
 
 
-def _last(found: ContactSolution) -> str:
-    return str(found.history[-1].get("event") or "") if found.history else ""
+def _last(solution: ContactSolution) -> str:
+    return str(solution.history[-1].get("event") or "") if solution.history else ""
 
 
-def _told(failures: Sequence[str], residuals: Mapping[str, float]) -> str:
+def _listed(failures: Sequence[str], residuals: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {residuals[name]:.1e}" if name in residuals else name for name in failures)

@@ -1,8 +1,8 @@
-"""Steps without friction that the collection may take: iterates along paths, published problems, and derived forms.
+"""Candidate steps without friction for the collection: iterates along paths, published problems, and derived forms.
 
-What an algorithm gets at an iterate of a path is kept as it was met: tangent and residual with the memory of the
-element, gaps, and the curvature of the gap under the forces there. Paths are listed in paths.toml; which candidates are
-taken is a rule (:mod:`studies.arena.collected.rule`); no file is written here.
+The linearisation at an iterate of a path is recorded as the algorithm gets it: tangent and residual with the memory of
+the element, gaps, and the curvature of the gap under the current forces. Paths are listed in paths.toml; which
+candidates are taken is a rule (:mod:`studies.arena.collected.rule`); no file is written here.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ DENSE = 300  # candidates whose compliance is written as a full matrix
 
 @dataclass(frozen=True)
 class Path:
-    """A request; looks: how many iterates of a solve are looked at, its first ones and its last, 0 for all."""
+    """A request; looks: number of iterates taken from a solve, the first ones and the last, 0 for all."""
 
     scene: str
     mesh: str
@@ -50,21 +50,21 @@ class Path:
     @property
     def name(self) -> str:
         """The request as one word."""
-        told = [f"{key}={value}".replace(",", "_") for key, value in self.settings.items()]
-        return "-".join([self.scene, self.mesh, *told])
+        settings = [f"{key}={value}".replace(",", "_") for key, value in self.settings.items()]
+        return "-".join([self.scene, self.mesh, *settings])
 
 
 def paths() -> Iterator[Path]:
-    """All that the collection looks along, in their order (paths.toml)."""
+    """All paths of the collection in order (paths.toml)."""
     for each in tomllib.loads(HERE.joinpath("paths.toml").read_text(encoding="utf-8"))["looked"]:
         meshes, looks = each.pop("meshes"), each.pop("looks", 0)
-        wanted = [(scene, settings) for scene, several in each.items() for settings in several]
-        yield from (Path(scene, mesh, settings, looks) for mesh, (scene, settings) in product(meshes, wanted))
+        requests = [(scene, settings) for scene, several in each.items() for settings in several]
+        yield from (Path(scene, mesh, settings, looks) for mesh, (scene, settings) in product(meshes, requests))
 
 
 @dataclass(eq=False)
 class Iterate:
-    """What was linearised at u (n,), and the nodal forces (m,) under which its gaps were curved, if they were."""
+    """The linearisation at u (n,), and the nodal forces (m,) of its gap curvature, if that was used."""
 
     problem: ContactProblem
     u: np.ndarray
@@ -73,7 +73,7 @@ class Iterate:
 
     @property
     def step(self) -> FrozenStep:
-        """The problem of the Newton step from here."""
+        """The problem of the Newton step from this iterate."""
         problem, lin, K = self.problem, self.lin, self.lin.tangent
         if problem.gap_curvature is not None and self.forces is not None:
             K = sparse.csc_matrix(K - problem.gap_curvature(self.u, self.forces))
@@ -83,7 +83,7 @@ class Iterate:
 
 @dataclass(eq=False)
 class Watched(ABC):
-    """An algorithm that stands for the one ``inside`` on a path; a :class:`contact.problem.ContactAlgorithm`."""
+    """A wrapper of the algorithm ``inside`` on a path; a :class:`contact.problem.ContactAlgorithm`."""
 
     inside: ContactAlgorithm
     name: ClassVar[str] = "watched"
@@ -95,27 +95,27 @@ class Watched(ABC):
         return self.inside.epsilon
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """What the algorithm inside says."""
+        """As the algorithm inside."""
         return self.inside.supports(problem)
 
     @abstractmethod
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        """The answer of the algorithm inside, of which something is kept."""
+        """The answer of the algorithm inside, with a record of the solve."""
 
 
 @dataclass(eq=False)
 class Recorder(Watched):
-    """Keeps what the algorithm inside linearises: in ``solves`` the iterates of each call, and whether it converged."""
+    """Records the linearisations: ``solves`` has the iterates of each call, and whether it converged."""
 
     solves: list[tuple[list[Iterate], bool]] = field(default_factory=list)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        """Solve, and keep each linearisation; not without candidates, nor where their foundation is an unknown, too."""
+        """Solve, and record each linearisation; not without candidates, nor where the travel is an unknown, too."""
         iterates: list[Iterate] = []
         kept = len(problem.weights) and not problem.driven
-        found = self.inside.solve(_noting(problem, iterates) if kept else problem, start)
-        self.solves.append((iterates, found.outcome.converged))
-        return found
+        solution = self.inside.solve(_noting(problem, iterates) if kept else problem, start)
+        self.solves.append((iterates, solution.outcome.converged))
+        return solution
 
 
 def _noting(problem: ContactProblem, iterates: list[Iterate]) -> ContactProblem:
@@ -133,9 +133,9 @@ def _noting(problem: ContactProblem, iterates: list[Iterate]) -> ContactProblem:
 
 
 def on_path(path: Path) -> Iterator[Candidate[FrozenStep]]:
-    """The iterates along a path that are looked at; raises UsageError where it cannot be asked for.
+    """The iterates taken along a path; raises UsageError where the request is invalid.
 
-    All iterates of a solve, or its first ones and the last but one, from where a step still moves something.
+    All iterates of a solve, or its first ones and the last but one, whose step is still more than rounding.
     """
     scene, request = complete(path.scene, path.settings, path.mesh)
     recorder = Recorder(configured(request.contact, request.settings))
@@ -153,15 +153,15 @@ def on_path(path: Path) -> Iterator[Candidate[FrozenStep]]:
 
 
 def published() -> Iterator[Candidate[FrozenStep]]:
-    """Obstacle problems, classics of linear complementarity, and those that Siconos is tested by."""
+    """Obstacle problems, classics of linear complementarity, and test problems of Siconos."""
     for body in _bounded():
         name = body.name.replace(" ", "-").replace("=", "")
         family = "-".join(word for word in body.name.split() if not any(map(str.isdigit, word)))
         yield Candidate(family, name, {"source": body.name}, frozen(body))
-    told = json.loads(HERE.joinpath(PUBLIC).read_text(encoding="utf-8"))
-    for name, given in told["problems"].items():
+    record = json.loads(HERE.joinpath(PUBLIC).read_text(encoding="utf-8"))
+    for name, given in record["problems"].items():
         step = of_complementarity(np.array(given["M"], float), np.array(given["q"], float))
-        yield Candidate("siconos", f"siconos-{name}", {"source": told["source"]}, step, told["licence"])
+        yield Candidate("siconos", f"siconos-{name}", {"source": record["source"]}, step, record["licence"])
 
 
 def _bounded() -> Iterator[Bounded]:
@@ -203,7 +203,7 @@ def of_complementarity(M: np.ndarray, q: np.ndarray) -> FrozenStep:
 
 
 def derived(of: Candidate[FrozenStep], answer: Certified) -> Iterator[Candidate[FrozenStep]]:
-    """Forms of a step whose answer is known, where it has them and is not large."""
+    """The derived forms of a step with a known answer, where they exist and the step is not large."""
     if of.step.K.nnz > LARGE:
         return
     states = raised(answer)
@@ -214,7 +214,7 @@ def derived(of: Candidate[FrozenStep], answer: Certified) -> Iterator[Candidate[
 
 
 def form_of(of: Candidate[FrozenStep], form: str, step: FrozenStep) -> Candidate[FrozenStep]:
-    """A form of a step."""
+    """A derived form of a candidate."""
     return Candidate(form, f"{of.name}-{form}", of.origin | {"form": form}, step, of.licence)
 
 
@@ -229,10 +229,10 @@ def raised(answer: Certified) -> np.ndarray | None:
 
 
 def touching(step: FrozenStep, states: np.ndarray) -> FrozenStep:
-    """The foundation raised to some candidates that an answer leaves open: they touch and carry nothing.
+    """The foundation raised to some candidates that are open in an answer: they touch without force.
 
-    That answer, the one on the set PRESSED, stays one. Raises NotCertifiedError where the set has none, or is of
-    another number of candidates.
+    The answer on the set PRESSED remains valid. Raises NotCertifiedError where the set has none, or has another number
+    of candidates.
     """
     if len(states) != len(step.gap):
         raise NotCertifiedError(f"{len(states)} states of {len(step.gap)} candidates")

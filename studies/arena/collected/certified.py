@@ -1,14 +1,14 @@
-"""The answer to a frozen step, found by one way and confirmed by others that are no algorithm of ours.
+"""The answer to a frozen step, computed by one method and confirmed by others that are none of our algorithms.
 
-The first is an algorithm of ours before the judge. The second solves the equations on the set that was found, by
-SciPy alone with residuals in extended precision, and asks every sign; where the step is a convex programme, an
-interior-point solver has to come to a set with the same displacements and forces, from no set at all. Elsewhere the
-answer need not be the only one.
+The first is one of our algorithms whose answer passes the judge. The second solves the equations on its set, by SciPy
+alone with residuals in extended precision, and checks every sign; where the step is a convex programme, an
+interior-point solver must arrive at a set with the same displacements and forces, without an initial set. Elsewhere the
+answer need not be unique.
 
-With friction the second solves the equations on the states that were found anew; signs and cones are the judge's. Where
-the step is a sequence of convex programmes, the oracle has to come to the same answer from no states at all. An answer
-of its own that the judge takes is no contradiction: answers are several then.
-No collection and no file format may enter here.
+With friction the second solves the equations on the states of the answer; signs and cones are checked by the judge.
+Where the step is a sequence of convex programmes, the oracle must arrive at the same answer without initial states. A
+different answer that passes the judge is no contradiction: the solution is not unique then.
+This module must not depend on the collection or on a file format.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ from contact.problem import ContactSolution
 from contact.verify import judge
 from studies.experiments.friction.public_problems import algorithms
 
-TRIED = ("semismooth", "lcp", "trial-and-error")  # the first whose answer the judge takes
+TRIED = ("semismooth", "lcp", "trial-and-error")  # the first whose answer passes the judge is used
 REFINEMENTS = 5
-SIGN = 1e-9  # of the largest force or gap: what lies closer to zero touches without pressure
-SAME = 1e-8  # of the largest force and displacement: two answers that are one
-ROUNDED = 10.0  # times eps and the condition: how far two answers may be apart that rounding alone tells apart
+SIGN = 1e-9  # of the largest force or gap: smaller values count as zero, touching without pressure
+SAME = 1e-8  # of the largest force and displacement: two answers within it are the same
+ROUNDED = 10.0  # times eps and the condition: deviation of two answers that rounding explains
 
 
 class NotCertifiedError(ArithmeticError):
-    """The step has no answer that both ways agree on; the message says why."""
+    """The methods agree on no answer to the step; the message has the reason."""
 
 
 @dataclass(frozen=True, eq=False)
 class Certified:
-    """du (n,) and pressure (m,), found by an algorithm that the judge takes at its word, on a set that is confirmed.
+    """du (n,) and pressure (m,) of an algorithm, accepted by the judge, on a confirmed set.
 
-    confirmed_by: the ways.  pressed, touching: candidates that carry force; that are closed without, to SIGN.
+    confirmed_by: the methods.  pressed, touching: candidates that carry force; that are closed without, to SIGN.
     """
 
     du: np.ndarray
@@ -56,7 +56,7 @@ class Certified:
 
 
 def find(step: FrozenStep) -> Certified:
-    """The answer by the first algorithm whose answer the judge takes; raises NotCertifiedError where none has one."""
+    """The answer of the first algorithm that passes the judge; raises NotCertifiedError where none does."""
     reasons = []
     for name in TRIED:
         try:
@@ -72,20 +72,20 @@ def _found_by(name: str, step: FrozenStep) -> Certified:
     if refused is not None:
         raise NotCertifiedError(f"does not apply: {refused}")
     try:
-        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+        solution = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
     except ValueError as error:  # two candidates may share an unknown, which some algorithms do not take
         raise NotCertifiedError(str(error)) from None
-    wrong = judge(problem, found.u, found.pressure).failures()
-    if not found.outcome.converged or wrong:
-        raise NotCertifiedError(", ".join(wrong) if found.outcome.converged else found.outcome.value)
-    gap = step.gap + step.G @ found.u
-    return Certified(found.u, found.pressure, name, *_states(step, _nodal(step, found.pressure), gap))
+    wrong = judge(problem, solution.u, solution.pressure).failures()
+    if not solution.outcome.converged or wrong:
+        raise NotCertifiedError(", ".join(wrong) if solution.outcome.converged else solution.outcome.value)
+    gap = step.gap + step.G @ solution.u
+    return Certified(solution.u, solution.pressure, name, *_states(step, _nodal(step, solution.pressure), gap))
 
 
 def confirm(step: FrozenStep, answer: Certified, condition: float = 1.0) -> Certified:
-    """The answer with the ways that confirm it; raises NotCertifiedError where one contradicts.
+    """The answer with the methods that confirm it; raises NotCertifiedError where one contradicts.
 
-    condition: of K, where it is known; what rounding makes of it in double precision is no contradiction.
+    condition: of K, where it is known; differences within its rounding error are no contradiction.
     """
     same = rounding(condition)
     du, forces = exact_on(step, answer.pressure > 0)
@@ -94,21 +94,21 @@ def confirm(step: FrozenStep, answer: Certified, condition: float = 1.0) -> Cert
     least = max(same * _large(step, gap), _digit(step, du))
     if np.any(forces < -same * np.max(forces, initial=0.0)) or np.any(gap < -least):
         raise NotCertifiedError(f"a force or a gap on the set of {answer.found_by} has the wrong sign")
-    told = ["equations on the set in extended precision"]
+    ways = ["equations on the set in extended precision"]
     if refusal(step) is None:
-        told += _by_interior_point(step, answer, same)
-    return replace(answer, confirmed_by=tuple(told))
+        ways += _by_interior_point(step, answer, same)
+    return replace(answer, confirmed_by=tuple(ways))
 
 
 def rounding(condition: float) -> float:
-    """Relative difference of two answers that are one, where K has this condition."""
+    """Relative difference within which two answers are the same, where K has this condition."""
     return max(SAME, ROUNDED * float(np.finfo(float).eps) * condition) if np.isfinite(condition) else SAME
 
 
 def _compare(step: FrozenStep, answer: Certified, du: np.ndarray, forces: np.ndarray, same: float, whose: str) -> None:
     """Raises NotCertifiedError where displacements (n,) or nodal forces (m,) differ by more than rounding, ``same``.
 
-    Displacements are the same, too, where their difference moves forces by the last digit alone: they may be zero.
+    Displacements also agree where their difference changes forces only in the last digit: they may be zero.
     """
     moved = float(np.max(np.abs(step.K @ (answer.du - du)), initial=0.0))
     du = answer.du if moved <= ROUNDED * float(np.finfo(float).eps) * step.scale else du
@@ -119,14 +119,14 @@ def _compare(step: FrozenStep, answer: Certified, du: np.ndarray, forces: np.nda
 
 
 def _by_interior_point(step: FrozenStep, answer: Certified, same: float) -> list[str]:
-    """Raises NotCertifiedError where the answer on its set is another one; nothing where it finds no end.
+    """Raises NotCertifiedError where the answer on its set differs; empty where it does not converge.
 
-    Sets are not compared: rounding decides who of those that touch without force is in one. Nor are its forces.
+    Sets are not compared: rounding decides which candidates that touch without force are in one. Nor are its forces.
     """
     try:
         pressure = minimise(step)[1]
     except OracleError:
-        return []  # it knows the forces of thin shells to 1e-6 only, which may leave a set without an answer
+        return []  # its forces of thin shells are accurate to 1e-6 only, and a set by them may have no answer
     _compare(step, answer, *exact_on(step, pressure > 0), same, "the interior point")
     return ["convex programme by an interior point"]
 
@@ -138,12 +138,12 @@ def _states(step: FrozenStep, forces: np.ndarray, gap: np.ndarray) -> tuple[np.n
 
 
 def _large(step: FrozenStep, gap: np.ndarray) -> float:
-    """A large gap: before or after the step."""
+    """The largest gap, before or after the step."""
     return float(max(np.max(np.abs(step.gap), initial=0.0), np.max(np.abs(gap), initial=0.0)))
 
 
 def _digit(step: FrozenStep, du: np.ndarray) -> float:
-    """The last digit of a gap that displacements (n,) close, where it is zero before and after the step, too."""
+    """Rounding error of a gap under displacements (n,), also where it is zero before and after the step."""
     reach = float(np.max(np.abs(step.G.data), initial=0.0) * np.max(np.abs(du), initial=0.0))
     return ROUNDED * float(np.finfo(float).eps) * reach
 
@@ -186,7 +186,7 @@ EQUATIONS, PROGRAMMES = "equations on the states", "Tresca programmes by an inte
 
 @dataclass(frozen=True, eq=False)
 class FrictionCertified:
-    """The answer, who found it, and the ways that confirm it.  several: whether the oracle has another sound one."""
+    """The answer, its algorithm, and the methods of confirmation.  several: whether the oracle has another."""
 
     known: Known
     found_by: str
@@ -195,9 +195,9 @@ class FrictionCertified:
 
 
 def find_with_friction(step: FrozenFrictionalStep) -> FrictionCertified:
-    """By the first exact algorithm whose answer the judge takes; raises NotCertifiedError where none has one.
+    """By the first exact algorithm whose answer passes the judge; raises NotCertifiedError where none does.
 
-    From rest, and where K leaves free what contacts hold, from all of them sticking.
+    From rest, and then with all candidates sticking, as K alone may be singular.
     """
     problem, reasons = step.problem(), []
     rest = ContactSolution.at_rest(len(step.r), len(step.mu))
@@ -206,25 +206,26 @@ def find_with_friction(step: FrozenFrictionalStep) -> FrictionCertified:
         if np.isfinite(algorithm.epsilon):
             continue
         try:
-            found = algorithm.solve(problem, start)
+            solution = algorithm.solve(problem, start)
         except (ValueError, ArithmeticError) as error:
             reasons.append(f"{name}: {error}")
             continue
-        friction = found.rubbed
-        wrong = judge(problem, found.u, found.pressure, friction.force).failures() if found.outcome.converged else []
-        if found.outcome.converged and not wrong:
-            normal = problem.nodal_forces(found.pressure)
-            return FrictionCertified(Known(found.u, normal, friction.force, friction.state), name)
-        reasons.append(f"{name}: {', '.join(wrong) or found.outcome.word}")
+        friction = solution.rubbed
+        converged = solution.outcome.converged
+        wrong = judge(problem, solution.u, solution.pressure, friction.force).failures() if converged else []
+        if converged and not wrong:
+            normal = problem.nodal_forces(solution.pressure)
+            return FrictionCertified(Known(solution.u, normal, friction.force, friction.state), name)
+        reasons.append(f"{name}: {', '.join(wrong) or solution.outcome.word}")
     raise NotCertifiedError("; ".join(dict.fromkeys(reasons)))
 
 
 def confirm_with_friction(
     step: FrozenFrictionalStep, answer: FrictionCertified, condition: float = 1.0
 ) -> FrictionCertified:
-    """The answer with the ways that confirm it; raises NotCertifiedError where the equations contradict.
+    """The answer with the methods that confirm it; raises NotCertifiedError where the equations contradict.
 
-    condition: of K, where it is known; what rounding makes of it is no contradiction, up to the oracle's agreement.
+    condition: of K, where it is known; its rounding error is no contradiction, up to the tolerance of the oracle.
     """
     same = min(max(SAME, ROUNDED * float(np.finfo(float).eps) * condition), AGREEMENT)
     try:
@@ -245,5 +246,5 @@ def confirm_with_friction(
 
 
 def _apart(step: FrozenFrictionalStep, own: Known, known: Known) -> float:
-    found = friction_oracle.compared(step, own, known.du, known.normal, known.friction)
-    return max(found.displacement_error, found.force_error)
+    comparison = friction_oracle.compared(step, own, known.du, known.normal, known.friction)
+    return max(comparison.displacement_error, comparison.force_error)

@@ -1,7 +1,7 @@
-"""The files of the collection: written, held against the manifest that is kept with the suite, and made again from it.
+"""The files of the collection: written, compared with the manifest in the suite, and regenerated from it.
 
-What files hold is compared by sums that rounding moves little. Which steps are taken, and how one is come by again, is
-the business of :mod:`.rule` and :mod:`.frictional`, which have a collection each.
+Contents are compared by sums that are insensitive to rounding. Which steps are taken, and how each is regenerated, is
+decided in :mod:`.rule` and :mod:`.frictional`, which define one collection each.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from studies.output.atomic import write_by, write_table, write_text
 HERE = files("studies.arena.collected")
 LICENCE = "MIT"
 VERSION = 2  # of the collection: another choice of problems is another version
-ROUNDING = 1e-6  # relative, of the sums: what paths of Newton's method make of different rounding
-SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
-FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and of a step with friction, by these, too
+ROUNDING = 1e-6  # relative, of the sums: effect of different rounding along paths of Newton's method
+SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # identify a file
+FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and these, too, one with friction
 LEFT_OUT = ["name", "family", "why"]
-KEPT = files("studies.arena").joinpath("kept")  # a folder of files
-FORMAT = "format.md"  # what all files are in words
+KEPT = files("studies.arena").joinpath("kept")  # folder of the files that are shipped
+FORMAT = "format.md"  # description of the files
 TUNE, TEST = "tune", "test"
-SALT = 2  # the first by which each kind of matrix is in both
-FIFTH = 5  # one source of so many is for tuning
+SALT = 2  # the first with which both splits have each kind of matrix
+FIFTH = 5  # one source in so many is for tuning
 FORM = re.compile(r"-(touching|condensed)$")
 ITERATE = re.compile(r"-s\d+(i\d+)?$")
 MESH = re.compile(r"-\d+x\d+(?=-|$)")
@@ -42,12 +42,12 @@ Step = TypeVar("Step", FrozenStep, FrozenFrictionalStep)
 
 
 def silent(name: str) -> None:
-    """Nothing is told."""
+    """No progress report."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate(Generic[Step]):
-    """A step that may be taken: its family, its name in the collection, where it is from, and its licence.
+    """A step that may be taken: its family, its name in the collection, its origin, and its licence.
 
     states: of a touching form the candidates (m,) that are pressed and raised, else None.
     """
@@ -61,11 +61,11 @@ class Candidate(Generic[Step]):
 
 
 def sums(step: FrozenStep) -> dict[str, float]:
-    """Norms of K, r, G and gap, with friction of S, slip and mu: what a problem is recognised by on another machine."""
-    found = _norms(SUMS, step.K.data, step.r, step.G.data, step.gap)
+    """Norms of K, r, G and gap, with friction of S, slip and mu: they identify a problem on another machine."""
+    norms = _norms(SUMS, step.K.data, step.r, step.G.data, step.gap)
     if isinstance(step, FrozenFrictionalStep):
-        found |= _norms(FRICTION_SUMS, step.S.data, step.slip, step.mu)
-    return found
+        norms |= _norms(FRICTION_SUMS, step.S.data, step.slip, step.mu)
+    return norms
 
 
 def _norms(names: tuple[str, ...], *parts: np.ndarray) -> dict[str, float]:
@@ -77,7 +77,7 @@ class Collection(Generic[Step]):
     """The steps without friction, or those with it.
 
     manifest_file, left_out_file: names.  read: a file; raises FrozenStepError.  sizes: of a row of the manifest and a
-    step, the sizes that some sums are the difference of.  again: the candidates of some rows, met on their way again.
+    step, reference sizes for sums that are small differences.  again: regenerates the candidates of some rows.
     """
 
     manifest_file: str
@@ -87,15 +87,15 @@ class Collection(Generic[Step]):
     again: Callable[[pd.DataFrame], Iterator[Candidate[Step]]]
 
     def manifest(self) -> pd.DataFrame:
-        """As it is kept with the suite: traits, who found the answer and what confirms it, sums of the file."""
+        """As shipped with the suite: traits, the algorithm of the answer and what confirms it, sums of the file."""
         return _kept(self.manifest_file)
 
     def left_out(self) -> pd.DataFrame:
-        """What was left out when the manifest was made: name, family, why."""
+        """The candidates left out when the manifest was made: name, family, why."""
         return _kept(self.left_out_file)
 
     def unlike(self, directory: Path, kept: pd.DataFrame) -> list[str]:
-        """What files lack or hold otherwise than the manifest says, a line each, which begins with the name."""
+        """Missing files and differences from the manifest, one line each, which begins with the name."""
         lines = []
         for row in kept.to_dict("records"):
             path = directory / f"{row['name']}.npz"
@@ -111,7 +111,7 @@ class Collection(Generic[Step]):
         return lines
 
     def make(self, directory: Path, kept: pd.DataFrame, tell: Tell = silent) -> None:
-        """Write the files of the kept manifest and the manifest; those that are there and as it says are left alone."""
+        """Write the manifest and its files; existing files that agree with it are not written again."""
         missing = {line.partition(":")[0] for line in self.unlike(directory, kept)}
         for name in sorted(missing & kept_names()):
             write_by(directory / f"{name}.npz", partial(_copy_kept, name))
@@ -123,7 +123,7 @@ class Collection(Generic[Step]):
         self._finish(directory, kept)
 
     def write_choice(self, directory: Path, rows: list[dict[str, Any]], gone: list[dict[str, str]]) -> pd.DataFrame:
-        """Write what a rule has taken, a row each, and what it has left out; returns the manifest."""
+        """Write the rows that a rule has taken and those that it has left out; returns the manifest."""
         table = pd.DataFrame(rows)
         write_table(directory / self.left_out_file, pd.DataFrame(gone, columns=LEFT_OUT))
         self._finish(directory, table)
@@ -143,9 +143,9 @@ def write(directory: Path, candidate: Candidate[Step]) -> Path:
 
 
 def kept_names() -> set[str]:
-    """Of the problems whose files are kept with the suite: another machine would not make them again.
+    """Of the problems whose files are shipped with the suite: another machine would not reproduce them.
 
-    The last digit of their paths grows to more than 1e-8 on the way.
+    Rounding grows to more than 1e-8 along their paths.
     """
     return {path.name.removesuffix(".npz") for path in KEPT.iterdir() if path.name.endswith(".npz")}
 
@@ -156,15 +156,15 @@ def _copy_kept(name: str, path: Path) -> None:
 
 def _kept(name: str) -> pd.DataFrame:
     with HERE.joinpath(name).open(encoding="utf-8") as file:
-        found = pd.read_csv(file, keep_default_na=False)
-    return found.assign(split=found["name"].map(split_of))
+        table = pd.read_csv(file, keep_default_na=False)
+    return table.assign(split=table["name"].map(split_of))
 
 
 def split_of(name: str) -> str:
-    """TUNE or TEST, of a problem: for tuning, or ranked by; by a hash of what it is of.
+    """The split of a problem, TUNE or TEST, by a hash of its source.
 
     A scene with its settings, or a published source, is in one of the two with all its meshes, loads, iterates and
-    derived forms: what is tuned on one says nothing of the other by being nearly the same matrix.
+    derived forms, so that no matrix of one split is nearly the same as one of the other.
     """
     source = name
     for each in (FORM, ITERATE, MESH, POINTS):
@@ -173,7 +173,7 @@ def split_of(name: str) -> str:
 
 
 def _differing(row: Mapping[Hashable, Any], step: FrozenStep, sizes: Mapping[str, float]) -> list[str]:
-    """What a row of the manifest says otherwise than a step, a line each; sums with a size are known to so much."""
+    """Differences between a row of the manifest and a step, one line each; sums are compared relative to their size."""
     if (len(step.r), len(step.gap)) != (row["unknowns"], row["candidates"]):
         return [f"{row['name']}: of another size"]
     lines = []

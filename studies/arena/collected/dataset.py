@@ -1,8 +1,8 @@
 """The collection as a data set for others: its identity, its splits, a card, and checksums of the files as shipped.
 
 The identity is a hash of both manifests: another choice of problems, or other sums of one, is another collection.
-Checksums are of the files that were written here; made again on another machine they differ in their last digits, and
-the manifests say whether they are the same problems.
+Checksums are of the files as written on one machine; regenerated on another they differ in their last digits, and the
+manifests decide whether they are the same problems.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ LINE = re.compile(r"([0-9a-f]{64})  ([^/\\\0]+\.npz)")
 @cache
 def identity() -> str:
     """Of the collection: 16 digits of a hash of its version and its manifests."""
-    found = hashlib.sha256(f"{VERSION}\n".encode())
+    digest = hashlib.sha256(f"{VERSION}\n".encode())
     for each in (STEPS, FRICTIONAL):
-        found.update(HERE.joinpath(each.manifest_file).read_bytes())
-    return found.hexdigest()[:16]
+        digest.update(HERE.joinpath(each.manifest_file).read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def write_card(directory: Path) -> None:
@@ -43,7 +43,7 @@ def write_card(directory: Path) -> None:
 
 
 def card() -> str:
-    """The card: what is in the data set, who may use it for what, splits, licences, how it is checked."""
+    """The card: contents, intended use, splits, licences, and checks of the data set."""
     smooth, rubbed = STEPS.manifest(), FRICTIONAL.manifest()
     both = pd.concat([smooth[["split", "licence"]], rubbed[["split", "licence"]]])
     splits = both["split"].value_counts()
@@ -66,18 +66,18 @@ def card() -> str:
 
 
 def altered(directory: Path) -> Iterator[str]:
-    """Files that are not as they were shipped, a line each, which begins with the name; none without CHECKSUMS."""
+    """Files that differ from their checksum, one line each, which begins with the name; none without CHECKSUMS."""
     path = directory / CHECKSUMS
     if not path.exists():
         return
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        found = LINE.fullmatch(line)
-        if found is None:
+        match = LINE.fullmatch(line)
+        if match is None:
             yield f"{CHECKSUMS}: {line[:80]!r} must be a SHA-256 and the name of a file"
-        elif not (directory / found[2]).is_file():
-            yield f"{found[2].removesuffix('.npz')}: missing"
-        elif _digest(directory / found[2]) != found[1]:
-            yield f"{found[2].removesuffix('.npz')}: not the file that {CHECKSUMS} names"
+        elif not (directory / match[2]).is_file():
+            yield f"{match[2].removesuffix('.npz')}: missing"
+        elif _digest(directory / match[2]) != match[1]:
+            yield f"{match[2].removesuffix('.npz')}: not the file that {CHECKSUMS} names"
 
 
 def _names() -> list[str]:

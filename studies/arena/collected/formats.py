@@ -4,7 +4,7 @@ A quadratic programme is min 1/2 x.K.x + r.x subject to G x >= -gap; x is du, th
 With friction problems are in FCLib's terms: M v = H r + f, u = H^T v + w, contact by contact the normal first,
 0 <= u_n, r_n >= 0, u_n r_n = 0 and Coulomb's law with mu: the global form of FCLib, whose own files, HDF5, are not
 written; v is du. Of the text format of Siconos (numerics, LCP) problems are read, too: n, the kind of storage (0:
-dense), twice the shape, the rows of M, q, and whatever is said after it.
+dense), twice the shape, the rows of M, q, and optional text.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SPACE = 3  # of contacts with friction
 
 
 def _programme(step: FrozenStep) -> sparse.csc_matrix:
-    """K of the quadratic programme; raises UsageError where there is none."""
+    """K of the quadratic programme; raises UsageError where the problem is none."""
     if step.coupling is not None:
         raise UsageError(
             "consistent coupling: pressures are no multipliers of the gaps, there is no quadratic programme"
@@ -45,15 +45,15 @@ def _programme(step: FrozenStep) -> sparse.csc_matrix:
 def maros_meszaros(path: Path, step: FrozenStep) -> None:
     """The arrays P, q, r, A, l, u, n, m of min 1/2 x.P.x + q.x + r, l <= A x <= u, as qpbenchmark reads that set."""
     above = np.full(len(step.gap), np.inf)
-    told = {"P": _programme(step), "q": step.r, "r": 0.0, "A": sparse.csc_matrix(step.G), "l": -step.gap, "u": above}
+    arrays = {"P": _programme(step), "q": step.r, "r": 0.0, "A": sparse.csc_matrix(step.G), "l": -step.gap, "u": above}
     sizes = {"n": len(step.r), "m": len(step.gap)}
-    io.savemat(path, {**told, **sizes}, appendmat=False, do_compression=True, oned_as="column")
+    io.savemat(path, {**arrays, **sizes}, appendmat=False, do_compression=True, oned_as="column")
 
 
 def qpsolvers(path: Path, step: FrozenStep) -> None:
-    """What qpsolvers.Problem.load reads: P, q, G x <= h, full; nothing else is constrained.
+    """The file for qpsolvers.Problem.load: P, q, G x <= h as full matrices, without other constraints.
 
-    Its reader takes an array of None for what is not there, and for nothing else.
+    Its reader requires an array of None for each absent constraint.
     """
     n = len(step.r)
     if n > DENSE:
@@ -125,21 +125,21 @@ def read_lcp(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """M (n, n) and q (n,) of Siconos: z >= 0, M z + q >= 0, z.(M z + q) = 0; raises UsageError, and OSError."""
     try:
         text = read_bytes(path).decode("utf-8", "replace")
-        words = text.split(maxsplit=MOST)
-        n, storage = int(words[0]), int(words[1])
-        shapes = [int(word) for word in words[2:6]]
+        tokens = text.split(maxsplit=MOST)
+        n, storage = int(tokens[0]), int(tokens[1])
+        shapes = [int(word) for word in tokens[2:6]]
         if n < 1 or storage != 0:
             raise ValueError(f"n = {n}, storage {storage}: only dense matrices (0) are read")
         if shapes != [n] * 4:
             raise ValueError(f"shapes {shapes}, not {n} x {n}")
         if n * n + n > MOST:
             raise ValueError(f"{n * n + n} numbers, more than {MOST}")
-        numbers = np.array([float(word) for word in words[6 : 6 + n * n + n]])
+        numbers = np.array([float(word) for word in tokens[6 : 6 + n * n + n]])
         if len(numbers) < n * n + n or not np.all(np.isfinite(numbers)):
             raise ValueError(f"{len(numbers)} of {n * n + n} finite numbers")
     except (ValueError, IndexError) as error:
-        said = str(error)[:200]
-        raise UsageError(f"{path} is no linear complementarity problem of Siconos: {said}") from None
+        reason = str(error)[:200]
+        raise UsageError(f"{path} is no linear complementarity problem of Siconos: {reason}") from None
     return numbers[: n * n].reshape(n, n), numbers[n * n :]
 
 
@@ -151,11 +151,11 @@ def fclib_market(path: Path, step: FrozenFrictionalStep) -> None:
 
 def fclib_arrays(path: Path, step: FrozenFrictionalStep) -> None:
     """One .npz: M and H by compressed columns (x, i, p as CSparse has them), f, w, mu, spacedim."""
-    told = {"f": -step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
+    arrays = {"f": -step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
     for name, matrix in (("M", sparse.csc_matrix(step.K)), ("H", step.H)):
-        told |= {f"{name}_x": matrix.data, f"{name}_i": matrix.indices, f"{name}_p": matrix.indptr}
+        arrays |= {f"{name}_x": matrix.data, f"{name}_i": matrix.indices, f"{name}_p": matrix.indptr}
     with path.open("wb") as file:
-        np.savez_compressed(file, allow_pickle=False, **told)
+        np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
 FORMATS: Mapping[str, Callable[[Path, Any], object]] = {
@@ -172,7 +172,7 @@ DIRECTORIES = ("mtx",)  # formats of several files
 def export(step: FrozenStep | FrozenFrictionalStep, form: str, path: Path) -> None:
     """Write a problem, a file or a directory of them, whole or not at all.
 
-    Raises UsageError for a format that is none, or cannot have the problem, and where there is something already.
+    Raises UsageError for an unknown format, one that cannot represent the problem, and where the path exists.
     """
     rubs = isinstance(step, FrozenFrictionalStep)
     formats = WITH_FRICTION if rubs else FORMATS

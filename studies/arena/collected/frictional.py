@@ -1,10 +1,9 @@
-"""The steps with friction of the collection, family by family, and the rule by which they are kept.
+"""The steps with friction of the collection, family by family, and the rule by which they are selected.
 
-Bars and the plate from where a path of load steps has come, rigid bodies, springs with one answer and with several, a
-tyre pressed and dragged, random steps, and small public problems. All are asked: a step is taken when an algorithm has
-an answer that the judge takes and the equations on its states confirm it; the oracle is a third way where it ends. The
-others are named with their reasons. The manifest stands beside that of the steps without friction, which it leaves
-alone.
+Bars and the plate along a path of load steps, rigid bodies, springs with one answer and with several, a tyre pressed
+and dragged, random steps, and small public problems. A step is taken when an algorithm has an answer that passes the
+judge and the equations on its states confirm it; the oracle is a third check where it converges. The others are listed
+with their reasons. The manifest is separate from that of the steps without friction.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ from studies.experiments.friction.greco import GrecoPlate
 from studies.experiments.friction.public_problems import small, source
 
 RADIUS, TENSION = 100.0, 10.0  # mm, N: of drums
-SOFT = 1.0  # N/mm: springs that carry nothing until a rigid body slides
-DRIVEN = 10.0  # mm: whoever is driven that far slips all over
+SOFT = 1.0  # N/mm: springs that are unloaded until a rigid body slides
+DRIVEN = 10.0  # mm: displacement that causes gross slip
 SEEDS = range(10)
 Rubbed = Candidate[FrozenFrictionalStep]
 
@@ -46,7 +45,7 @@ def _on_path(
     rest: PathState,
     source: str,
 ) -> Iterator[Rubbed]:
-    """The first linearised step to each of the loads in turn."""
+    """The first linearised step towards each of the loads in turn."""
     before = rest
     for i, load in enumerate(loads, 1):
         stage, at = stage_at(load, before.anchors), before.solution
@@ -64,23 +63,23 @@ def _frozen(problem: ContactProblem, at: ContactSolution) -> FrozenFrictionalSte
 
 
 def strips() -> Iterator[Rubbed]:
-    """Pulled, let go, and pushed back: the slip zones of the former steps are in the anchors."""
+    """Pulled, released, and pushed back: the anchors carry the slip zones of the previous steps."""
     for n, pulls in ((25, (20.0, 0.0, -20.0)), (100, (20.0, 0.0, -20.0)), (200, (20.0,))):
         bar = Bar(n, 100.0, 1.0, press=0.5)
-        told = "strip pulled over a plane, in partial slip"
-        yield from _on_path("strip", f"strip-friction-{n}", bar.stage_at, pulls, bar.rest, told)
+        description = "strip pulled over a plane, in partial slip"
+        yield from _on_path("strip", f"strip-friction-{n}", bar.stage_at, pulls, bar.rest, description)
 
 
 def drums() -> Iterator[Rubbed]:
-    """Pulled at one end beyond the tension, and half let go."""
+    """Pulled at one end beyond the tension, and half released."""
     for n in (25, 50, 100):
         bar = Bar(n, 2 * RADIUS, 0.3, curvature=1 / RADIUS, tension=TENSION, held=True)
-        told = "strip on a drum, in partial slip"
-        yield from _on_path("drum", f"drum-{n}", bar.stage_at, (5.0, 2.5), bar.rest, told)
+        description = "strip on a drum, in partial slip"
+        yield from _on_path("drum", f"drum-{n}", bar.stage_at, (5.0, 2.5), bar.rest, description)
 
 
 def capstans() -> Iterator[Rubbed]:
-    """Strips on drums that slip all over."""
+    """Strips on drums in gross slip."""
     for n, mu, wrap in ((25, 0.2, 1.0), (25, 0.5, 2.0), (50, 0.5, 4.0), (100, 0.3, 2.0)):
         bar = Bar(n, RADIUS * wrap, mu, curvature=1 / RADIUS, tension=TENSION, driven=True)
         name = f"capstan-{n}-mu{mu:g}-wrap{wrap:g}"
@@ -88,7 +87,7 @@ def capstans() -> Iterator[Rubbed]:
 
 
 def plates() -> Iterator[Rubbed]:
-    """The GRECO plate: open, sliding and sticking in one."""
+    """The GRECO plate, with open, slipping and sticking candidates."""
     for element, n, mu in (("Q2", 8, 1.0), ("Q2", 16, 1.0), ("Q2", 16, 0.3), ("Q1", 16, 1.0), ("Q2", 32, 1.0)):
         plate = GrecoPlate(element, n)
         step = _frozen(plate.problem(mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
@@ -128,13 +127,13 @@ def springs() -> Iterator[Rubbed]:
 
 
 def random_steps() -> Iterator[Rubbed]:
-    """Small ones with every state in each."""
+    """Small random steps, each with every state."""
     for seed in SEEDS:
         yield Candidate("random", f"random-{seed}", {"source": f"seed {seed}"}, random_step(seed))
 
 
 def public() -> Iterator[Rubbed]:
-    """Problems of Siconos, their contacts with ways of their own."""
+    """Problems of Siconos, with separate unknowns for each contact."""
     whence, licence = source()
     for name, problem in small().items():
         step = with_own_ways(problem)
@@ -145,8 +144,8 @@ def tyres() -> Iterator[Rubbed]:
     """A tyre pressed on a plane, which is then dragged."""
     for mesh, drags in (("12x10", (1.0, 4.0)), ("28x26", (0.5, 1.0, 2.0, 4.0, 8.0))):
         drag = tyre_drag(mesh)
-        name, told = f"tyre-drag-{mesh}", "tyre pressed on a plane that is dragged"
-        yield from _on_path("tyre-drag", name, drag.stage_at, (0.0, *drags), drag.rest, told)
+        name, description = f"tyre-drag-{mesh}", "tyre pressed on a plane that is dragged"
+        yield from _on_path("tyre-drag", name, drag.stage_at, (0.0, *drags), drag.rest, description)
 
 
 FAMILIES: dict[str, Callable[[], Iterator[Rubbed]]] = {
@@ -163,32 +162,32 @@ FAMILIES: dict[str, Callable[[], Iterator[Rubbed]]] = {
 
 
 def row(candidate: Rubbed) -> dict[str, Any]:
-    """Of the manifest, but for the size of the file; raises NotCertifiedError."""
+    """A row of the manifest without the size of the file; raises NotCertifiedError."""
     step = candidate.step
     stiff = condition(step.K)
     answer = confirm_with_friction(step, find_with_friction(step), stiff)
     known, counts = answer.known, np.bincount(answer.known.state, minlength=len(State))
-    told = {"name": candidate.name, "family": candidate.family, "unknowns": len(step.r)}
-    told |= {"candidates": len(step.mu), "entries": step.K.nnz, "kind": kind(step), "condition": stiff}
-    told |= {"friction": "coulomb", "mu": float(np.max(step.mu))}
-    told |= dict(zip(("open", "sticking", "slipping"), map(int, counts), strict=True))
-    told |= {"force_N": float(known.normal.sum()), "friction_N": float(np.linalg.norm(known.friction, axis=1).sum())}
-    told |= {"displacement_mm": float(np.max(np.abs(known.du), initial=0.0))}
-    told |= {"found_by": answer.found_by, "confirmed_by": " and ".join(answer.confirmed_by)}
-    return told | {"several": answer.several, "licence": candidate.licence, **sums(step), **candidate.origin}
+    record = {"name": candidate.name, "family": candidate.family, "unknowns": len(step.r)}
+    record |= {"candidates": len(step.mu), "entries": step.K.nnz, "kind": kind(step), "condition": stiff}
+    record |= {"friction": "coulomb", "mu": float(np.max(step.mu))}
+    record |= dict(zip(("open", "sticking", "slipping"), map(int, counts), strict=True))
+    record |= {"force_N": float(known.normal.sum()), "friction_N": float(np.linalg.norm(known.friction, axis=1).sum())}
+    record |= {"displacement_mm": float(np.max(np.abs(known.du), initial=0.0))}
+    record |= {"found_by": answer.found_by, "confirmed_by": " and ".join(answer.confirmed_by)}
+    return record | {"several": answer.several, "licence": candidate.licence, **sums(step), **candidate.origin}
 
 
 def choose_frictional(directory: Path, tell: Tell = silent, only: str = "") -> pd.DataFrame:
-    """Apply the rule: write all files, the manifest and what was left out; only: a family, default all."""
+    """Apply the rule: write all files, the manifest and the list of those left out; only: a family, default all."""
     rows, gone = [], []
     for candidate in _of([only] if only else FAMILIES):
         tell(candidate.name)
         try:
-            found = row(candidate)
+            record = row(candidate)
         except ArithmeticError as error:  # NotCertifiedError, and what a singular step raises
             gone.append(dict(zip(LEFT_OUT, (candidate.name, candidate.family, str(error)), strict=True)))
             continue
-        rows.append(found | {"bytes": write(directory, candidate).stat().st_size})
+        rows.append(record | {"bytes": write(directory, candidate).stat().st_size})
     return FRICTIONAL.write_choice(directory, rows, gone)
 
 
@@ -198,7 +197,7 @@ def _of(families: Iterable[str]) -> Iterator[Rubbed]:
 
 
 def _sizes(row: Mapping[Hashable, Any], step: FrozenFrictionalStep) -> dict[str, float]:
-    """What is in balance is known to its parts, a gap and a slip to what moves."""
+    """A residual is accurate relative to the forces in balance, gap and slip relative to the displacement."""
     moved = float(row["displacement_mm"])
     return {"sum_r": step.scale, "sum_gap": moved, "sum_slip": moved}
 

@@ -1,21 +1,21 @@
-"""The rule of the collection: which frozen problems without friction are taken, and how they are come by again.
+"""The rule of the collection: which frozen problems without friction are taken, and how they are regenerated.
 
-The rule. Published problems come first, then paths in their order, small before large. A step is taken when three
-things hold: its answer is certified by two ways (:mod:`.certified`); no step taken before from the same scene has the
+The rule. Published problems come first, then paths in their order, small before large. A step is taken under three
+conditions: its answer is certified by two methods (:mod:`.certified`); no step taken before from the same scene has the
 same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching (:class:`Traits`); and
 its file still fits in the size of the whole collection. A step that is taken offers its derived forms, candidates that
-touch without pressure and the dual in its forces, each a family of its own. The column ``adds`` of the manifest says of
-which class a step is the first.
+touch without pressure and the dual in its forces, each as a separate family. The column ``adds`` of the manifest names
+the class of which a step is the first.
 
-The rule leaves out what neither way certifies, and so favours those who solve as the first way does; every such step is
-named with its reason beside the manifest.
+The rule leaves out steps that are not certified by both methods, which favours solvers similar to the first one; every
+such step is listed with its reason beside the manifest.
 
-Then the files are made once more with other kernels of BLAS and other instructions, and only what agrees stays: a path
-of an indefinite tangent may be turned elsewhere by the last digit. The manifest is kept with the suite; the files are
-made from it by one command. No solver is judged here.
+Then the files are made again with other BLAS kernels and other instructions, and only those that agree are kept: on a
+path with an indefinite tangent rounding may decide the branch. The manifest is shipped with the suite; one command
+makes the files from it. No solver is judged here.
 
-Of each touching form it is kept which candidates of its step are pressed and raised, as a step that is not convex has
-several answers, and rounding decides which one is found.
+The pressed and raised candidates of each touching form are stored, as a step that is not convex has several answers,
+and rounding decides which one is computed.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Traits:
 
     @property
     def classes(self) -> tuple[object, ...]:
-        """Two steps with the same classes add nothing to each other."""
+        """Two steps with the same classes count as duplicates."""
         share = self.pressed / max(self.candidates, 1)
         stiff = math.inf if math.isinf(self.condition) else math.floor(math.log10(self.condition) / 3)
         return (
@@ -141,7 +141,7 @@ class Taken:
 
     @property
     def row(self) -> dict[str, Any]:
-        """Of the manifest, but for the size of the file."""
+        """A row of the manifest without the size of the file."""
         candidate, answer = self.candidate, self.answer
         force = float(candidate.step.problem().nodal_forces(answer.pressure).sum())
         row = {"name": candidate.name, "family": candidate.family, "adds": self.adds, **asdict(self.traits)}
@@ -152,7 +152,7 @@ class Taken:
 
 @dataclass(eq=False)
 class Rule:
-    """The rule at work: classes seen in each family, bytes spent, and what was left out although it is new."""
+    """State of the selection: classes seen in each family, bytes spent, and new steps that were left out."""
 
     largest: float = LARGEST
     seen: dict[str, set[tuple[object, ...]]] = field(default_factory=dict)
@@ -176,21 +176,21 @@ class Rule:
         except ArithmeticError as error:  # NotCertifiedError, and what a singular step raises
             self.left_out.append(dict(zip(LEFT_OUT, (candidate.name, candidate.family, str(error)), strict=True)))
             return None
-        found = Taken(candidate, answer, own, _news(own.classes, before))
+        accepted = Taken(candidate, answer, own, _news(own.classes, before))
         before.add(own.classes)
         self.spent += size
-        return found
+        return accepted
 
 
 def _news(classes: tuple[object, ...], before: set[tuple[object, ...]]) -> str:
-    """In which class nothing was before in the family, or that the combination is new."""
+    """The classes that are new in the family, or that the combination is new."""
     new = [name for i, name in enumerate(CLASSES) if all(other[i] != classes[i] for other in before)]
     return ", ".join(new) if before and new else "combination" if before else "family"
 
 
-def chosen(found: Iterable[Candidate[FrozenStep]], rule: Rule, tell: Tell = silent) -> Iterator[Taken]:
-    """Those that the rule takes, in their order, each followed by those of its derived forms that it takes, too."""
-    for candidate in found:
+def chosen(candidates: Iterable[Candidate[FrozenStep]], rule: Rule, tell: Tell = silent) -> Iterator[Taken]:
+    """The candidates that the rule takes, in order, each followed by its derived forms that it takes."""
+    for candidate in candidates:
         tell(candidate.name)
         taken = rule.taken(candidate)
         if taken is not None:
@@ -202,7 +202,7 @@ def chosen(found: Iterable[Candidate[FrozenStep]], rule: Rule, tell: Tell = sile
 
 
 def choose(directory: Path, tell: Tell = silent, only: str = "") -> pd.DataFrame:
-    """Apply the rule: write all files, the manifest and what was left out; only: the scene of paths, default all."""
+    """Apply the rule: write the files, the manifest and the list of those left out; only: a scene, default all."""
     rule, rows, states = Rule(), [], {}
     for taken in chosen(all_candidates(path for path in paths() if only in ("", path.scene)), rule, tell):
         candidate = taken.candidate
@@ -219,15 +219,15 @@ def _write_states(states: Mapping[str, np.ndarray], path: Path) -> None:
 
 
 def raised_states() -> dict[str, np.ndarray]:
-    """Of each touching form that is kept which candidates of its step are PRESSED and RAISED."""
+    """The PRESSED and RAISED candidates of the step of each stored touching form."""
     with HERE.joinpath(RAISED_IN).open("rb") as file, np.load(file) as arrays:
         return {name: arrays[name] for name in arrays.files}
 
 
 def _again(kept: pd.DataFrame) -> Iterator[Candidate[FrozenStep]]:
-    """Candidates that have one of the names, or of which a derived form has, and these; other paths are not walked.
+    """Candidates with one of the names, and derived forms with one of them; other paths are not followed.
 
-    No form where nothing is known of who touches or it is not met, which ``unlike`` says then.
+    A form without stored states, or whose states do not fit, is omitted; ``unlike`` then reports it as missing.
     """
     names, states = set(kept["name"]), raised_states()
     ways = [published(), *(on_path(path) for path in paths() if _begins(names, path.name))]
@@ -250,13 +250,13 @@ STEPS = Collection(
     "manifest.csv",
     "left-out.csv",
     FrozenStep.read,
-    lambda row, step: {"sum_r": step.scale},  # what is in balance is known to its parts
+    lambda row, step: {"sum_r": step.scale},  # accurate relative to the forces in balance
     _again,
 )
 
 
 def keep_agreeing(directory: Path, kept: pd.DataFrame, to: Path) -> None:
-    """Write the manifest of what files made elsewhere bear out; the other rows join those that are left out."""
+    """Write the manifest of the rows that files made elsewhere agree with; the others join those left out."""
     wrong = {line.partition(":")[0] for line in STEPS.unlike(directory, kept)}
     other = kept["name"].isin(wrong)
     gone = kept.loc[other, ["name", "family"]].assign(why=TURNED)

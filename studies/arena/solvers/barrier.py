@@ -1,4 +1,4 @@
-"""Barrier with crossover: gaps stay open on the way, and exact steps finish from the set that they tell."""
+"""Barrier with crossover: gaps stay open during the approach, and exact steps finish from the set that it predicts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from studies.arena.solvers.entry import Crossover, sprung
 
 BOUNDARY = 0.9  # of the way to s = 0, and to p = 0, that a step may go
 FULL = 0.5  # a step that goes so far, or farther, lets mu fall
-COME = 1e-3  # of the reach: the foundation is where it belongs
+COME = 1e-3  # of the reach: the foundation is in its position
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What every solver of the arena offers: whether it is there, whether it applies, and an answer with its time."""
+"""The interface of every solver of the arena: availability, applicability, and a timed answer."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from studies.output.stopwatch import timed
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What a solver says: du (n,) [mm], pressure (m,) [MPa], and whether it claims that they are the solution.
+    """The answer of a solver: du (n,) [mm], pressure (m,) [MPa], and whether it claims to have solved the problem.
 
-    iterations: in its own count, NaN where it keeps none.  seconds: of the processor, from the step to the answer, with
-    whatever has to be set up.  reason: its own words, or why there is no answer.
+    iterations: by its own count, NaN where it has none.  seconds: processor time from the step to the answer, including
+    the set-up.  reason: its own status text, or why there is no answer.
     """
 
     du: np.ndarray
@@ -36,24 +36,24 @@ class Answer:
 
 @dataclass(frozen=True)
 class Solver(ABC):
-    """A solver by its name; ``module`` is what it imports, ``install`` what pip is told where that is missing."""
+    """A solver by its name; ``module``: what it imports, ``install``: the argument of pip where that is missing."""
 
     name: str
     module: str = ""
     install: str = ""
 
     def missing(self) -> str | None:
-        """None, or the line that says how to get it."""
+        """None, or a line on how to install it."""
         if not self.module or importlib.util.find_spec(self.module) is not None:
             return None
         return f"not installed: pip install {self.install or self.module}"
 
     def applies(self, step: FrozenStep) -> str | None:
-        """None, or why it is not made for such a problem."""
+        """None, or why it does not apply to the problem."""
         return None
 
     def prepare(self, step: FrozenStep) -> None:
-        """What is not timed: imports, and whatever a warm start sets out from."""
+        """Untimed preparation: imports, and the initial point of a warm start."""
         if self.module:
             importlib.import_module(self.module)
 
@@ -62,14 +62,14 @@ class Solver(ABC):
         """The answer, without its time."""
 
     def keeps(self, step: FrozenStep, answer: Answer, tolerance: float) -> bool | None:
-        """Whether an answer keeps the tolerance by the solver's own criterion; None where it has none of its own."""
+        """Whether an answer meets the tolerance by the solver's own criterion; None where it has none."""
         return None
 
     def solve(self, step: FrozenStep, tolerance: float) -> Answer:
-        """The answer; whatever compiled code raises is no claim. Raises MemoryError."""
+        """The answer; an exception counts as no claim. Raises MemoryError."""
         self.prepare(step)
-        seconds, found = timed(lambda: self._tried(step, tolerance))
-        return replace(found, seconds=seconds)
+        seconds, answer = timed(lambda: self._tried(step, tolerance))
+        return replace(answer, seconds=seconds)
 
     def _tried(self, step: FrozenStep, tolerance: float) -> Answer:
         try:

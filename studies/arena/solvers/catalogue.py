@@ -1,8 +1,8 @@
-"""All solvers of the arena by name, one that is not installed, too: the algorithms of the house and public ones.
+"""All solvers of the arena by name, installed or not: the algorithms of this suite and public ones.
 
-Ours solve a frozen step from rest and without a set to begin with, as all others. ABLATION is a field of its own: OSQP
-with one setting changed at a time, on the programme as it is and as we scale it. Source of the settings: Stellato et
-al., Math. Program. Comput. 12 (2020) 637-672, sections 3.2, 4 and 5.
+Ours solve a frozen step from rest without an initial set, as all others. ABLATION is a separate field: OSQP with one
+setting changed at a time, on the programme as it is and as scaled here. Source of the settings: Stellato et al., Math.
+Program. Comput. 12 (2020) 637-672, sections 3.2, 4 and 5.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from contact.algorithms.qp import Scaled
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep
 from contact.problem import ContactAlgorithm, ContactSolution
-from contact.solvers.qp_backends import Answer as Found
+from contact.solvers.qp_backends import Answer as QPAnswer
 from contact.solvers.sparse import asymmetry, symmetric
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.outside import CONDENSED, OUTSIDE, Condensed, Outside, osqp, programme
@@ -36,7 +36,7 @@ class Ours(Solver):
     settings: Mapping[str, object] = field(default_factory=dict)
 
     def applies(self, step: FrozenStep) -> str | None:
-        """What the algorithm says, and symmetry where it needs a function to minimise."""
+        """As the algorithm, and symmetry of K where it minimises a function."""
         reason = self._made().supports(step.problem())
         minimises = self.algorithm == "qp" or self.settings.get("method") == "nnls"
         if reason is None and minimises and not symmetric(step.K):
@@ -44,13 +44,17 @@ class Ours(Solver):
         return reason
 
     def answer(self, step: FrozenStep, tolerance: float) -> Answer:
-        """Newton on a linear problem: one iteration, and what rounding asks for."""
+        """Newton on a linear problem: one iteration, and more where rounding requires it."""
         start = ContactSolution.at_rest(len(step.r), len(step.gap))
-        found = self._made(tolerance=tolerance).solve(step.problem(), start)
-        events = [str(row["event"]) for row in found.history if row.get("event")]
-        reason = "; ".join([found.outcome.word, *events])
+        solution = self._made(tolerance=tolerance).solve(step.problem(), start)
+        events = [str(row["event"]) for row in solution.history if row.get("event")]
+        reason = "; ".join([solution.outcome.word, *events])
         return Answer(
-            found.u, found.pressure, found.outcome.converged, found.counters.get("newton_iterations", 0), reason=reason
+            solution.u,
+            solution.pressure,
+            solution.outcome.converged,
+            solution.counters.get("newton_iterations", 0),
+            reason=reason,
         )
 
     def _made(self, **more: object) -> ContactAlgorithm:
@@ -78,7 +82,7 @@ SOLVERS: dict[str, Solver] = {solver.name: solver for solver in (*OURS, *OUTSIDE
 
 # --- the settings of OSQP ---------------------------------------------------------------------------------------------
 
-NEAR = 0.99  # of the loads and gaps, the step whose answer a warm start sets out from
+NEAR = 0.99  # of the loads and gaps: the step whose answer is the initial point of a warm start
 SETTINGS: dict[str, dict[str, Any]] = {
     "defaults": {},
     "no scaling": {"scaling": 0},
@@ -101,11 +105,11 @@ class WarmOsqp(Outside):
     """OSQP from the exact answer of a step with NEAR of the loads and gaps, which is not timed."""
 
     def prepare(self, step: FrozenStep) -> None:
-        """Find where it starts."""
+        """Compute the initial point."""
         super().prepare(step)
         _near(step)
 
-    def _found(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> Found:
+    def _solved(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> QPAnswer:
         du, forces = _near(step)
         if whole is not None:
             du, forces = du / (whole.size * whole.stretch), whole.multipliers(forces)
@@ -117,10 +121,10 @@ class ReducedOsqp(Outside):
     """Conjugate gradients on the reduced system, (P + sigma I + rho A^T A) x = b, where the wheel has them."""
 
     def missing(self) -> str | None:
-        """Of osqp itself, and of an algebra with that system."""
+        """Whether osqp is installed, and has an algebra for that system."""
         return super().missing() or (None if _algebra() else "osqp has only its builtin algebra, which factorises")
 
-    def _found(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> Found:
+    def _solved(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> QPAnswer:
         return osqp(programme(step, whole), tolerance, algebra=_algebra())
 
 
@@ -133,16 +137,16 @@ def _algebra() -> str:
 @lru_cache(maxsize=2)
 def _near(step: FrozenStep) -> tuple[np.ndarray, np.ndarray]:
     """The exact du (n,) and nodal forces (m,) of a step whose loads and gaps are nearly those."""
-    found = OURS[0].answer(replace(step, r=NEAR * step.r, gap=NEAR * step.gap), 1e-9)
-    return found.du / NEAR**2, step.weights * found.pressure
+    answer = OURS[0].answer(replace(step, r=NEAR * step.r, gap=NEAR * step.gap), 1e-9)
+    return answer.du / NEAR**2, step.weights * answer.pressure
 
 
 def _variants(scaled: bool) -> Iterator[Solver]:
-    words = ", scaled" if scaled else ""
+    suffix = ", scaled" if scaled else ""
     for name, settings in SETTINGS.items():
-        yield Outside(f"OSQP{words}: {name}", "osqp", call=partial(osqp, **settings), scaled=scaled)
-    yield WarmOsqp(f"OSQP{words}: warm start", "osqp", scaled=scaled)
-    yield ReducedOsqp(f"OSQP{words}: reduced KKT", "osqp", scaled=scaled)
+        yield Outside(f"OSQP{suffix}: {name}", "osqp", call=partial(osqp, **settings), scaled=scaled)
+    yield WarmOsqp(f"OSQP{suffix}: warm start", "osqp", scaled=scaled)
+    yield ReducedOsqp(f"OSQP{suffix}: reduced KKT", "osqp", scaled=scaled)
     if scaled:
         yield Condensed("OSQP, scaled: condensed", "osqp")
 

@@ -1,6 +1,6 @@
-"""What the entries share: parameters held to their ranges, and the crossover from a way of one's own to exact steps.
+"""Common parts of the entries: parameters checked against their ranges, and the crossover to exact steps.
 
-No barrier, no entropy and no parameter of a single method may enter here.
+Nothing specific to a single method, such as a barrier or an entropy, may enter here.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from contact.solvers.sparse import SingularMatrixError, added
 from studies.ask.scene import Setting
 
 SETTLE = 0.05  # of the exact steps, as semismooth
-FAR = 1e6  # times as far as is asked for: where an approach has found nothing, as of what has no answer
+FAR = 1e6  # times the expected distance: an approach that goes farther has failed, as on problems without an answer
 
 
 @dataclass(frozen=True)
 class Entry(NewtonAlgorithm):
-    """An algorithm that no scene has checked: it may be made in Python, with any values."""
+    """An algorithm whose parameters no scene has checked: it may be made in Python, with any values."""
 
     def __post_init__(self) -> None:
         """Raises ValueError with the value and its range."""
@@ -40,7 +40,7 @@ class Entry(NewtonAlgorithm):
 class Crossover(Entry, ABC):
     """Linearised steps of :meth:`approach`, then exact ones from the set p > c g of the last of them.
 
-    kept: what it keeps of the gaps on the way, for the refusal of a penetration p/epsilon.
+    kept: its constraint on the gaps during the approach, for the refusal of a penetration p/epsilon.
     """
 
     name: ClassVar[str]
@@ -69,7 +69,7 @@ class Crossover(Entry, ABC):
         run, spent = self.run(problem), f"{self.name.replace('-', '_')}_iterations"
         run.tally.counters[spent] = 0
         at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
-        told, c = "the travel is an unknown, none of its steps has it" if problem.driven else "", 0.0
+        reason, c = "the travel is an unknown, none of its steps has it" if problem.driven else "", 0.0
         depth = 0.0
         if not (problem.driven or _answered(run, at)):
             try:
@@ -78,16 +78,17 @@ class Crossover(Entry, ABC):
                     at = reached
                     run.tally.counters[spent] += 1
             except SingularMatrixError as error:
-                told = str(error)
+                reason = str(error)
         if _lost(run, start.u, at, depth):
-            told = "the approach ends far out, where a large gap hides a small one"
+            reason = "the approach ends far out, where a large gap hides a small one"
             at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
         weight = c / (at.stiffness.per_area or 1.0) or 1.0
         row, settle = len(run.tally.history), partial(settle_most, settle=SETTLE, c=weight, most=self.max_updates)
         near = ContactSolution(at.u, np.where(at.active, at.pressure, 0.0), at.active, Outcome.CONVERGED)
         solution = iterate(run, near, settle, self.max_iterations, weight, at.lin)
-        if told:
-            event, also = Event(EventKind.SUBSTITUTE, f"exact steps alone: {told}"), run.tally.history[row].get("event")
+        if reason:
+            event = Event(EventKind.SUBSTITUTE, f"exact steps alone: {reason}")
+            also = run.tally.history[row].get("event")
             run.tally.tell(event + also if isinstance(also, Event) else event, row)
         return solution
 
@@ -95,7 +96,7 @@ class Crossover(Entry, ABC):
 def sprung(
     run: NewtonRun, at: Iterate, pressure: np.ndarray, springs: np.ndarray
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """What gives du (n,) of (K + G^T W D G) du = G^T W q - r, with springs D (m,), for pressures q (m,) at du = 0.
+    """A function for du (n,) of (K + G^T W D G) du = G^T W q - r, with springs D (m,), for pressures q (m,) at du = 0.
 
     K is that under ``pressure`` (m,).  Raises SingularMatrixError.
     """
@@ -109,9 +110,9 @@ def sprung(
 
 
 def scales(run: NewtonRun, at: Iterate) -> tuple[float, float]:
-    """The depth [mm] that a step enters the foundation if nothing new resists, and the stiffness per area of who does.
+    """Depth [mm] to which a step enters the foundation without new contact, and stiffness per area of those entering.
 
-    Candidates of the set are held by springs of their own stiffness. The depth is 0 where no candidate is concerned.
+    Candidates of the set are held by springs of their own stiffness. The depth is 0 where no candidate enters.
     Raises SingularMatrixError.
     """
     rows, own = run.problem.gap_jacobian(at.u), at.stiffness.per_area or 1.0
@@ -128,10 +129,10 @@ def scales(run: NewtonRun, at: Iterate) -> tuple[float, float]:
 
 
 def _lost(run: NewtonRun, begun: np.ndarray, at: Iterate, depth: float) -> bool:
-    """Whether the candidates have come FAR times as far as the depth and the gaps at u = ``begun`` (n,) ask for."""
+    """Whether the candidates have moved FAR times as far as the depth and the gaps at u = ``begun`` (n,) require."""
     gap = run.problem.gap(begun)
-    asked = depth + float(np.max(np.abs(gap), initial=0.0))
-    return not float(np.max(np.abs(at.gap - gap), initial=0.0)) <= FAR * asked
+    expected = depth + float(np.max(np.abs(gap), initial=0.0))
+    return not float(np.max(np.abs(at.gap - gap), initial=0.0)) <= FAR * expected
 
 
 def _answered(run: NewtonRun, at: Iterate) -> bool:

@@ -22,7 +22,7 @@ from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.lcp_pivoting import unit
 from studies.arena.solvers.entry import Entry
 
-MOST = 60  # iterations: 2 to 20 where there is a path
+MOST = 60  # iterations: 2 to 20 where the path exists
 SPENT, PROGRAMMES = "interior_point_iterations", "interior_point_programmes"
 
 
@@ -56,7 +56,7 @@ class InteriorPoint(Entry):
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Needs forces that are each a candidate's own: lumped coupling, and an area for every candidate."""
+        """Needs one force per candidate: lumped coupling, and an area for every candidate."""
         if not holdable(problem):
             return "it needs lumped coupling and an area for every candidate: each pressure a force of its own"
         return None
@@ -68,34 +68,34 @@ class InteriorPoint(Entry):
         return iterate(run, start, self._step, self.max_iterations)
 
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
-        linear, told = run.linear(at.lin, at.u, at.pressure, at.active), list[Event]()
-        assert isinstance(linear, Condensed)  # as supports has seen to
+        linear, substitutes = run.linear(at.lin, at.u, at.pressure, at.active), list[Event]()
+        assert isinstance(linear, Condensed)  # ensured by supports
 
         def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray, left: np.ndarray) -> np.ndarray:
             with run.tally.timed("contact_s"):
-                found = central_path(M, q, self.complementarity, self.boundary)
-            run.tally.counters[SPENT] += found.iterations
+                central = central_path(M, q, self.complementarity, self.boundary)
+            run.tally.counters[SPENT] += central.iterations
             run.tally.counters[PROGRAMMES] += 1
-            if not found.ended:
-                text = f"no end of the path in {found.iterations} iterations: the set is left to exact steps"
-                told.append(Event(EventKind.SUBSTITUTE, text))
-            return (found.z > found.w) & found.ended
+            if not central.ended:
+                text = f"no end of the path in {central.iterations} iterations: the set is left to exact steps"
+                substitutes.append(Event(EventKind.SUBSTITUTE, text))
+            return (central.z > central.w) & central.ended
 
         claimed, linear = _with_neighbours(run, at, linear, decide)
         step = settle_set(run, at, claimed, linear=linear)
         wrong = int(np.sum(claimed ^ step.active))
         if wrong:
-            told.append(Event(EventKind.SUBSTITUTE, f"set of the interior point corrected at {wrong} nodes"))
-        events = [*told, *([step.event] if step.event else [])]
+            substitutes.append(Event(EventKind.SUBSTITUTE, f"set of the interior point corrected at {wrong} nodes"))
+        events = [*substitutes, *([step.event] if step.event else [])]
         return replace(step, event=reduce(add, events) if events else None, updates=0)
 
 
 def _with_neighbours(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -> tuple[np.ndarray, Condensed]:
     """The set (m,) that ``decide`` makes of the misplaced candidates and of those that are near to being so.
 
-    Near is who presses, or stands off, by no more than the misplaced of the same state pull or enter on the mean. Were
-    the misplaced alone decided, the set would lose one row of elements with each programme, and the number of
-    programmes would grow with the mesh.
+    Near are candidates whose pressure, or gap, is at most the mean violation of the misplaced ones of the same state.
+    If only the misplaced were decided, the set would change by one row of elements with each programme, and the number
+    of programmes would grow with the mesh.
     """
     active, decided = linear.base, np.zeros(len(at.gap), bool)
     while True:

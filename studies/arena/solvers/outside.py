@@ -1,8 +1,8 @@
-"""Public solvers of quadratic programmes, each taken at its word on min du.K.du/2 + r.du subject to G du >= -g.
+"""Public solvers of quadratic programmes, with their own claims, on min du.K.du/2 + r.du subject to G du >= -g.
 
 The multipliers are nodal forces. One call each, on min x.P.x/2 + q.x, A x >= b; P (n, n), A (m, n), multipliers y (m,)
->= 0; what :mod:`contact.solvers.qp_backends` knows already is called there. Tolerances are absolute and relative alike
-where there are both; all else is as the solver has it, but for the iterations, of which there may be more.
+>= 0; backends of :mod:`contact.solvers.qp_backends` are called there. The tolerance is both absolute and relative where
+there are both; all other settings are the defaults, except for a larger limit of iterations.
 Measured: highspy 1.15 adds 1e-7 to the diagonal of P unless told not to; the wheel of scs 3.3 brings Pardiso.
 Sources of the solvers: Stellato et al., Math. Program. Comput. 12 (2020) 637-672
 (OSQP); Goulart, Chen, arXiv:2405.12762 (Clarabel); Bambade et al., IEEE Trans. Robot. (2025) (ProxQP); Schwan et al.,
@@ -27,24 +27,24 @@ from contact.algorithms.qp import Scaled
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import refusal
 from contact.solvers.lcp_pivoting import unit
-from contact.solvers.qp_backends import Answer as Found
+from contact.solvers.qp_backends import Answer as QPAnswer
 from contact.solvers.qp_backends import Programme, ask
 from contact.solvers.sparse import checked_solve, factorise, response
 from studies.arena.solvers.base import Answer, Solver
 from studies.experiments.false_success import keeps
 
 DENSE = 3000  # unknowns beyond which K is not written out with its zeros: 72 MB, and a cubic number of operations
-MOST = 100_000  # iterations of first-order methods; the limit of time comes first
-INTERIOR = ("clarabel", "piqp")  # of which ``ask`` counts the solutions, two an iteration
+MOST = 100_000  # iterations of first-order methods; the time limit is reached first
+INTERIOR = ("clarabel", "piqp")  # for which ``ask`` counts the solutions, two per iteration
 
 
-def _ask(backend: str, programme: Programme, eps: float) -> Found:
-    found = ask(backend, programme, eps, polish=False)
-    return replace(found, iterations=found.factorisations) if backend in INTERIOR else found
+def _ask(backend: str, programme: Programme, eps: float) -> QPAnswer:
+    answer = ask(backend, programme, eps, polish=False)
+    return replace(answer, iterations=answer.factorisations) if backend in INTERIOR else answer
 
 
-def known(backend: str) -> Callable[[Programme, float], Found]:
-    """A backend of ours, which can be sent to another process."""
+def known(backend: str) -> Callable[[Programme, float], QPAnswer]:
+    """A backend of the suite, which can be sent to another process."""
     return partial(_ask, backend)
 
 
@@ -54,31 +54,31 @@ def osqp(
     guess: tuple[np.ndarray, np.ndarray] | None = None,
     algebra: str = "builtin",
     **settings: object,
-) -> Found:
-    """OSQP with settings of its own, and another algebra; guess: where it starts, x (n,) and y (m,)."""
+) -> QPAnswer:
+    """OSQP with given settings and algebra; guess: the initial point, x (n,) and y (m,)."""
     module = importlib.import_module("osqp")
     solver, above = module.OSQP(algebra=algebra), np.full(len(programme.b), np.inf)
     settings = {"eps_abs": eps, "eps_rel": eps, "max_iter": MOST, "verbose": False, **settings}
     solver.setup(sparse.triu(programme.P, format="csc"), programme.q, programme.A, programme.b, above, **settings)
     if guess is not None:
         solver.warm_start(x=guess[0], y=-guess[1])
-    found = solver.solve(raise_error=False)
-    claimed = found.info.status_val == module.SolverStatus.OSQP_SOLVED
-    return _answer(found.x, -found.y, claimed, found.info.status, found.info.iter)
+    result = solver.solve(raise_error=False)
+    claimed = result.info.status_val == module.SolverStatus.OSQP_SOLVED
+    return _answer(result.x, -result.y, claimed, result.info.status, result.info.iter)
 
 
-def scs(programme: Programme, eps: float) -> Found:
+def scs(programme: Programme, eps: float) -> QPAnswer:
     """SCS: A x + s = b with s >= 0."""
     module = importlib.import_module("scs")
     P, A = sparse.triu(programme.P, format="csc"), sparse.csc_matrix(-programme.A)
     data = {"P": P, "A": A, "b": -programme.b, "c": programme.q}
     cone = {"l": len(programme.b)}
-    found = module.SCS(data, cone, eps_abs=eps, eps_rel=eps, max_iters=MOST, verbose=False).solve()
-    info = found["info"]
-    return _answer(found["x"], found["y"], info["status_val"] == 1, info["status"], info["iter"])
+    result = module.SCS(data, cone, eps_abs=eps, eps_rel=eps, max_iters=MOST, verbose=False).solve()
+    info = result["info"]
+    return _answer(result["x"], result["y"], info["status_val"] == 1, info["status"], info["iter"])
 
 
-def highs(programme: Programme, eps: float) -> Found:
+def highs(programme: Programme, eps: float) -> QPAnswer:
     """The active set of HiGHS, whose tolerances are absolute and no less than 1e-10."""
     module = importlib.import_module("highspy")
     solver, n, m = module.Highs(), len(programme.q), len(programme.b)
@@ -97,15 +97,15 @@ def highs(programme: Programme, eps: float) -> Found:
     refused = solver.passModel(model) == module.HighsStatus.kError
     solver.run()
     status = solver.getModelStatus()
-    found = solver.getSolution()
-    x, y = np.array(found.col_value, float), np.array(found.row_dual, float)
+    solution = solver.getSolution()
+    x, y = np.array(solution.col_value, float), np.array(solution.row_dual, float)
     if refused or len(x) != n or len(y) != m:
         return _nothing(programme, "the model was refused" if refused else solver.modelStatusToString(status))
     claimed = status == module.HighsModelStatus.kOptimal
     return _answer(x, y, claimed, solver.modelStatusToString(status), solver.getInfo().qp_iteration_count)
 
 
-def qpalm(programme: Programme, eps: float) -> Found:
+def qpalm(programme: Programme, eps: float) -> QPAnswer:
     """QPALM."""
     module = importlib.import_module("qpalm")
     data, settings = module.Data(len(programme.q), len(programme.b)), module.Settings()
@@ -119,7 +119,7 @@ def qpalm(programme: Programme, eps: float) -> Found:
     return _answer(np.array(x), -np.array(y), info.status == "solved", info.status, info.iter)
 
 
-def cvxopt(programme: Programme, eps: float) -> Found:
+def cvxopt(programme: Programme, eps: float) -> QPAnswer:
     """The interior points of CVXOPT."""
     module = importlib.import_module("cvxopt")
     importlib.import_module("cvxopt.solvers")
@@ -130,12 +130,12 @@ def cvxopt(programme: Programme, eps: float) -> Found:
 
     options = {"show_progress": False, "abstol": eps, "reltol": eps, "feastol": eps}
     rest = given(-programme.A), module.matrix(-programme.b)
-    found = module.solvers.qp(given(programme.P), module.matrix(programme.q), *rest, options=options)
-    x, y = (np.array(found[key], float).ravel() for key in ("x", "z"))
-    return _answer(x, y, found["status"] == "optimal", found["status"], found["iterations"])
+    result = module.solvers.qp(given(programme.P), module.matrix(programme.q), *rest, options=options)
+    x, y = (np.array(result[key], float).ravel() for key in ("x", "z"))
+    return _answer(x, y, result["status"] == "optimal", result["status"], result["iterations"])
 
 
-def quadprog(programme: Programme, eps: float) -> Found:
+def quadprog(programme: Programme, eps: float) -> QPAnswer:
     """The dual active set of Goldfarb and Idnani, which has no tolerance and raises where it finds nothing."""
     module = importlib.import_module("quadprog")
     P, A = programme.P.toarray(), programme.A.toarray()
@@ -143,51 +143,51 @@ def quadprog(programme: Programme, eps: float) -> Found:
     return _answer(x, y, True, "solved", int(iterations[0]))
 
 
-def qpsolvers(programme: Programme, eps: float) -> Found:
+def qpsolvers(programme: Programme, eps: float) -> QPAnswer:
     """What qpsolvers makes of quadprog."""
     module = importlib.import_module("qpsolvers")
     P, A = programme.P.toarray(), programme.A.toarray()
-    found = module.solve_problem(module.Problem(P, programme.q, -A, -programme.b), solver="quadprog")
-    if not found.found:
+    solution = module.solve_problem(module.Problem(P, programme.q, -A, -programme.b), solver="quadprog")
+    if not solution.found:
         return _nothing(programme, "not found")
-    return _answer(found.x, found.z, True, "found")
+    return _answer(solution.x, solution.z, True, "found")
 
 
-def cvxpy(programme: Programme, eps: float) -> Found:
-    """The solver that cvxpy chooses by itself for a quadratic programme, OSQP, as cvxpy hands it on."""
+def cvxpy(programme: Programme, eps: float) -> QPAnswer:
+    """The default solver of cvxpy for a quadratic programme, OSQP, as cvxpy calls it."""
     cp = importlib.import_module("cvxpy")
     x = cp.Variable(len(programme.q))
     rows = programme.A @ x >= programme.b
     whole = cp.Problem(cp.Minimize(cp.quad_form(x, cp.psd_wrap(programme.P)) / 2 + programme.q @ x), [rows])
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": such an answer is no claim
+        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": such an answer is not claimed
         whole.solve(eps_abs=eps, eps_rel=eps, max_iter=MOST)
     if x.value is None:
         return _nothing(programme, whole.status)
     stats, y = whole.solver_stats, np.atleast_1d(rows.dual_value)
-    words = f"{whole.status} by {stats.solver_name}"
-    return _answer(np.asarray(x.value), y, whole.status == "optimal", words, stats.num_iters or 0)
+    status = f"{whole.status} by {stats.solver_name}"
+    return _answer(np.asarray(x.value), y, whole.status == "optimal", status, stats.num_iters or 0)
 
 
-def _answer(x: np.ndarray, y: np.ndarray, claimed: bool, status: str, iterations: int = 0) -> Found:
-    """As it is, but for the sign that rounding gives a multiplier."""
-    return Found(np.asarray(x, float), np.maximum(y, 0.0), bool(claimed), str(status), int(iterations))
+def _answer(x: np.ndarray, y: np.ndarray, claimed: bool, status: str, iterations: int = 0) -> QPAnswer:
+    """Unchanged, except that multipliers made negative by rounding become zero."""
+    return QPAnswer(np.asarray(x, float), np.maximum(y, 0.0), bool(claimed), str(status), int(iterations))
 
 
-def _nothing(programme: Programme, status: str) -> Found:
+def _nothing(programme: Programme, status: str) -> QPAnswer:
     nothing = np.full_like(programme.q, np.nan), np.full_like(programme.b, np.nan)
-    return Found(*nothing, False, status)
+    return QPAnswer(*nothing, False, status)
 
 
 @dataclass(frozen=True)
 class Outside(Solver):
-    """One call of a public solver from nothing, with the tolerance for all that it can be asked for.
+    """One cold call of a public solver, with the tolerance for each of its criteria.
 
     scaled: the programme as contact/algorithms/qp.py scales it, with a unit diagonal, unit rows and displacements about
-    1; otherwise as it is in the file, in N and mm.  dense: whether the solver knows no zeros.
+    1; otherwise as it is in the file, in N and mm.  dense: whether the solver takes full matrices only.
     """
 
-    call: Callable[[Programme, float], Found] = osqp
+    call: Callable[[Programme, float], QPAnswer] = osqp
     scaled: bool = False
     dense: bool = False
 
@@ -200,20 +200,20 @@ class Outside(Solver):
         return _refusal(step)
 
     def answer(self, step: FrozenStep, tolerance: float) -> Answer:
-        """What it says, in mm and MPa."""
+        """Its answer, in mm and MPa."""
         whole = self._scaled(step)
-        found = self._found(step, whole, tolerance)
-        du, forces = (found.x, found.y) if whole is None else whole.unscaled(found)
-        return Answer(du, forces / step.weights, found.claimed, found.iterations, reason=found.status)
+        solution = self._solved(step, whole, tolerance)
+        du, forces = (solution.x, solution.y) if whole is None else whole.unscaled(solution)
+        return Answer(du, forces / step.weights, solution.claimed, solution.iterations, reason=solution.status)
 
     def keeps(self, step: FrozenStep, answer: Answer, tolerance: float) -> bool | None:
-        """By the criterion of OSQP, in the units of the programme that was put to it."""
+        """By the criterion of OSQP, in the units of the programme that it got."""
         whole, forces = self._scaled(step), step.weights * answer.pressure
         x = answer.du if whole is None else answer.du / (whole.size * whole.stretch)
         y = forces if whole is None else whole.multipliers(forces)
-        return keeps(programme(step, whole), Found(x, y, True, ""), tolerance)
+        return keeps(programme(step, whole), QPAnswer(x, y, True, ""), tolerance)
 
-    def _found(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> Found:
+    def _solved(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> QPAnswer:
         return self.call(programme(step, whole), tolerance)
 
     def _scaled(self, step: FrozenStep) -> Scaled | None:
@@ -232,7 +232,7 @@ class Condensed(Outside):
     scaled: bool = True
 
     def applies(self, step: FrozenStep) -> str | None:
-        """As the others, with few enough candidates."""
+        """As the others, up to DENSE candidates."""
         if len(step.gap) > DENSE:
             return f"dense: {len(step.gap)} candidates are more than {DENSE}"
         return super().applies(step)
@@ -247,13 +247,13 @@ class Condensed(Outside):
         far = float(np.max(np.abs(gap))) or 1.0
         none = np.zeros_like(gap)
         whole = sparse.csc_matrix(sparse.eye_array(len(gap), format="csc"))
-        found = self.call(Programme(sparse.csc_matrix(C), gap / far, whole, none), tolerance)
-        forces = far * size * np.maximum(found.x, 0.0)
+        solution = self.call(Programme(sparse.csc_matrix(C), gap / far, whole, none), tolerance)
+        forces = far * size * np.maximum(solution.x, 0.0)
         du = checked_solve(factor, step.K, step.G.T @ forces - step.r)
-        return Answer(du, forces / step.weights, found.claimed, found.iterations, reason=found.status)
+        return Answer(du, forces / step.weights, solution.claimed, solution.iterations, reason=solution.status)
 
     def keeps(self, step: FrozenStep, answer: Answer, tolerance: float) -> bool | None:
-        """Its own criterion is one of the dual, which is gone with the factors."""
+        """None: its criterion is one of the dual, which is not stored."""
         return None
 
 

@@ -1,11 +1,12 @@
 """A process that solves frozen problems one after another and may be killed: a solver that hangs stops nothing else.
 
-Both sides of it: :class:`Child` asks, ``python -m studies.arena.solvers.process FD ALIVE MEMORY_MB`` answers.
+Both sides are here: :class:`Child` is the client, ``python -m studies.arena.solvers.process FD ALIVE MEMORY_MB`` the
+server.
 FD is its end of a pipe, on which steps and orders come and answers go, ALIVE as of the process that solves cells
 (:mod:`studies.commands.worker`); beyond MEMORY_MB allocations fail.
-Peak memory is that of the process: resident memory at its highest during a solve, which Linux resets on request, less
-that before it, once what is free has been handed back. Matrices that a solver copies are in it, the problem is not.
-Where the kernel tells no such thing, it is NaN.
+Peak memory is that of the process: the highest resident memory during a solve, which Linux resets on request, less
+that before it, after free memory is returned to the kernel. Matrices that a solver copies are included, the problem is
+not. Where the kernel does not provide it, it is NaN.
 """
 
 from __future__ import annotations
@@ -34,9 +35,9 @@ RESET = Path("/proc/self/clear_refs")
 
 
 class Child:
-    """One process at a time, begun when it is needed and again after it was killed; to be closed.
+    """One process at a time, started when needed and again after it was killed; to be closed.
 
-    limit_s: of a solve [s], of processor time, so that no busy machine fails it; PATIENCE times that asleep.
+    limit_s: of a solve [s], of processor time, so that a loaded machine fails no solve; PATIENCE times that asleep.
     memory_MB: private memory beyond what the process begins with.
     """
 
@@ -46,7 +47,7 @@ class Child:
         self._step: FrozenStep | None = None
 
     def solve(self, solver: Solver, step: FrozenStep, tolerance: float) -> tuple[Answer, float]:
-        """The answer and its peak memory [MB]; of a process that was killed, or died, the reason."""
+        """The answer and its peak memory [MB]; an answer with the reason where the process was killed or died."""
         running = self._begun()
         try:
             if step is not self._step:
@@ -71,15 +72,15 @@ class Child:
         self._running = self._step = None
 
     def _late(self, running: Running) -> str:
-        """Wait for an answer; why there was none in time, or nothing.
+        """Wait for an answer; the reason where there was none in time, otherwise empty.
 
-        Watched from here: a timer of the kernel in the other process makes its clock tick in 4 ms (measured).
+        Polled from this process: a kernel timer in the other one makes its clock tick in 4 ms (measured).
         """
         pid = running.process.pid
-        (begun, _), asleep, seen = _spent(pid), 0.0, time.monotonic()
+        (begun, _), asleep, last = _spent(pid), 0.0, time.monotonic()
         while not running.pipe.poll(WATCH_S):
             (spent, sleeps), now = _spent(pid), time.monotonic()
-            asleep, seen = asleep + (now - seen if sleeps else 0.0), now
+            asleep, last = asleep + (now - last if sleeps else 0.0), now
             if spent - begun > self.limit_s:
                 return f"killed after {self.limit_s:g} s"
             if asleep > PATIENCE * self.limit_s:
@@ -99,22 +100,22 @@ class Child:
 def _spent(pid: int) -> tuple[float, bool]:
     """Processor time of another process [s], and whether it sleeps.
 
-    Where the kernel tells neither, NaN, which is never too much, and yes: then the clock decides.
+    Where the kernel provides neither, NaN, which exceeds no limit, and True: then the wall clock decides.
     """
     try:
-        told = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
+        stat = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
     except OSError:
         return np.nan, True
-    state, *numbers = told.rpartition(")")[2].split()
+    state, *numbers = stat.rpartition(")")[2].split()
     user, system = numbers[10:12]
     return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK"), state != "R"
 
 
-# --- the other side ---------------------------------------------------------------------------------------------------
+# --- the server -------------------------------------------------------------------------------------------------------
 
 
 def main() -> None:
-    """Answer until the other side is gone."""
+    """Answer until the client is gone."""
     pipe: Connection[Any, Any] = Connection(int(sys.argv[1]))
     end_with(int(sys.argv[2]))
     limit(None, float(sys.argv[3]))
@@ -129,7 +130,7 @@ def main() -> None:
             assert step is not None
             solver, tolerance = order
             solver.prepare(step)
-            gc.freeze()  # what is imported is not searched for garbage before each solve, which takes 50 ms
+            gc.freeze()  # imported objects are not scanned for garbage before each solve, which takes 50 ms
             pipe.send(True)
             pipe.send(measured(solver, step, tolerance))
 
@@ -146,7 +147,7 @@ def measured(solver: Solver, step: FrozenStep, tolerance: float) -> tuple[Answer
 
 
 def _hand_back() -> None:
-    """Return free memory to the kernel and forget the highest so far."""
+    """Return free memory to the kernel and reset the peak."""
     gc.collect()
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):

@@ -1,4 +1,4 @@
-"""Proximal point with latent variables: gaps exp(psi) on the way, and exact steps from the set that they tell."""
+"""Proximal point with latent variables: gaps exp(psi) during the approach, then exact steps from the predicted set."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from contact.newton.step import Iterate, NewtonRun
 from contact.parameters import SHARED, Parameter
 from studies.arena.solvers.entry import Crossover, sprung
 
-FIRST = 0.1  # of the depth: the least room that a candidate begins with
+FIRST = 0.1  # of the depth: the smallest initial gap of a candidate
 FALL = 3.0  # the most by which psi falls in a Newton step
-SMALLEST = 1e-8  # of the depth: room that is none
+SMALLEST = 1e-8  # of the depth: a gap that counts as closed
 LOOSE = 1.0  # of the depth over the growth of alpha so far: how far g may be from exp(psi) when alpha grows
 
 

@@ -60,8 +60,8 @@ def test_residuals_are_those_of_the_definition(rng: np.random.Generator) -> None
     stiff = replace(step, K=1e3 * step.K, gap=np.abs(step.gap))  # whose length is the largest gap
     for each in (step, replace(step, gap=step.gap - 0.5), indefinite(step), lopsided(step), coupled, stiff):
         du, pressure = rng.normal(size=step.r.shape), rng.normal(size=step.gap.shape)
-        found = asdict(accuracy(each, du, pressure))
-        assert found == pytest.approx(residuals_by_hand(each, du, pressure), rel=1e-9)
+        computed = asdict(accuracy(each, du, pressure))
+        assert computed == pytest.approx(residuals_by_hand(each, du, pressure), rel=1e-9)
 
 
 def test_residuals_by_hand() -> None:
@@ -145,14 +145,14 @@ def test_a_right_answer_of_either_format_is_certified_and_its_claims_are_true(tm
     step, du, pressure = known_step()
     claims = {"accuracy": 1e-12, "equilibrium": 1e-12, "force": float(np.sum(step.weights * pressure))}
     claims["pressed"] = np.flatnonzero(pressure > 0).tolist()
-    told = {"du": du.tolist(), "pressure": pressure.tolist(), "claims": claims}
-    (tmp_path / "answer.json").write_text(json.dumps(told), encoding="utf-8")
+    fields = {"du": du.tolist(), "pressure": pressure.tolist(), "claims": claims}
+    (tmp_path / "answer.json").write_text(json.dumps(fields), encoding="utf-8")
     np.savez(tmp_path / "answer.npz", du=du, pressure=pressure, claims=np.array(json.dumps(claims)))
     for suffix in ("json", "npz"):
-        found = read_answer(tmp_path / f"answer.{suffix}")
-        assert np.array_equal(found.du, du)
-        assert np.array_equal(found.pressure, pressure)
-        judgement = judge_answer(step, found)
+        answer = read_answer(tmp_path / f"answer.{suffix}")
+        assert np.array_equal(answer.du, du)
+        assert np.array_equal(answer.pressure, pressure)
+        judgement = judge_answer(step, answer)
         assert judgement.sound
         assert len(judgement.claims) == 4
 
@@ -160,20 +160,20 @@ def test_a_right_answer_of_either_format_is_certified_and_its_claims_are_true(tm
 def test_a_false_claim_is_named() -> None:
     """du off by 1e-3 of its size: certified at 1, but nothing that is claimed of a better one is true."""
     step, du, pressure = known_step()
-    said: dict[str, Any] = {"accuracy": 1e-9, "equilibrium": 1e-9, "penetration": 1e-12}
-    said["force"] = float(np.sum(step.weights * pressure)) * 1.001
-    said["pressed"] = np.flatnonzero(pressure > 0).tolist()[1:]
-    for what, value in said.items():
-        found = judge_answer(step, Given(du * (1 + 1e-3), pressure, {what: value}), asked=1.0)
-        assert found.certified
-        assert not found.sound
-        (false,) = (line for line in found.lines() if line.startswith(f"claim {what} ") and "FALSE" in line)
+    claims: dict[str, Any] = {"accuracy": 1e-9, "equilibrium": 1e-9, "penetration": 1e-12}
+    claims["force"] = float(np.sum(step.weights * pressure)) * 1.001
+    claims["pressed"] = np.flatnonzero(pressure > 0).tolist()[1:]
+    for what, value in claims.items():
+        judgement = judge_answer(step, Given(du * (1 + 1e-3), pressure, {what: value}), asked=1.0)
+        assert judgement.certified
+        assert not judgement.sound
+        (false,) = (line for line in judgement.lines() if line.startswith(f"claim {what} ") and "FALSE" in line)
         assert {"force": " of the larger of it and F, ", "pressed": " candidates, "}.get(what, " times, ") in false
 
 
 def test_what_is_no_answer_is_refused_in_a_line(tmp_path: Path) -> None:
     path = tmp_path / "answer.json"
-    for told, fault in (
+    for text, fault in (
         ('{"du": [1.0]}', "'pressure' is missing"),
         ('{"du": [[1.0]], "pressure": []}', "each be a list of numbers"),
         ('{"du": [1.0], "pressure": [1.0], "claims": {"speed": 3}}', "claim 'speed' must be one of accuracy"),
@@ -181,16 +181,16 @@ def test_what_is_no_answer_is_refused_in_a_line(tmp_path: Path) -> None:
         ("[]", "must be a JSON object"),
         ("{", "is no answer"),
     ):
-        path.write_text(told, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         with pytest.raises(UsageError, match=fault) as error:
             read_answer(path)
         assert "\n" not in str(error.value)
     step, du, pressure = known_step()
     with pytest.raises(UsageError, match="unknowns"):
         judge_answer(step, Given(du[:-1], pressure, {}))
-    for what, said in (("accuracy", -1.0), ("force", "big"), ("pressed", [1000]), ("pressed", 3)):
+    for what, value in (("accuracy", -1.0), ("force", "big"), ("pressed", [1000]), ("pressed", 3)):
         with pytest.raises(UsageError, match=what):
-            judge_answer(step, Given(du, pressure, {what: said}))
+            judge_answer(step, Given(du, pressure, {what: value}))
 
 
 def test_a_stranger_reads_solves_and_is_judged(tmp_path: Path) -> None:
@@ -203,6 +203,6 @@ def test_a_stranger_reads_solves_and_is_judged(tmp_path: Path) -> None:
     problem, answer = tmp_path / "problem.npz", tmp_path / "answer.json"
     step.write(problem)
     subprocess.run([sys.executable, "-I", str(STRANGER), str(problem), str(answer)], check=True)
-    found = judge_answer(step, read_answer(answer))
-    assert found.sound
-    assert {claim.what for claim in found.claims} == {"accuracy", "pressed"}
+    judgement = judge_answer(step, read_answer(answer))
+    assert judgement.sound
+    assert {claim.what for claim in judgement.claims} == {"accuracy", "pressed"}

@@ -74,18 +74,18 @@ def test_published_problems_of_siconos_are_those_of_its_files(tmp_path: File) ->
 
 def test_iterates_of_a_path_are_problems_of_its_solves() -> None:
     """Each solve begins with iteration 0, from where its step moves far; the last one hardly moves."""
-    found = list(on_path(Path("strip-contact", "4x1", {"lam_over_a": "0.1"})))
-    assert len(found) > 3
-    assert all(candidate.family == "strip-contact" for candidate in found)
-    assert len({candidate.name for candidate in found}) == len(found)
-    last = [c for c in found if c.origin["solve"] == found[-1].origin["solve"]]
+    iterates = list(on_path(Path("strip-contact", "4x1", {"lam_over_a": "0.1"})))
+    assert len(iterates) > 3
+    assert all(candidate.family == "strip-contact" for candidate in iterates)
+    assert len({candidate.name for candidate in iterates}) == len(iterates)
+    last = [c for c in iterates if c.origin["solve"] == iterates[-1].origin["solve"]]
     assert last[0].origin["iteration"] == 0
     moved = [float(np.max(np.abs(find(c.step).du))) for c in (last[0], last[-1])]
     assert moved[1] < 1e-3 * moved[0]
     # few looks are the first and the last that moves
     few = list(on_path(Path("strip-contact", "4x1", {"lam_over_a": "0.1"}, looks=2)))
     solve = few[-1].origin["solve"]
-    count = sum(c.origin["solve"] == solve for c in found)
+    count = sum(c.origin["solve"] == solve for c in iterates)
     assert [c.origin["iteration"] for c in few if c.origin["solve"] == solve] == sorted({0, count - 2})
 
 

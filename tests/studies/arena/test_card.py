@@ -49,8 +49,8 @@ def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 def part(name: str) -> Subject:
-    (found,) = subjects(str(PARTS / f"{name}.py"))
-    return found
+    (subject,) = subjects(str(PARTS / f"{name}.py"))
+    return subject
 
 
 @pytest.fixture
@@ -72,57 +72,57 @@ def beside(subject: Subject, *ours: str) -> Subject:
 
 @pytest.mark.slow
 def test_nodes_dropped_at_random_are_false_claims_that_are_named(few: None) -> None:
-    found = card_of(beside(part("hasty"), "semismooth", "lcp"))
-    false = found.ended(FALSE)
+    card = card_of(beside(part("hasty"), "semismooth", "lcp"))
+    false = card.ended(FALSE)
     assert len(false) >= 3
-    assert not found.passes
-    assert found.verdict.startswith("`hasty` FAILS: it solves ")
-    assert f"false claim on {len(false)}" in found.verdict
-    assert str(false["problem"].iloc[0]) in found.verdict
+    assert not card.passes
+    assert card.verdict.startswith("`hasty` FAILS: it solves ")
+    assert f"false claim on {len(false)}" in card.verdict
+    assert str(false["problem"].iloc[0]) in card.verdict
     assert {"answers are those of non-negative least squares", "the same question has the same answer"} <= {
-        law.law for law in found.broken
+        law.law for law in card.broken
     }
-    text = card_page([found.told], "footprint card hasty.py", "1")
+    text = card_page([card.told], "footprint card hasty.py", "1")
     assert all(name in text for name in false["problem"])
 
 
 @pytest.mark.slow
 def test_a_right_one_that_solves_twice_passes_and_costs_twice(few: None) -> None:
-    found = card_of(beside(part("twice"), "semismooth", "lcp"))
-    assert found.passes
-    assert (found.own["ended"] == SOLVED).all()
-    ratios = found.ratios()
+    card = card_of(beside(part("twice"), "semismooth", "lcp"))
+    assert card.passes
+    assert (card.own["ended"] == SOLVED).all()
+    ratios = card.ratios()
     own = ratios.loc[ratios["who"] == "twice", "operations_ratio"]
     np.testing.assert_allclose(own, 2.0, rtol=1e-3)
-    place = found.place().set_index("figure")
+    place = card.place().set_index("figure")
     assert place.loc["solved share", "rank"] == 1
     assert place.loc["operations", "best"] == 1.0
-    assert "median **2.00**" in card_page([found.told], "footprint card twice.py", "1")
+    assert "median **2.00**" in card_page([card.told], "footprint card twice.py", "1")
 
 
 @pytest.mark.slow
 def test_a_wrong_coefficient_of_a_measure_is_found(few: None) -> None:
-    found = card_of(beside(part("slanted"), "exact"))
-    assert not found.passes
-    assert any("rigid motions" in law.law for law in found.broken)
-    assert found.ended(FALSE).empty  # the state is one of this measure: it is the measure that is wrong
+    card = card_of(beside(part("slanted"), "exact"))
+    assert not card.passes
+    assert any("rigid motions" in law.law for law in card.broken)
+    assert card.ended(FALSE).empty  # the state is one of this measure: it is the measure that is wrong
 
 
 @pytest.mark.slow
 def test_a_solver_that_claims_what_it_has_not_is_found(few: None) -> None:
-    found = card_of(part("boastful"))
-    assert len(found.ended(FALSE)) >= 2
-    assert not found.passes
-    others = found.tries[found.tries["who"] == "semismooth"]
+    card = card_of(part("boastful"))
+    assert len(card.ended(FALSE)) >= 2
+    assert not card.passes
+    others = card.tries[card.tries["who"] == "semismooth"]
     assert (others["ended"] == SOLVED).all()
 
 
 @pytest.mark.slow
 def test_an_element_option_is_solved_with_though_no_scene_knows_it(few: None) -> None:
-    found = card_of(beside(part("halfway"), "balanced"))
-    assert found.passes
-    assert (found.own["away"].dropna() < 0.5).all()
-    assert found.own["away"].max() > 0  # it is not the option of ours under another name
+    card = card_of(beside(part("halfway"), "balanced"))
+    assert card.passes
+    assert (card.own["away"].dropna() < 0.5).all()
+    assert card.own["away"].max() > 0  # it is not the option of ours under another name
 
 
 # --- verdicts ---------------------------------------------------------------------------------------------------------
@@ -133,8 +133,8 @@ def made_up(*ends: str, agreement: str = "agrees", laws: tuple[Check, ...] = (Ch
     for i, ended in enumerate(ends):
         same = {"group": "made", "problem": f"problem {i}", "reason": "because", "iterations": 1.0}
         same |= {"factorisations": 1.0, "apart": 0.0, "away": math.nan}
-        told = agreement if ended == SOLVED else ""
-        own = {"ended": ended, "operations": 30.0, "seconds": 0.3, "agreement": told}
+        compared = agreement if ended == SOLVED else ""
+        own = {"ended": ended, "operations": 30.0, "seconds": 0.3, "agreement": compared}
         ours = {"ended": SOLVED, "operations": 10.0, "seconds": 0.1, "agreement": ""}
         rows += [{**same, "who": "new", **own}, {**same, "who": "semismooth", **ours}]
     return Card(Subject(ALGORITHM, "new", "new.py", ("semismooth",)), laws, pd.DataFrame(rows))
@@ -143,10 +143,10 @@ def made_up(*ends: str, agreement: str = "agrees", laws: tuple[Check, ...] = (Ch
 def test_what_fails_a_card() -> None:
     """False claims, exceptions, differences and broken laws; not what is unsolved, late or refused."""
     for ended, passes in ((SOLVED, 1), (FAILED, 1), (LATE, 1), (REFUSED, 1), (FALSE, 0), (RAISED, 0)):
-        found = made_up(SOLVED, ended)
-        assert found.passes == bool(passes)
-        assert found.verdict.startswith(f"`new` {'passes' if passes else 'FAILS'}: it solves ")
-        assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in found.verdict
+        card = made_up(SOLVED, ended)
+        assert card.passes == bool(passes)
+        assert card.verdict.startswith(f"`new` {'passes' if passes else 'FAILS'}: it solves ")
+        assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in card.verdict
     assert not made_up(SOLVED, agreement=DIFFERS).passes
     assert made_up(SOLVED, agreement="within what the tolerance leaves").passes
     assert not made_up(SOLVED, laws=(Check("a law", 1.0),)).passes
@@ -164,13 +164,13 @@ def test_failures_lower_the_place_and_refusals_do_not() -> None:
 
 
 def test_ratios_are_of_problems_that_both_solve_and_of_another_part_of_ours() -> None:
-    found = made_up(SOLVED, FALSE, REFUSED)
-    ratios = found.ratios()
+    card = made_up(SOLVED, FALSE, REFUSED)
+    ratios = card.ratios()
     own = ratios[ratios["who"] == "new"]
     assert own["operations_ratio"].tolist()[:1] == [3.0]
     assert own["operations_ratio"].isna().tolist() == [False, True, True]
-    assert found.reference == "semismooth"
-    ours = Card(Subject(ALGORITHM, "semismooth", "", ("semismooth", "new")), found.laws, found.tries)
+    assert card.reference == "semismooth"
+    ours = Card(Subject(ALGORITHM, "semismooth", "", ("semismooth", "new")), card.laws, card.tries)
     assert ours.reference == "new"
 
 
@@ -188,9 +188,9 @@ def test_the_page_shows_every_failure_with_its_reason() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ALGORITHMS)
 def test_the_algorithms_of_the_suite_keep_every_law(name: str) -> None:
-    found = list(laws_of(name))
-    assert len(found) == len(LAWS)
-    assert [law for law in found if not law.passed or law.refused] == []
+    laws = list(laws_of(name))
+    assert len(laws) == len(LAWS)
+    assert [law for law in laws if not law.passed or law.refused] == []
 
 
 def test_parameters_of_what_is_no_dataclass_break_their_law() -> None:
@@ -250,9 +250,9 @@ def test_the_sample_is_small_varied_and_certified() -> None:
 def test_what_a_file_adds_is_found_and_a_name_is_a_part_of_ours() -> None:
     kinds = {"hasty": ALGORITHM, "slanted": MEASURE, "boastful": SOLVER, "halfway": ELEMENT}
     for name, kind in kinds.items():
-        found = part(name)
-        assert (found.kind, found.name) == (kind, name)
-        assert name not in found.ours
+        subject = part(name)
+        assert (subject.kind, subject.name) == (kind, name)
+        assert name not in subject.ours
     ours = {"semismooth": ALGORITHM, "exact": MEASURE, "OSQP, scaled": SOLVER, "nodal": ELEMENT}
     assert {name: [each.kind for each in subjects(name)] for name in ours} == {k: [kind] for k, kind in ours.items()}
 
@@ -279,25 +279,25 @@ def test_a_wrong_file_is_one_line(source: str, says: str, tmp_path: Path, capsys
     file = tmp_path / "nothing.py"
     file.write_text(source, encoding="utf-8")
     assert main(["card", str(file), "--out", str(tmp_path)]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert says in said
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert says in message
     assert list(tmp_path.glob("card-*")) == []
 
 
 def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "mine.txt").write_text("kept", encoding="utf-8")
-    for words, says in (
+    for arguments, says in (
         ([], "card takes one of FILE.py, --of NAME and --template DIR"),
         (["semismooth", "--of", "lcp"], "card takes one of"),
         (["--of", "nobody"], "'nobody' must be a file that ends in .py, or one of trial-and-error"),
         ([str(tmp_path / "nothing.py")], "no such file"),
         (["--template", str(tmp_path)], "must be an empty directory"),
     ):
-        assert main(["card", *words]) == 2
-        said = capsys.readouterr().err
-        assert said.count("\n") == 1
-        assert says in said
+        assert main(["card", *arguments]) == 2
+        message = capsys.readouterr().err
+        assert message.count("\n") == 1
+        assert says in message
     assert {path.name for path in tmp_path.iterdir()} == {"mine.txt"}
 
 
@@ -321,8 +321,8 @@ def test_check_is_the_exit_code_and_one_page_with_its_picture_is_written(
 @pytest.mark.parametrize("name", FILES)
 def test_the_entries_of_the_arena_have_cards(name: str, few: None) -> None:
     (subject,) = subjects(str(FILES[name]))
-    found = card_of(beside(subject, "semismooth"))
-    assert found.passes, found.verdict
+    card = card_of(beside(subject, "semismooth"))
+    assert card.passes, card.verdict
 
 
 @pytest.mark.slow
@@ -333,5 +333,5 @@ def test_the_layout_of_a_submission_has_an_algorithm_that_passes(few: None, tmp_
     assert names == {*("README.md", "my_algorithm.py", ".github/workflows/card.yml")}
     assert "footprint card my_algorithm.py --check" in (place / ".github/workflows/card.yml").read_text("utf-8")
     (subject,) = subjects(str(place / "my_algorithm.py"))
-    found = card_of(beside(subject, "semismooth"))
-    assert found.passes, found.verdict
+    card = card_of(beside(subject, "semismooth"))
+    assert card.passes, card.verdict

@@ -33,10 +33,13 @@ STRIP = Path("strip-contact", "4x1", {"lam_over_a": "0.1"})
 
 def test_certified_is_the_built_in_answer() -> None:
     step, du, pressure = known_step()
-    found = confirm(step, find(step))
-    assert np.allclose(found.du, du, atol=1e-10 * np.abs(du).max())
-    assert np.allclose(found.pressure, pressure, atol=1e-9)
-    assert found.confirmed_by == ("equations on the set in extended precision", "convex programme by an interior point")
+    answer = confirm(step, find(step))
+    assert np.allclose(answer.du, du, atol=1e-10 * np.abs(du).max())
+    assert np.allclose(answer.pressure, pressure, atol=1e-9)
+    assert answer.confirmed_by == (
+        "equations on the set in extended precision",
+        "convex programme by an interior point",
+    )
 
 
 def test_equations_on_a_set_are_solved_beyond_double_precision() -> None:

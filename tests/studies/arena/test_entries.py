@@ -87,10 +87,10 @@ def test_the_path_ends_at_the_answer_of_lemke(modules: Mapping[str, ModuleType])
         M = definite(rng, 30)
         skew = rng.normal(size=M.shape)
         M, q = M + turned * (skew - skew.T), rng.normal(size=30)
-        found = path(M, q, 1e-10)
-        assert found.ended
-        assert found.iterations <= 25
-        np.testing.assert_array_equal(found.z > found.w, lemke(M, q).z > 0)
+        central = path(M, q, 1e-10)
+        assert central.ended
+        assert central.iterations <= 25
+        np.testing.assert_array_equal(central.z > central.w, lemke(M, q).z > 0)
     for a in (-1.0, -3.0):
         assert not path(np.array([[a]]), -np.ones(1)).ended
 
@@ -112,12 +112,12 @@ def test_the_filter_keeps_gaps_open() -> None:
     """All states on the way of the barrier, from open gaps on: none deeper than the foundation stands back."""
     data = random_quadratic(np.random.default_rng(3), "definite", 20)
     data = Quadratic(data.K, 5 * data.f, data.G, np.abs(data.g0) + 0.1, data.w)
-    problem, seen = data.problem(), list[np.ndarray]()
-    spied = replace(problem, linearise=lambda u, memory: seen.append(u) or problem.linearise(u, memory))
+    problem, visited = data.problem(), list[np.ndarray]()
+    spied = replace(problem, linearise=lambda u, memory: visited.append(u) or problem.linearise(u, memory))
     solution = solve_from_rest("barrier", spied, len(data.f), reach=1e-3)
     free = problem.gap(np.linalg.solve(data.K, data.f))
     assert np.min(free) < 0 < solution.active.sum()
-    on_the_way = seen[: int(solution.counters["barrier_iterations"]) + 1]
+    on_the_way = visited[: int(solution.counters["barrier_iterations"]) + 1]
     assert len(on_the_way) > 3
     assert min(np.min(problem.gap(u)) for u in on_the_way) > 1e-3 * np.min(free)
 
@@ -163,8 +163,8 @@ def test_failure_is_a_value(name: str) -> None:
 def test_exact_steps_alone_are_told_and_a_finite_epsilon_is_refused(name: str) -> None:
     """A body that nothing holds has no stiffness to begin with."""
     loose = Quadratic(np.zeros((2, 2)), np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
-    told = events(solve_from_rest(name, loose.problem(), 2).history, EventKind.SUBSTITUTE)
-    assert [str(event).startswith("exact steps alone: ") for event in told] == [True]
+    substitutes = events(solve_from_rest(name, loose.problem(), 2).history, EventKind.SUBSTITUTE)
+    assert [str(event).startswith("exact steps alone: ") for event in substitutes] == [True]
     assert "epsilon must be infinite" in ALGORITHMS[name](epsilon=1e4).supports(loose.problem())
 
 
@@ -208,9 +208,9 @@ def test_the_free_boundary_of_mfem_s_example_36_is_met_with_the_order_of_the_ele
     """The radius printed there: by the area of contact with the first order, by the resultant faster."""
     table = membrane_table({"P1": (2, 3, 4, 5), "Q2": (1, 2, 3, 4)}, ("semismooth", name))
     assert table["apart"].max() < SAME
-    found = table[table["algorithm"] == name]
+    own = table[table["algorithm"] == name]
     for element, order in (("P1", 0.95), ("Q2", 1.4)):
-        rows = found[found["element"] == element]
+        rows = own[own["element"] == element]
         finest = rows.iloc[-1]
         assert finest["order_h1"] > order
         assert finest["order_radius"] == pytest.approx(1, abs=0.15)

@@ -74,9 +74,9 @@ def counted(points: list[Visited], key: str) -> int:
 @each
 @pytest.mark.parametrize("cell", [*SMALL, *(pytest.param(cell, marks=pytest.mark.slow) for cell in CELLS)])
 def test_sets_and_forces_are_those_of_semismooth(name: str, cell: str) -> None:
-    expected, found = by_semismooth(cell), visited(name, cell)
-    assert len(found) == len(expected)
-    for one, other in zip(found, expected, strict=True):
+    expected, points = by_semismooth(cell), visited(name, cell)
+    assert len(points) == len(expected)
+    for one, other in zip(points, expected, strict=True):
         assert one.converged
         assert other.converged
         np.testing.assert_array_equal(one.state.active, other.state.active)
@@ -85,7 +85,7 @@ def test_sets_and_forces_are_those_of_semismooth(name: str, cell: str) -> None:
         assert np.linalg.norm(force - right) <= FORCES * np.linalg.norm(right)
         assert judge(one.problem, solution.u, solution.pressure).failures() == []
     at_once = name == "interior-point" and cell.startswith("face-patch")  # all touch: no programme is asked
-    assert counted(found, SPENT[name]) >= (not cell.startswith("panel") and not at_once)
+    assert counted(points, SPENT[name]) >= (not cell.startswith("panel") and not at_once)
 
 
 @pytest.mark.slow
@@ -96,8 +96,8 @@ def test_consistent_coupling_on_a_shell_is_refused_by_the_interior_point_alone()
     assert "needs lumped coupling" in refused.said
     right = by_semismooth(cell)[-1].state.pressure
     for name in EXACT_ONLY:
-        found = visited(name, cell)[-1].state.pressure
-        assert np.linalg.norm(found - right) <= FORCES * np.linalg.norm(right)
+        pressure = visited(name, cell)[-1].state.pressure
+        assert np.linalg.norm(pressure - right) <= FORCES * np.linalg.norm(right)
 
 
 @pytest.mark.slow

@@ -21,10 +21,15 @@ from support.problems.arena_steps import known_step, lopsided
 def test_maros_meszaros_arrays(tmp_path: Path) -> None:
     step, du, pressure = known_step()
     export(step, "mat", tmp_path / "p.mat")
-    told = io.loadmat(tmp_path / "p.mat")
-    P, q, A, low = sparse.csc_matrix(told["P"]), told["q"].ravel(), sparse.csc_matrix(told["A"]), told["l"].ravel()
-    assert (int(told["n"].item()), int(told["m"].item())) == (len(du), len(pressure))
-    assert np.all(np.isinf(told["u"]))
+    arrays = io.loadmat(tmp_path / "p.mat")
+    P, q, A, low = (
+        sparse.csc_matrix(arrays["P"]),
+        arrays["q"].ravel(),
+        sparse.csc_matrix(arrays["A"]),
+        arrays["l"].ravel(),
+    )
+    assert (int(arrays["n"].item()), int(arrays["m"].item())) == (len(du), len(pressure))
+    assert np.all(np.isinf(arrays["u"]))
     forces = step.weights * pressure
     assert np.linalg.norm(P @ du + q - A.T @ forces) <= 1e-12 * np.linalg.norm(q)
     assert np.all(A @ du - low >= -1e-12)
@@ -40,10 +45,10 @@ def test_mps_is_read_and_solved_by_another_program(tmp_path: Path) -> None:
         solver.setOptionValue(key, value)
     assert solver.readModel(str(tmp_path / "p.mps")) == highspy.HighsStatus.kOk
     solver.run()
-    found = solver.getSolution()
-    assert np.allclose(found.col_value, du, rtol=0, atol=1e-6 * np.abs(du).max())
+    solution = solver.getSolution()
+    assert np.allclose(solution.col_value, du, rtol=0, atol=1e-6 * np.abs(du).max())
     assert np.allclose(
-        found.row_dual, step.weights * pressure, rtol=0, atol=1e-6 * np.abs(step.weights * pressure).max()
+        solution.row_dual, step.weights * pressure, rtol=0, atol=1e-6 * np.abs(step.weights * pressure).max()
     )
 
 
@@ -64,10 +69,10 @@ def test_mps_says_the_problem(tmp_path: Path) -> None:
 def test_qpsolvers_arrays(tmp_path: Path) -> None:
     step, _, _ = known_step()
     export(step, "qpsolvers", tmp_path / "p.npz")
-    with np.load(tmp_path / "p.npz", allow_pickle=True) as told:
+    with np.load(tmp_path / "p.npz", allow_pickle=True) as file:
         arrays = {"P": step.K.toarray(), "q": step.r, "G": -step.G.toarray(), "h": step.gap}
-        assert all(np.array_equal(told[name], value) for name, value in arrays.items())
-        assert [told[name].item() for name in ("A", "b", "lb", "ub")] == [None] * 4
+        assert all(np.array_equal(file[name], value) for name, value in arrays.items())
+        assert [file[name].item() for name in ("A", "b", "lb", "ub")] == [None] * 4
     read = pytest.importorskip("qpsolvers").Problem.load(tmp_path / "p.npz")
     assert np.array_equal(read.h, step.gap)
     assert read.A is None

@@ -57,11 +57,11 @@ def test_whatever_is_left_out_has_a_reason() -> None:
 def test_small_steps_are_certified_as_the_manifest_says() -> None:
     manifest = FRICTIONAL.manifest().set_index("name")
     for candidate in [*made("rigid", "springs"), *islice(random_steps(), 3)]:
-        kept, found = manifest.loc[candidate.name], row(candidate)
+        kept, record = manifest.loc[candidate.name], row(candidate)
         for name in ("open", "sticking", "slipping", "confirmed_by", "several", "mu", "kind"):
-            assert str(found[name]) == str(kept[name]), f"{candidate.name}: {name}"
+            assert str(record[name]) == str(kept[name]), f"{candidate.name}: {name}"
         for name in ("force_N", "friction_N", "displacement_mm"):
-            assert found[name] == pytest.approx(float(kept[name]), rel=1e-6, abs=1e-9)
+            assert record[name] == pytest.approx(float(kept[name]), rel=1e-6, abs=1e-9)
 
 
 def test_a_strip_that_friction_alone_holds_is_certified_by_all_ways() -> None:
@@ -87,11 +87,11 @@ def test_several_answers_are_no_contradiction() -> None:
     """Three at mu = 3: the oracle has one of them, and those that are not its own are said to be one of several."""
     springs = klarbring(3.0, (2.5, -1.0), 1.0)
     first = find(springs)
-    told = Counter()
+    counts = Counter()
     for answer in all_answers(springs):
         known = replace(first.known, du=answer.u, normal=answer.normal, friction=answer.friction, state=answer.state)
-        told[confirm(springs, replace(first, known=known)).several] += 1
-    assert told == {True: 2, False: 1}
+        counts[confirm(springs, replace(first, known=known)).several] += 1
+    assert counts == {True: 2, False: 1}
 
 
 def test_files_come_out_again(tmp_path: File) -> None:
@@ -109,10 +109,10 @@ def test_files_come_out_again(tmp_path: File) -> None:
 
 def test_a_file_of_other_values_is_named(tmp_path: File) -> None:
     candidate = next(random_steps())
-    found = row(candidate)
+    record = row(candidate)
     write(tmp_path, candidate)
     for part in (*SUMS, *FRICTION_SUMS):
-        kept = pd.DataFrame([found | {part: found[part] * (1 + 1e-4)}])
+        kept = pd.DataFrame([record | {part: record[part] * (1 + 1e-4)}])
         assert [line.split(" is ")[0] for line in FRICTIONAL.unlike(tmp_path, kept)] == [f"{candidate.name}: {part}"]
 
 
@@ -150,10 +150,10 @@ def test_the_commands(tmp_path: File, capsys) -> None:
 def test_answers_that_are_none_are_refused(tmp_path: File, capsys) -> None:
     problem = write(tmp_path, next(random_steps()))
     short = {"du": [1.0], "normal": [1.0], "friction": [[0.0, 0.0]]}
-    for given, said in (({"du": [1.0]}, "normal"), (short, "unknowns"), ([], "object")):
+    for given, fault in (({"du": [1.0]}, "normal"), (short, "unknowns"), ([], "object")):
         (tmp_path / "answer.json").write_text(json.dumps(given))
         assert main(["problems", "judge", str(problem), str(tmp_path / "answer.json")]) == 2
-        assert said in capsys.readouterr().err
+        assert fault in capsys.readouterr().err
 
 
 def test_exports_are_the_global_problem_of_fclib(tmp_path: File, capsys) -> None:
@@ -189,6 +189,6 @@ def test_all_files_are_made_again(tmp_path: File) -> None:
 
 @pytest.mark.slow
 def test_the_rule_chooses_the_same_again(tmp_path: File) -> None:
-    found = choose_frictional(tmp_path, only="greco").set_index("name")
+    chosen = choose_frictional(tmp_path, only="greco").set_index("name")
     kept = FRICTIONAL.manifest().query("family == 'greco'").set_index("name")
-    pd.testing.assert_frame_equal(found[STATES], kept[STATES])
+    pd.testing.assert_frame_equal(chosen[STATES], kept[STATES])

@@ -23,18 +23,18 @@ pytestmark = pytest.mark.slow
 
 def elsewhere(directory: Path) -> Found:
     """What a process finds that has other kernels than this one."""
-    told = np.show_config(mode="dicts")
-    if "DYNAMIC_ARCH" not in told["Build Dependencies"]["blas"].get("openblas configuration", ""):
+    config = np.show_config(mode="dicts")
+    if "DYNAMIC_ARCH" not in config["Build Dependencies"]["blas"].get("openblas configuration", ""):
         pytest.skip("the BLAS of numpy has the kernels of one processor alone")
     own = os.environ.get("OPENBLAS_CORETYPE", "")
     environment = {
         **os.environ,
         "OPENBLAS_CORETYPE": "Haswell" if own == "Prescott" else "Prescott",
-        "NPY_DISABLE_CPU_FEATURES": " ".join(told["SIMD Extensions"]["found"]),
+        "NPY_DISABLE_CPU_FEATURES": " ".join(config["SIMD Extensions"]["found"]),
         "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests"))),
     }
-    words = [sys.executable, "-m", "support.problems.kernels", str(directory)]
-    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-m", "support.problems.kernels", str(directory)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return Found(**json.loads(done.stdout))
 
@@ -45,11 +45,11 @@ def test_a_sample_of_the_kept_manifest_is_made_and_certified_again(tmp_path: Pat
 
 def test_it_is_the_same_and_certified_with_other_kernels(tmp_path: Path) -> None:
     """So are the held-out problems: whoever judges need not have the machine of who drew them."""
-    found = elsewhere(tmp_path)
-    if found.product == product():
+    other = elsewhere(tmp_path)
+    if other.product == product():
         pytest.skip("the BLAS of numpy does not heed OPENBLAS_CORETYPE on this processor")
-    assert found.wrong == []
+    assert other.wrong == []
     own = drawn()
-    assert found.held_out.keys() == own.keys()
-    for name, values in found.held_out.items():
+    assert other.held_out.keys() == own.keys()
+    for name, values in other.held_out.items():
         assert values == pytest.approx(own[name], rel=ROUNDING, abs=ROUNDED), name

@@ -33,8 +33,10 @@ HEADS = ("solver", "problem", "tolerance", "asked", "claimed", "false", "seconds
 
 def result(entry: str, solved: int, *, cost: float = 2.0, false: int = 0, kernels: str = "own") -> Result:
     """One that solves so many of four problems at a cost, claims some more falsely, and fails at the rest."""
-    words = ["ok"] * solved + ["anomalous"] * false + ["failed"] * (4 - solved - false)
-    public = [Solved(name, word, cost if word == "ok" else math.nan) for name, word in zip(TESTED, words, strict=True)]
+    statuses = ["ok"] * solved + ["anomalous"] * false + ["failed"] * (4 - solved - false)
+    public = [
+        Solved(name, word, cost if word == "ok" else math.nan) for name, word in zip(TESTED, statuses, strict=True)
+    ]
     counts = Counted({"ok": solved, "anomalous": false, "failed": 4, "missing": 0, "excluded": 0}, cost, "0" * 16)
     asked = Asked(1e-6, (*public, Solved(TUNED, "ok", 1e-3)), counts)
     return Result(entry, {**here(), "kernels": kernels}, harness(), dataset.identity(), 20.0, (asked,))
@@ -74,8 +76,8 @@ def test_a_file_that_is_not_as_shipped_is_named(tmp_path: Path, monkeypatch: pyt
     (tmp_path / "b.npz").unlink()
     with (tmp_path / "SHA256SUMS").open("a") as file:
         file.write(f"{'0' * 64}  ../passwd.npz\n")
-    found = list(dataset.altered(tmp_path))
-    assert [line.partition(":")[0] for line in found] == ["a", "b", "SHA256SUMS"]
+    lines = list(dataset.altered(tmp_path))
+    assert [line.partition(":")[0] for line in lines] == ["a", "b", "SHA256SUMS"]
 
 
 # --- results ----------------------------------------------------------------------------------------------------------
@@ -105,8 +107,8 @@ def test_each_way_to_end_has_its_status(tmp_path: Path) -> None:
 
 
 def damaged(**changes: object) -> str:
-    told = {"format": results.FORMAT, "format_version": results.VERSION, **asdict(result("mine", 2)), **changes}
-    return json.dumps(json.loads(json.dumps(told).replace("NaN", "null")))
+    record = {"format": results.FORMAT, "format_version": results.VERSION, **asdict(result("mine", 2)), **changes}
+    return json.dumps(json.loads(json.dumps(record).replace("NaN", "null")))
 
 
 def with_problem(**changes: object) -> str:
@@ -146,10 +148,10 @@ def test_what_is_no_result_is_one_line(
     (tmp_path / "results").mkdir()
     (tmp_path / "results" / "x.json").write_text(text, encoding="utf-8")
     assert main(["leaderboard", str(tmp_path / "results"), "--out", str(tmp_path / "board")]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert says in said
-    assert len(said) < 400
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    assert says in message
+    assert len(message) < 400
     assert not (tmp_path / "board").exists()
 
 
@@ -165,7 +167,7 @@ def test_two_results_of_one_entry_and_machine_are_refused(tmp_path: Path) -> Non
 
 def test_who_solves_more_is_first_then_who_claims_less_falsely_then_the_cheaper() -> None:
     """The split for tuning counts for nothing; equal entries share a rank; the worst machine counts."""
-    found = board(
+    ranking = board(
         [
             result("dear", 3, cost=9.0),
             result("cheap", 3, cost=2.0),
@@ -175,10 +177,10 @@ def test_who_solves_more_is_first_then_who_claims_less_falsely_then_the_cheaper(
             result("fickle", 1, kernels="Nehalem"),
         ]
     )
-    order = [(row["rank"], row["entry"]) for row in found.ranked]
+    order = [(row["rank"], row["entry"]) for row in ranking.ranked]
     assert order == [(1, "as cheap"), (1, "cheap"), (3, "dear"), (4, "boastful"), (5, "fickle")]
-    assert found.ranked[0]["cost"] == pytest.approx(2.0)
-    assert (found.ranked[-1]["ok"], found.ranked[-1]["machines"], found.ranked[-1]["asked"]) == (1, 2, 4)
+    assert ranking.ranked[0]["cost"] == pytest.approx(2.0)
+    assert (ranking.ranked[-1]["ok"], ranking.ranked[-1]["machines"], ranking.ranked[-1]["asked"]) == (1, 2, 4)
 
 
 def test_a_changed_harness_makes_older_results_stale(
@@ -201,9 +203,9 @@ def test_a_changed_harness_makes_older_results_stale(
 def test_the_checksum_is_of_who_judges_and_not_of_who_is_judged() -> None:
     from studies.run.source_hash import closure
 
-    found = closure(results.HARNESS, without=results.NOT_HARNESS)
-    assert {"studies.arena.answers", "studies.arena.solvers.process"} <= found
-    assert "studies.arena.solvers.outside" not in found
+    modules = closure(results.HARNESS, without=results.NOT_HARNESS)
+    assert {"studies.arena.answers", "studies.arena.solvers.process"} <= modules
+    assert "studies.arena.solvers.outside" not in modules
 
 
 class Tags(HTMLParser):
@@ -279,10 +281,10 @@ def test_a_run_hands_in_both_tiers_and_writes_no_problem_that_is_held_out(
     problems.mkdir()
     (problems / f"{name}.npz").write_bytes(KEPT.joinpath(f"{name}.npz").read_bytes())
     folders = ["--out", str(tmp_path / "run"), "--results", str(tmp_path / "results"), "--problems", str(problems)]
-    words = ["bench", "solvers", "--rounds", "1", "--only", "semismooth", *folders]
-    assert main([*words, "--held-out"]) == 0
-    (found,) = read_all(tmp_path / "results")
-    at = found.tolerances[-1]
+    command = ["bench", "solvers", "--rounds", "1", "--only", "semismooth", *folders]
+    assert main([*command, "--held-out"]) == 0
+    (handed_in,) = read_all(tmp_path / "results")
+    at = handed_in.tolerances[-1]
     assert [each.problem for each in at.public if each.status == "ok"] == [name]
     assert at.held_out is not None
     assert (at.held_out.statuses["ok"], at.held_out.secret) == (held_out.EACH, held_out.digest(KEY))
@@ -293,7 +295,7 @@ def test_a_run_hands_in_both_tiers_and_writes_no_problem_that_is_held_out(
     step = FrozenStep.read(problems / f"{name}.npz")
     replace(step, r=2 * step.r).write(problems / f"{name}.npz")
     capsys.readouterr()
-    assert main(words) == 2
+    assert main(command) == 2
     assert f"--results is of the collection: {name}: sum_r is" in capsys.readouterr().err
     assert main(["bench", "solvers", "--results", str(tmp_path)]) == 2
     assert "--results needs --problems DIR, --held-out, or both" in capsys.readouterr().err

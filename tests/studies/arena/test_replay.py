@@ -40,9 +40,9 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
     part = tmp_path / "part.npz"
     solved = ["solve", "tyre", "--mesh", "8x8", "--set", "delta_mm=4", "--out", str(tmp_path / "out")]
     assert main([*solved, "--freeze", str(part)]) == 0
-    said = "of the model half alone: forces and nodes are those of that part"
+    note = "of the model half alone: forces and nodes are those of that part"
     whole, half = (resolve_step(read_step(path), algorithm_of("semismooth")) for path in (frozen / "step.npz", part))
-    assert said in half.lines()
+    assert note in half.lines()
     assert not any("alone" in line for line in whole.lines())
 
 
@@ -50,22 +50,22 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
 def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
     """From no displacement and no set at all; the oracle has the last word."""
     step = json.loads((frozen / "result" / "result.json").read_text())["steps"][-1]
-    found = resolve_step(read_step(frozen / "step.npz"), algorithm_of(name, np.inf), ask_oracle=True)
-    assert found.solution.outcome.converged
-    assert found.certificate["failures"] == []
-    force = np.sum(found.step.weights * found.solution.pressure)
+    resolved = resolve_step(read_step(frozen / "step.npz"), algorithm_of(name, np.inf), ask_oracle=True)
+    assert resolved.solution.outcome.converged
+    assert resolved.certificate["failures"] == []
+    force = np.sum(resolved.step.weights * resolved.solution.pressure)
     assert force == pytest.approx(step["force_N"], rel=FORCE)
-    assert found.solution.active.sum() == step["contact_nodes"]
-    assert isinstance(found.oracle, Confirmation)
-    assert found.oracle.agrees
-    assert found.sound
+    assert resolved.solution.active.sum() == step["contact_nodes"]
+    assert isinstance(resolved.oracle, Confirmation)
+    assert resolved.oracle.agrees
+    assert resolved.sound
 
 
 def test_the_command_prints_and_passes(frozen, capsys) -> None:
     assert main(["resolve", str(frozen / "step.npz"), "--oracle"]) == 0
-    told = capsys.readouterr().out
-    for words in ("scene tyre", "converged", "equilibrium", "oracle agrees"):
-        assert words in told
+    output = capsys.readouterr().out
+    for text in ("scene tyre", "converged", "equilibrium", "oracle agrees"):
+        assert text in output
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,9 @@ class Short(Semismooth):
 def test_a_step_that_does_not_converge_ends_in_3(frozen, monkeypatch, capsys) -> None:
     monkeypatch.setitem(ALGORITHMS, "semismooth", Short)
     assert main(["resolve", str(frozen / "step.npz")]) == 3
-    told = capsys.readouterr().out
-    assert "iteration limit" in told
-    assert "stale pressure" in told  # frozen where it is solved: only the pressures of rest are not those of the step
+    output = capsys.readouterr().out
+    assert "iteration limit" in output
+    assert "stale pressure" in output  # frozen where it is solved: only the pressures of rest are not those of the step
 
 
 @pytest.mark.slow
@@ -91,9 +91,9 @@ def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
     assert step.meta["from"] < step.meta["parameter"] < 95
     assert step.meta["outcome"] != "converged"
     assert step.gap.min() < 0
-    found = resolve_step(read_step(tmp_path / "step.npz"), algorithm_of("semismooth"))
+    resolved = resolve_step(read_step(tmp_path / "step.npz"), algorithm_of("semismooth"))
     pressed = step.meta["parameter"] - step.meta["from"]
-    assert np.abs(found.solution.u).max() > 0.9 * pressed
+    assert np.abs(resolved.solution.u).max() > 0.9 * pressed
 
 
 WRONG = (
@@ -106,10 +106,10 @@ WRONG = (
 
 
 def test_wrong_use_is_one_line(capsys) -> None:
-    for arguments, said in WRONG:
+    for arguments, fault in WRONG:
         assert main(arguments) == 2
         error = capsys.readouterr().err
-        assert said in error
+        assert fault in error
         assert error.count("\n") == 1
 
 

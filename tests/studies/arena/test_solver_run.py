@@ -23,13 +23,13 @@ TABLES = {"samples", "run", "problems", "table", "summary", "profiles"}
 def field(monkeypatch: pytest.MonkeyPatch) -> Field:
     """One who is right, two who are slower or wrong, and one who is not installed."""
     _, du, pressure = known_step()
-    told = [
+    solvers = [
         Told("right", du=du, pressure=pressure),
         Told("slow", du=du, pressure=pressure, spends=0.1),
         Told("liar", du=du, pressure=2 * pressure),
         Told("absent", "no_such_module"),
     ]
-    small = replace(FIELDS["solver"], of=lambda: told)
+    small = replace(FIELDS["solver"], of=lambda: solvers)
     monkeypatch.setitem(solver_run.FIELDS, "solver", small)
     return small
 
@@ -44,8 +44,8 @@ def problems(tmp_path: Path) -> Path:
     return folder
 
 
-def bench(*words: object) -> int:
-    return main(["bench", "solvers", "--rounds", "1", "--limit", "5", "--tolerance", "1e-4", *map(str, words)])
+def bench(*arguments: object) -> int:
+    return main(["bench", "solvers", "--rounds", "1", "--limit", "5", "--tolerance", "1e-4", *map(str, arguments)])
 
 
 @pytest.mark.slow
@@ -55,16 +55,16 @@ def test_a_run_leaves_its_tables_and_asks_nothing_twice(
     out = tmp_path / "out"
     assert bench("--problems", problems, "--out", out, "--only", "right", "--only", "absent") == 0
     assert {path.name for path in (out / "tables").iterdir()} == {f"solver_{name}.csv" for name in TABLES}
-    said = capsys.readouterr().out
-    assert "convex, to 0.0001" in said
-    assert "all 1 refused by absent" in said
+    output = capsys.readouterr().out
+    assert "convex, to 0.0001" in output
+    assert "all 1 refused by absent" in output
     before = field.path(out, "samples").read_text()
     assert bench("--problems", problems, "--out", out) == 0
     after = field.path(out, "samples").read_text()
     assert after.startswith(before)
-    found = pd.read_csv(field.path(out, "summary")).query("size == 'all' and kind == 'convex'").set_index("solver")
-    assert found["solved"].to_dict() == {"right": 1, "slow": 1, "liar": 0, "absent": 0}
-    assert found["false"].to_dict() == {"right": 0, "slow": 0, "liar": 1, "absent": 0}
+    summary = pd.read_csv(field.path(out, "summary")).query("size == 'all' and kind == 'convex'").set_index("solver")
+    assert summary["solved"].to_dict() == {"right": 1, "slow": 1, "liar": 0, "absent": 0}
+    assert summary["false"].to_dict() == {"right": 0, "slow": 0, "liar": 1, "absent": 0}
     assert bench("--problems", problems, "--out", out) == 0
     assert field.path(out, "samples").read_text() == after
     assert main(["bench", "solvers", "--problems", str(problems), "--out", str(out), "--limit", "4"]) == 2
@@ -89,9 +89,9 @@ def test_ranks_of_two_runs(field: Field, problems: Path, tmp_path: Path, capsys:
     table = pd.read_csv(path)
     write_table(path, table.assign(seconds=table["seconds"].max() + 0.01 - table["seconds"]))
     assert bench("--out", one, "--against", other) == 1
-    said = capsys.readouterr().out
-    assert "-1.000   -1.000  BROKEN" in said
-    assert said.rstrip().endswith("nan      nan  no ranks")  # of the other problem neither knows the answer
+    output = capsys.readouterr().out
+    assert "-1.000   -1.000  BROKEN" in output
+    assert output.rstrip().endswith("nan      nan  no ranks")  # of the other problem neither knows the answer
 
 
 def test_wrong_use_is_one_line_and_writes_nothing(
@@ -102,7 +102,7 @@ def test_wrong_use_is_one_line_and_writes_nothing(
     damaged.mkdir()
     (damaged / "c.npz").write_bytes(b"no zip")
     given = ("--problems", problems)
-    for words, says in (
+    for arguments, says in (
         ((), "bench solvers needs --problems DIR, --held-out, --against STORE, or several"),
         (("--problems", empty), "no frozen steps (*.npz) in it"),
         (("--problems", damaged), "c.npz is no frozen contact step"),
@@ -114,10 +114,10 @@ def test_wrong_use_is_one_line_and_writes_nothing(
         ((*given, "--results", out), f"the collection, of which --problems {problems} has no file"),
         (("--against", empty), "no run of bench solvers in it (no solver_run.csv)"),
     ):
-        assert bench("--out", out, *words) == 2
-        said = capsys.readouterr().err
-        assert says in said
-        assert said.count("\n") == 1
+        assert bench("--out", out, *arguments) == 2
+        message = capsys.readouterr().err
+        assert says in message
+        assert message.count("\n") == 1
         assert not out.exists()
 
 

@@ -53,12 +53,12 @@ def made_up(seconds: Mapping[str, Sequence[float | None]] = SECONDS) -> pd.DataF
     return pd.DataFrame(rows)
 
 
-def at(found: pd.DataFrame, solver: str, size: str = "all") -> pd.DataFrame:
-    return found[(found["solver"] == solver) & (found["size"] == size)]
+def at(table: pd.DataFrame, solver: str, size: str = "all") -> pd.DataFrame:
+    return table[(table["solver"] == solver) & (table["size"] == size)]
 
 
 def test_shares_false_claims_and_failures() -> None:
-    found = summary(made_up(), LIMIT_S)
+    table = summary(made_up(), LIMIT_S)
     columns = [
         "problems",
         "claimed",
@@ -69,13 +69,13 @@ def test_shares_false_claims_and_failures() -> None:
         "false_own",
         "failed_at_limit",
     ]
-    assert at(found, "A")[columns].to_numpy().tolist() == [[4, 4, 4, 1.0, 0, 0, 0, 0]]
-    assert at(found, "B")[columns].to_numpy().tolist() == [[4, 3, 3, 0.75, 0, 0, 0, 1]]
-    assert at(found, "C")[columns].to_numpy().tolist() == [[4, 3, 1, 0.25, 2, 1, 2, 3]]
-    assert at(found, "C")["worst_claim"].item() == pytest.approx(1e4)
-    assert at(found, "B", "large")[columns].to_numpy().tolist() == [[1, 1, 1, 1.0, 0, 0, 0, 0]]
-    assert at(found, "B", "medium")["failed_at_limit"].item() == 1
-    assert [at(found, solver)["timed_out"].item() for solver in "ABC"] == [0, 1, 1]
+    assert at(table, "A")[columns].to_numpy().tolist() == [[4, 4, 4, 1.0, 0, 0, 0, 0]]
+    assert at(table, "B")[columns].to_numpy().tolist() == [[4, 3, 3, 0.75, 0, 0, 0, 1]]
+    assert at(table, "C")[columns].to_numpy().tolist() == [[4, 3, 1, 0.25, 2, 1, 2, 3]]
+    assert at(table, "C")["worst_claim"].item() == pytest.approx(1e4)
+    assert at(table, "B", "large")[columns].to_numpy().tolist() == [[1, 1, 1, 1.0, 0, 0, 0, 0]]
+    assert at(table, "B", "medium")["failed_at_limit"].item() == 1
+    assert [at(table, solver)["timed_out"].item() for solver in "ABC"] == [0, 1, 1]
 
 
 def test_what_was_killed_in_a_later_round_is_not_solved() -> None:
@@ -89,26 +89,26 @@ def test_shifted_means_by_hand() -> None:
     assert shifted_mean([1.0, 4.0], 0.0) == pytest.approx(2.0)
     assert shifted_mean([0.0, 3.0], 1.0) == pytest.approx(1.0)  # sqrt(1 4) - 1
     assert shifted_mean([0.7] * 5) == pytest.approx(0.7)
-    found = summary(made_up(), LIMIT_S)
+    table = summary(made_up(), LIMIT_S)
     by_hand = ((2 + 0.01) * (1 + 0.01) * (100 + 0.01) * (8 + 0.01)) ** 0.25 - 0.01
-    assert at(found, "B")["mean_s"].item() == pytest.approx(by_hand)
+    assert at(table, "B")["mean_s"].item() == pytest.approx(by_hand)
     by_hand = (10.01 * 100.01**3) ** 0.25 - 0.01  # a quick lie costs as much as no answer
-    assert at(found, "C")["mean_s"].item() == pytest.approx(by_hand)
+    assert at(table, "C")["mean_s"].item() == pytest.approx(by_hand)
 
 
 def test_profiles_by_hand() -> None:
     """Ratios to the quickest: A 1 2 1 1, B 2 1 - 2, C 10 - - -; in factorisations: A 2 2 3 2, B 4 1 - 4, C 20 - - -."""
-    found = performance_profiles(made_up(), (1.0, 2.0, 5.0, 10.0))
-    shares = {solver: at(found, solver)["share"].tolist() for solver in "ABC"}
+    profiles = performance_profiles(made_up(), (1.0, 2.0, 5.0, 10.0))
+    shares = {solver: at(profiles, solver)["share"].tolist() for solver in "ABC"}
     assert shares == {"A": [0.75, 1, 1, 1], "B": [0.25, 0.75, 0.75, 0.75], "C": [0, 0, 0, 0.25]}
-    sizes = {size: rows["problems"].iloc[0] for size, rows in found.groupby("size")}
+    sizes = {size: rows["problems"].iloc[0] for size, rows in profiles.groupby("size")}
     assert sizes == {"all": 4, "small": 2, "medium": 1, "large": 1}
-    found = data_profiles(made_up(), (1.0, 2.0, 3.0, 4.0, 20.0))
-    shares = {solver: at(found, solver)["share"].tolist() for solver in "ABC"}
+    profiles = data_profiles(made_up(), (1.0, 2.0, 3.0, 4.0, 20.0))
+    shares = {solver: at(profiles, solver)["share"].tolist() for solver in "ABC"}
     assert shares == {"A": [0, 0.75, 1, 1, 1], "B": [0.25, 0.25, 0.25, 0.75, 0.75], "C": [0, 0, 0, 0, 0.25]}
     # what nobody solves counts against all
-    found = performance_profiles(made_up({"A": (1.0, None), "B": (2.0, None)}), (1.0, 100.0))
-    assert {solver: at(found, solver)["share"].tolist() for solver in "AB"} == {"A": [0.5, 0.5], "B": [0.0, 0.5]}
+    profiles = performance_profiles(made_up({"A": (1.0, None), "B": (2.0, None)}), (1.0, 100.0))
+    assert {solver: at(profiles, solver)["share"].tolist() for solver in "AB"} == {"A": [0.5, 0.5], "B": [0.0, 0.5]}
 
 
 def test_ranks_and_their_correlation() -> None:
@@ -130,17 +130,17 @@ def test_problems_of_one_run_alone_do_not_turn_the_ranks() -> None:
     """On the first problem A is quicker than B; on the second, which was put once, B is."""
     whole = made_up({"A": (1.0, 9.0), "B": (2.0, 1.0)})
     assert ranking(whole, LIMIT_S).droplevel([0, 1]).to_dict() == {"A": 2, "B": 1}
-    found = rank_correlation(whole, whole[whole["problem"] == "p0"], LIMIT_S)
-    assert found[["problems", "solvers"]].to_numpy().tolist() == [[1, 2]]
-    assert found["spearman"].item() == pytest.approx(1.0)
+    correlation = rank_correlation(whole, whole[whole["problem"] == "p0"], LIMIT_S)
+    assert correlation[["problems", "solvers"]].to_numpy().tolist() == [[1, 2]]
+    assert correlation["spearman"].item() == pytest.approx(1.0)
 
 
 def test_who_is_not_installed_has_no_rank_but_a_row() -> None:
     table = made_up()
     absent = table[table["solver"] == "C"].assign(solver="D", asked=False, claimed=False, reason="not installed")
     whole = pd.concat([table, absent])
-    found = at(summary(whole, LIMIT_S), "D")
-    assert found[["refused", "claimed", "why_not"]].to_numpy().tolist() == [[4, 0, "not installed"]]
+    row = at(summary(whole, LIMIT_S), "D")
+    assert row[["refused", "claimed", "why_not"]].to_numpy().tolist() == [[4, 0, "not installed"]]
     assert "D" not in ranking(whole, LIMIT_S).index.get_level_values("solver")
     assert rank_correlation(table, whole, LIMIT_S)["spearman"].item() == pytest.approx(1.0)
 
@@ -154,12 +154,12 @@ def test_effects_by_hand() -> None:
     ]
     summed = pd.DataFrame(rows, columns=["solver", "mean_s", "solved", "false"])
     summed = summed.assign(tolerance=1e-6, kind="convex", size="all", problems=10)
-    found = effects(summed).set_index(["scale", "setting"])
-    assert found["time_ratio"].to_dict() == {
+    table = effects(summed).set_index(["scale", "setting"])
+    assert table["time_ratio"].to_dict() == {
         ("OSQP", "defaults"): 1.0,
         ("OSQP", "polished"): 1.5,
         ("OSQP, scaled", "defaults"): 1.0,
         ("OSQP, scaled", "polished"): 0.5,
     }
-    assert tuple(found.loc[("OSQP", "polished"), ["more_solved", "more_false"]]) == (1, -1)
-    assert tuple(found.loc[("OSQP, scaled", "polished"), ["more_solved", "more_false"]]) == (0, 2)
+    assert tuple(table.loc[("OSQP", "polished"), ["more_solved", "more_false"]]) == (1, -1)
+    assert tuple(table.loc[("OSQP, scaled", "polished"), ["more_solved", "more_false"]]) == (0, 2)

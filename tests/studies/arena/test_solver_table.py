@@ -33,13 +33,13 @@ ERROR = 1e-5  # of a pressure: between two of the tolerances
 def table() -> pd.DataFrame:
     """Of a problem in three kinds, before whoever tells the truth about it, and whoever does not."""
     step, du, pressure = known_step()
-    told: dict[str, Any] = {"du": du, "pressure": pressure}
+    answer: dict[str, Any] = {"du": du, "pressure": pressure}
     field = [
-        Told("right", **told),
-        Told("slow", **told, spends=0.15),
-        Told("liar", **told, error=1.0),
-        Told("rough", **told, error=ERROR),
-        Told("honest", **told, error=1.0, claims=False),
+        Told("right", **answer),
+        Told("slow", **answer, spends=0.15),
+        Told("liar", **answer, error=1.0),
+        Told("rough", **answer, error=ERROR),
+        Told("honest", **answer, error=1.0, claims=False),
         Told("absent", "no_such_module"),
         SOLVERS["Clarabel"],
         SOLVERS["semismooth"],
@@ -80,8 +80,8 @@ def test_who_lies_is_caught_and_who_is_right_or_claims_nothing_is_not(table: pd.
 def test_who_hangs_or_dies_stops_nobody() -> None:
     """A sleeper by how long it sleeps, who spins by the processor, who dies by its own hand; each is asked once."""
     step, du, pressure = known_step()
-    told: dict[str, Any] = {"du": du, "pressure": pressure}
-    field = [Hangs("hangs"), Told("spins", **told, spends=600), Dies("dies"), Told("right", **told)]
+    answer: dict[str, Any] = {"du": du, "pressure": pressure}
+    field = [Hangs("hangs"), Told("spins", **answer, spends=600), Dies("dies"), Told("right", **answer)]
     rows = list(samples([("a", step)], field, (1e-4,), rounds=2, limit_s=LIMIT_S))
     assert [row["solver"] for row in rows] == ["hangs", "spins", "dies", "right", "right"]
     assert [row["reason"] for row in rows[:4]] == [
@@ -108,15 +108,17 @@ def test_who_works_is_not_killed_by_the_clock(monkeypatch: pytest.MonkeyPatch) -
 def test_who_was_killed_is_not_asked_for_more() -> None:
     """Tolerances are asked for from loose to strict, whatever their order; progress counts what is left out, too."""
     step, du, pressure = known_step()
-    spins, seen = Told("spins", du=du, pressure=pressure, spends=600), list[tuple[int, int, str]]()
+    spins, reports = Told("spins", du=du, pressure=pressure, spends=600), list[tuple[int, int, str]]()
     rows = list(
-        samples([("a", step)], [spins], (1e-8, 1e-4), rounds=2, limit_s=LIMIT_S, tell=lambda *told: seen.append(told))
+        samples(
+            [("a", step)], [spins], (1e-8, 1e-4), rounds=2, limit_s=LIMIT_S, tell=lambda *report: reports.append(report)
+        )
     )
     assert [(row["tolerance"], row["asked"], row["reason"]) for row in rows] == [
         (1e-4, True, f"killed after {LIMIT_S:g} s"),
         (1e-8, True, f"killed after {LIMIT_S:g} s"),
     ]
-    assert seen == [(done, 4, "a: spins") for done in range(4)]
+    assert reports == [(done, 4, "a: spins") for done in range(4)]
 
 
 def test_who_is_missing_or_does_not_apply_is_listed(table: pd.DataFrame) -> None:
@@ -135,22 +137,22 @@ def test_a_run_that_was_interrupted_goes_on(tmp_path: Path) -> None:
     step, du, pressure = known_step()
     field = [Told("right", du=du, pressure=pressure), Told("liar", du=du, pressure=2 * pressure), Told("absent", "no")]
     problems = [("a", step), ("b", step)]
-    path, asked = tmp_path / "samples.csv", partial(recorded, tolerances=(1e-4,), rounds=2)
+    path, run = tmp_path / "samples.csv", partial(recorded, tolerances=(1e-4,), rounds=2)
     path.write_text(",".join(SAMPLE_COLUMNS) + "\n")  # interrupted before the first answer
-    first = asked(problems[:1], path, field)
+    first = run(problems[:1], path, field)
     assert len(first) == 5  # two solvers in two rounds, and one that is refused in the first
     path.write_text(path.read_text() + "0,liar,b,1e-4,conv")  # interrupted in the middle of a row
-    whole = asked(problems, path, field)
+    whole = run(problems, path, field)
     assert len(whole) == 10
     pd.testing.assert_frame_equal(whole.iloc[:5], first)
     assert not whole.duplicated(["round", "solver", "problem", "tolerance"]).any()
     assert tuple(whole.columns) == SAMPLE_COLUMNS
-    pd.testing.assert_frame_equal(asked(problems, path, field), whole)
-    found = solver_table(whole).set_index(["solver", "problem"])
-    assert found["false"].to_dict() == {
+    pd.testing.assert_frame_equal(run(problems, path, field), whole)
+    table = solver_table(whole).set_index(["solver", "problem"])
+    assert table["false"].to_dict() == {
         (name, at): name == "liar" for at in "ab" for name in ("right", "liar", "absent")
     }
-    assert found["samples"].to_dict() == {
+    assert table["samples"].to_dict() == {
         (name, at): 0 if name == "absent" else 2 for at in "ab" for name in ("right", "liar", "absent")
     }
     assert read(tmp_path / "nothing.csv").empty
@@ -162,19 +164,19 @@ def test_the_own_criterion_survives_a_file(tmp_path: Path) -> None:
         writer = csv.DictWriter(file, SAMPLE_COLUMNS)
         writer.writeheader()
         writer.writerows({**row, "kept": kept, "reason": ""} for kept in (True, False, None))
-    found = read(tmp_path / "samples.csv")
-    assert found["kept"].tolist()[:2] == [True, False]
-    assert pd.isna(found["kept"].iloc[2])
-    assert (found["reason"] == "").all()
+    table = read(tmp_path / "samples.csv")
+    assert table["kept"].tolist()[:2] == [True, False]
+    assert pd.isna(table["kept"].iloc[2])
+    assert (table["reason"] == "").all()
 
 
 def test_one_lie_in_many_rounds_is_a_lie() -> None:
     step, du, pressure = known_step()
-    told = [Told("wavering", du=du, pressure=pressure * t) for t in (1, 2, 1)]
-    found = solver_table(pd.DataFrame(samples([("a", step)], told, (1e-4,), rounds=1))).iloc[0]
-    assert found["samples"] == 3
-    assert found["false"]
-    assert found["accuracy"] > 1e-2
+    solvers = [Told("wavering", du=du, pressure=pressure * t) for t in (1, 2, 1)]
+    row = solver_table(pd.DataFrame(samples([("a", step)], solvers, (1e-4,), rounds=1))).iloc[0]
+    assert row["samples"] == 3
+    assert row["false"]
+    assert row["accuracy"] > 1e-2
 
 
 def test_kinds() -> None:

@@ -32,13 +32,13 @@ def test_built_in_answers_are_found(name: str) -> None:
     for kind in ("definite", "inclined"):
         step, du, pressure = known_step(1, kind)
         assert solver.applies(step) is None
-        found = solver.solve(step, 1e-8)
-        assert found.claimed, found.reason
-        assert accuracy(step, found.du, found.pressure).worst <= REACHED
-        np.testing.assert_allclose(found.du, du, atol=1e-2)  # the largest is above 1
-        np.testing.assert_allclose(found.pressure, pressure, atol=1e-2)
-        assert 0 <= found.seconds < np.inf
-        assert solver.keeps(step, found, 1.0) in (True, None)
+        answer = solver.solve(step, 1e-8)
+        assert answer.claimed, answer.reason
+        assert accuracy(step, answer.du, answer.pressure).worst <= REACHED
+        np.testing.assert_allclose(answer.du, du, atol=1e-2)  # the largest is above 1
+        np.testing.assert_allclose(answer.pressure, pressure, atol=1e-2)
+        assert 0 <= answer.seconds < np.inf
+        assert solver.keeps(step, answer, 1.0) in (True, None)
 
 
 def test_no_quadratic_programme_of_what_is_not_convex() -> None:
@@ -62,10 +62,10 @@ def test_no_quadratic_programme_of_what_is_not_convex() -> None:
 def test_what_needs_no_function_solves_without_one() -> None:
     step, *_ = known_step()
     for name in ("semismooth", "Lemke", "active set"):
-        found = SOLVERS[name].solve(lopsided(step), 1e-8)
-        assert found.claimed
-        assert accuracy(lopsided(step), found.du, found.pressure).worst < 1e-12
-        assert accuracy(step, found.du, found.pressure).worst > 1e-6
+        answer = SOLVERS[name].solve(lopsided(step), 1e-8)
+        assert answer.claimed
+        assert accuracy(lopsided(step), answer.du, answer.pressure).worst < 1e-12
+        assert accuracy(step, answer.du, answer.pressure).worst > 1e-6
 
 
 def test_dense_solvers_refuse_what_is_large() -> None:
@@ -90,9 +90,9 @@ def test_what_is_missing_or_raises_says_so() -> None:
         "not installed: pip install 'another[extra]'"
     )
     assert Told("nobody", "no_such_module").missing() == "not installed: pip install no_such_module"
-    found = Broken("broken").solve(known_step()[0], 1e-8)
-    assert not found.claimed
-    assert found.reason == "ValueError: no such thing"
+    answer = Broken("broken").solve(known_step()[0], 1e-8)
+    assert not answer.claimed
+    assert answer.reason == "ValueError: no such thing"
 
 
 def test_the_own_criterion_is_that_of_the_programme_asked() -> None:
@@ -119,9 +119,9 @@ def test_each_setting_is_there_and_finds_the_answer(scale: str) -> None:
     step, *_ = known_step(1)
     for name, solver in own.items():
         if solver.missing() is None:
-            found = solver.solve(step, 1e-6)
-            assert found.claimed, f"{name}: {found.reason}"
-            assert accuracy(step, found.du, found.pressure).worst < 1e-4
+            answer = solver.solve(step, 1e-6)
+            assert answer.claimed, f"{name}: {answer.reason}"
+            assert accuracy(step, answer.du, answer.pressure).worst < 1e-4
     cold, warm = (own[name].solve(step, 1e-5).iterations for name in ("defaults", "warm start"))
     assert warm < cold
 

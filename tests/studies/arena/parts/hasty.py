@@ -16,13 +16,13 @@ class Hasty(Semismooth):
     name: ClassVar[str] = "hasty"
 
     def solve(self, problem, start):
-        found = super().solve(problem, start)
-        if not found.outcome.converged or not found.active.any():
-            return found
-        kept = found.active & (RNG.random(len(found.active)) < 0.7)
+        solution = super().solve(problem, start)
+        if not solution.outcome.converged or not solution.active.any():
+            return solution
+        kept = solution.active & (RNG.random(len(solution.active)) < 0.7)
         run = self.run(problem)
-        du, pressure = run.step(problem.linearise(found.u, None), found.u, found.pressure, kept)
-        return replace(found, u=found.u + du, pressure=pressure, active=kept)
+        du, pressure = run.step(problem.linearise(solution.u, None), solution.u, solution.pressure, kept)
+        return replace(solution, u=solution.u + du, pressure=pressure, active=kept)
 
 
 ALGORITHMS[Hasty.name] = Hasty
