@@ -86,13 +86,13 @@ class GradedTask:
 
     def cell(self, chosen: Text, drawn: Text) -> Cell:
         """The run with what is chosen and drawn instead; raises UsageError."""
-        told = {**self.run, **chosen, **drawn}
-        options: dict[str, Any] = {key: told.pop(key) for key in OPTIONS if key in told}
+        settings = {**self.run, **chosen, **drawn}
+        options: dict[str, Any] = {key: settings.pop(key) for key in OPTIONS if key in settings}
         if "steps" in options:
             if not options["steps"].isdecimal():
                 raise UsageError(f"steps = {options['steps']!r} must be a whole number")
             options["steps"] = int(options["steps"])
-        return Cell(self.id, self.scene, options, told)
+        return Cell(self.id, self.scene, options, settings)
 
     def check(self, chosen: Text) -> None:
         """Raise UsageError for what may not be chosen, or what the scene does not admit."""
@@ -147,8 +147,8 @@ def _numbers(text: str) -> list[float]:
 @cache
 def tasks() -> Mapping[str, GradedTask]:
     """All tasks by their id."""
-    told = tomllib.loads(FILE.read_text(encoding="utf-8"))
+    tables = tomllib.loads(FILE.read_text(encoding="utf-8"))
     return {
         name: GradedTask(id=name, needs=tuple(Need(**need) for need in task.pop("needs")), **task)
-        for name, task in told.items()
+        for name, task in tables.items()
     }

@@ -74,8 +74,8 @@ def _of_scene(request: Request, quantity: str) -> float:
     """The least uncertain reference of the scene at the last load; NaN where there is none."""
     at = {key: value[-1] if isinstance(value, tuple) else value for key, value in request.settings.items()}
     there = {**request.settings, "measure": request.measure, **{key: at[key] for key in STEP_KEYS if key in at}}
-    found = closest(request.scene, there, (quantity,))
-    return found[quantity].value if found else math.nan
+    references = closest(request.scene, there, (quantity,))
+    return references[quantity].value if references else math.nan
 
 
 EXACT: Mapping[str, Exact] = {

@@ -56,15 +56,15 @@ def grade(
 
     key: the secret; without one the open configurations alone count.  use: files of parts, for the process that solves.
     """
-    found = []
+    grades = []
     with closing(_Solving(tuple(use))) as solving:
         for count, task in enumerate(tasks().values()):
             tell(count, len(tasks()), task.id)
             start = time.monotonic()
             solving.until = start + limit_s
             graded = _graded(task, claims.get(task.id, Claim()), [] if key is None else task.drawn(key), solving)
-            found.append(replace(graded, seconds=time.monotonic() - start))
-    return found
+            grades.append(replace(graded, seconds=time.monotonic() - start))
+    return grades
 
 
 class _Solving:

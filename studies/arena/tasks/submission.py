@@ -31,11 +31,11 @@ class Claim:
 def read_submission(path: Path) -> dict[str, Claim]:
     """The claims by task; raises UsageError, and OSError where the file cannot be opened."""
     try:
-        told = read_toml(path)
+        tables = read_toml(path)
     except ValueError as error:
         raise UsageError(f"{path} is no submission: {str(error).splitlines()[0][:200]}") from None
     found = {}
-    for name, table in told.items():
+    for name, table in tables.items():
         task = tasks().get(name)
         if task is None:
             raise UsageError(f"{path}: {name[:40]!r} is none of the {len(tasks())} tasks, see footprint tasks")
