@@ -1,11 +1,9 @@
-"""What the project declares is what it imports, what the workflows try, and what recipes and archives say of it."""
+"""What the project declares is what the workflows try, and what recipes and archives say of it."""
 
 from __future__ import annotations
 
-import ast
 import json
 import re
-import sys
 import tomllib
 from pathlib import Path
 
@@ -13,8 +11,6 @@ import yaml
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PACKAGES = ("formulations", "contact", "studies", "reports")
-OTHER_NAMES = {"PIL": "pillow", "markdown_it": "markdown-it-py", "skfem": "scikit-fem"}  # of what is imported
 
 
 def test_the_oldest_versions_are_tested() -> None:
@@ -25,23 +21,6 @@ def test_the_oldest_versions_are_tested() -> None:
     assert pinned.keys() == bounds.keys()
     for name, bound in bounds.items():  # 14 and 14.0.* are one
         assert pinned[name].split(".")[: bound.count(".") + 1] == bound.split("."), name
-
-
-def test_dependencies_and_extras_are_complete() -> None:
-    """Whatever is imported comes with the suite or with an extra, and no dependency is without an import."""
-    imported = set()
-    for path in (path for package in PACKAGES for path in (ROOT / package).rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                imported |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                imported.add(str(node.module).partition(".")[0])
-    imported -= {*PACKAGES, *sys.stdlib_module_names, "pytest"}  # that of the template of an entry
-    declared = {text.split(">=")[0] for text in PROJECT["dependencies"]}
-    extras = {text.split(">=")[0] for texts in PROJECT["optional-dependencies"].values() for text in texts}
-    wanted = {OTHER_NAMES.get(name, name) for name in imported}
-    assert wanted - declared - extras == set()
-    assert declared - wanted == set()
 
 
 def test_the_recipe_of_conda_asks_for_the_same() -> None:

@@ -8,8 +8,8 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
-from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 from studies.cli import main
+from support.sources import DYNAMIC, nodes_of
 
 ROOT = Path(__file__).parents[1]
 ALLOWED = {
@@ -41,18 +42,13 @@ MORE = {
     "studies/arena/solvers/base.py": {"?"},  # a solver that may not be installed
 }
 OURS = {*ALLOWED, "tests"}
+OTHER_NAMES = {"PIL": "pillow", "markdown_it": "markdown-it-py", "skfem": "scikit-fem"}  # of what is imported
 FILES = sorted(str(path.relative_to(ROOT)) for package in ALLOWED for path in (ROOT / package).rglob("*.py"))
 
 
 def called(function: ast.expr) -> str:
     """The name of what is called, the last one of a.b.c."""
     return str(getattr(function, "attr", getattr(function, "id", "")))
-
-
-@cache
-def nodes_of(source: str) -> list[ast.AST]:
-    """All that a file consists of."""
-    return list(ast.walk(ast.parse(source)))
 
 
 def imported(source: str) -> Iterator[str]:
@@ -62,7 +58,7 @@ def imported(source: str) -> Iterator[str]:
             yield from (alias.name.split(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             yield "." if node.level else str(node.module).split(".")[0]
-        elif isinstance(node, ast.Call) and called(node.func) in ("import_module", "__import__", "resolve_name"):
+        elif isinstance(node, ast.Call) and called(node.func) in DYNAMIC:
             name = node.args[0] if node.args else None
             yield name.value.split(".")[0] if isinstance(name, ast.Constant) else "?"
 
@@ -76,6 +72,23 @@ def offences(file: str, source: str) -> set[str]:
 def test_arrows() -> None:
     found = {file: offences(file, (ROOT / file).read_text(encoding="utf-8")) for file in FILES}
     assert {file: names for file, names in found.items() if names} == {}
+
+
+def test_dependencies_and_extras_are_complete() -> None:
+    """Whatever is imported comes with the suite or with an extra, and no dependency is without an import."""
+    names = set[str]()
+    for node in (node for file in FILES for node in nodes_of((ROOT / file).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            names.add(str(node.module).partition(".")[0])
+    names -= {*ALLOWED, *sys.stdlib_module_names, "pytest"}  # that of the template of an entry
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    declared = {text.split(">=")[0] for text in project["dependencies"]}
+    extras = {text.split(">=")[0] for texts in project["optional-dependencies"].values() for text in texts}
+    wanted = {OTHER_NAMES.get(name, name) for name in names}
+    assert wanted - declared - extras == set()
+    assert declared - wanted == set()
 
 
 def test_the_packages_are_there() -> None:

@@ -89,6 +89,7 @@ def test_every_page_of_the_manual_is_listed() -> None:
     assert [page.name for page in MANUAL.glob("*.md") if f": manual/{page.name}\n" not in listed] == []
 
 
+@pytest.mark.slow
 def test_the_api_has_every_public_module() -> None:
     """A heading each; the names in it are those that have no underscore."""
     pages = documentation.api_pages()

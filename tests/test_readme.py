@@ -43,6 +43,7 @@ def test_links_lead_somewhere(page: Path) -> None:
     assert [link for link in links if "://" not in link and not (page.parent / link).exists()] == []
 
 
+@pytest.mark.slow
 def test_the_notebook_of_the_readme(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     (code,) = (each.text for each in blocks(README) if each.language == "python")
     names: dict = {}

@@ -214,7 +214,6 @@ def test_a_point_of_an_arc_behind_the_ball_is_none() -> None:
     ahead, normal = np.append(start.u, 0.2), np.append(np.zeros_like(start.u), 1.0)
     curve = PressedCurve(at, at(0.0).travel(), ALGORITHMS["semismooth"]())
     found = curve.on_plane(start, ahead, normal, "in front")
-    assert found is not None
     assert (found.factor, found.u[2 + 3 * 12]) == pytest.approx((0.2, -0.19), abs=1e-9)
     jumps = replace(curve, algorithm=Jumping())
     assert jumps.on_plane(start, ahead, normal, "behind") is None

@@ -82,7 +82,11 @@ DAMAGES: dict[str, tuple[Callable[[Store], Store | None], str]] = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.slow if name == "not asked for" else ()) for name in DAMAGES]
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in ("not asked for", "steps missing") else ())
+        for name in DAMAGES
+    ],
 )
 def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
     edited: Store, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -168,7 +168,9 @@ meshes = ["4x4"]
 """
 
 
-@pytest.mark.parametrize(("lie", "ended"), [("rest", "wrong"), ("an error", "crash")])
+@pytest.mark.parametrize(
+    ("lie", "ended"), [pytest.param("rest", "wrong", marks=pytest.mark.slow), ("an error", "crash")]
+)
 def test_a_campaign_with_cells_that_fail_says_how_many(
     lie: str, ended: str, put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -20,18 +20,18 @@ from studies.cli import main
 @pytest.fixture(scope="module")
 def run() -> Run:
     material = {"E_MPa": 20, "nu": 0.45}
-    return solve("tyre", measure="exact", mesh=(12, 12), model="full", delta_mm=[5, 10], **material)
+    return solve("tyre", measure="exact", mesh=(8, 10), model="full", delta_mm=[5, 10], **material)
 
 
 def test_values_and_text_are_the_command_line(run: Run, tmp_path: Path) -> None:
-    words = ["--mesh", "12x12", "--model", "full", "--set", "delta_mm=5,10", "--set", "E_MPa=20", "--set", "nu=0.45"]
+    words = ["--mesh", "8x10", "--model", "full", "--set", "delta_mm=5,10", "--set", "E_MPa=20", "--set", "nu=0.45"]
     assert main(["solve", "tyre", *words, "--out", str(tmp_path / "line")]) == 0
     run.write(tmp_path / "python")
     line, python = (json.loads((tmp_path / name / "result.json").read_text()) for name in ("line", "python"))
     assert {key: line[key] for key in ("settings", "steps", "quantities")} == {
         key: python[key] for key in ("settings", "steps", "quantities")
     }
-    text = solve("tyre", mesh="12x12", model="full", delta_mm="5,10", E_MPa="20", nu="0.45")
+    text = solve("tyre", mesh="8x10", model="full", delta_mm="5,10", E_MPa="20", nu="0.45")
     pd.testing.assert_frame_equal(text.steps, run.steps)
 
 
@@ -120,7 +120,7 @@ def table_of(html: str) -> pd.DataFrame:
 
 
 def test_an_answer_shows_itself_in_a_line_and_as_a_table(run: Run) -> None:
-    assert repr(run).startswith(f"<Run tyre 12x12, exact, semismooth: {run.verdict}; ")
+    assert repr(run).startswith(f"<Run tyre 8x10, exact, semismooth: {run.verdict}; ")
     assert f"force_N {run.quantities['force_N']:.6g}" in repr(run)
     assert len(repr(run)) < 200
     table = table_of(run._repr_html_())

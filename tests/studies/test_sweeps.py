@@ -27,7 +27,7 @@ from studies.sweeps.neighbours import Followed, Neighbours, predicted
 from studies.sweeps.sweep import sweep
 
 PANEL = ["sweep", "panel", "--mesh", "4x4"]
-RING = ["sweep", "ring", "--mesh", "1x16", "--set", "delta_mm=20", "--over", "h_mm=1:4:4"]
+RING = ["sweep", "ring", "--mesh", "1x8", "--set", "delta_mm=20", "--over", "h_mm=1:4:4"]
 
 
 @pytest.fixture
@@ -142,6 +142,7 @@ def test_of_two_lines_a_start_goes_on_along_that_which_changes_less(u: float, ne
     assert grid.of((2, 2), Request("panel"))[0].place == nearest
 
 
+@pytest.mark.slow
 def test_all_members_are_those_from_rest(solved: list) -> None:
     """Two settings of the tyre; the starts save a third of the iterations at least."""
     found = sweep("tyre", {"delta_mm": "10"}, {"gamma_deg": "50:52:3", "p0_MPa": "0.14:0.15:2"}, mesh="12x14")

@@ -58,7 +58,7 @@ def test_solution_is_that_of_nnls_and_cvxpy(name, epsilon) -> None:
 
 @each_pair
 @given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(KINDS))
-@settings(deadline=None, derandomize=True, max_examples=12)
+@settings(deadline=None, derandomize=True, max_examples=8)
 def test_an_answer_called_converged_is_right(name, epsilon, seed, kind) -> None:
     """Plain active sets may fail on an arbitrary definite matrix, but then they say so and the judge agrees."""
     data = random_quadratic(np.random.default_rng(seed), kind)
@@ -101,7 +101,7 @@ def test_touching_without_pressure_and_full_contact(name, epsilon, seeds) -> Non
 def test_almost_touching_is_still_decided(name, epsilon) -> None:
     """Must fail beside must pass: gaps and pressures of 1e-7 are far above rounding, and the set has to see them."""
     states, size = np.array([0, 1, 0, 1, 0, 1]), np.array([1e-7, 1e-7, 1e-7, 1e-7, 1.0, 1.0])
-    for seed, kind in product(range(4), KINDS):
+    for seed, kind in product(range(2), KINDS):
         data, _, pressure = manufactured(np.random.default_rng(seed), kind, states, epsilon, size)
         solution = solve_from_rest(name, data.problem(), len(data.f), epsilon)
         assert solution.outcome is Outcome.CONVERGED, f"{kind}, seed {seed}"

@@ -103,7 +103,9 @@ def compare(
         assert weighed == pytest.approx(wanted[name], rel=exact, abs=exact * size), name
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    "way", [pytest.param(way, marks=[pytest.mark.slow] if way == "trial-and-error" else []) for way in WAYS]
+)
 def test_an_answer_is_what_it_was(way: str) -> None:
     kind, options = WAYS[way]
     algorithm = ALGORITHMS[kind](**EXACT_LAW | options)
@@ -229,7 +231,9 @@ class RandomPath:
         return [(seen[i], at) for i, at in enumerate(path) if at.solution.outcome.converged]
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(each, marks=[pytest.mark.slow] if each == "trial-and-error" else []) for each in ALGORITHMS]
+)
 @pytest.mark.parametrize(
     "seeds", [range(1, 2), *(pytest.param(range(k, 84, 2), marks=pytest.mark.slow) for k in (0, 3))]
 )

@@ -52,7 +52,7 @@ def tilted(load: float) -> float:
     return angle
 
 
-@pytest.mark.parametrize("load", [1.02, 1.2, 2.0])
+@pytest.mark.parametrize("load", [1.02, 2.0])
 def test_a_buckled_column_leans_to_either_side(load: float) -> None:
     problem, upright = column(load), at(0.0)
     assert stability(problem, upright).word == UNSTABLE

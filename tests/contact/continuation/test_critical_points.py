@@ -157,7 +157,6 @@ def test_a_chain_that_can_carry_no_more_ends_at_its_limit() -> None:
     assert points[0].end is None
     end = points[1].end
     assert points[1].reached <= limit
-    assert end is not None
     assert end.limit == pytest.approx(limit, abs=LIMIT * (4.0 - 1.0))
     assert str(points[1].solution.history[-1]["event"]).endswith(end.sentence)
 
@@ -278,5 +277,4 @@ def test_a_state_beyond_the_path_is_no_state_of_it() -> None:
     assert point.outcome is Outcome.GIVEN_UP
     assert point.reached <= 2 / 3
     assert any("a state beyond the path" in str(row.get("event", "")) for row in point.solution.history)
-    assert point.end is not None
     assert point.end.limit == pytest.approx(2 / 3, abs=1e-3)

@@ -147,7 +147,6 @@ def test_a_dead_end_keeps_the_last_converged_state(tracking) -> None:
     final = str(last.solution.history[-1]["event"])
     assert Outcome.ITERATION_LIMIT.value in final
     assert Outcome.STEP_LIMIT.value in final
-    assert last.end is not None
     assert final.endswith(last.end.sentence)
     assert last.end.sentence.startswith("no limit point: the eigenvalue of least size is 100 % of that at 0.5")
     assert last.cause is Outcome.ITERATION_LIMIT

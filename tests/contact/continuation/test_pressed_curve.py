@@ -161,7 +161,6 @@ def test_a_path_that_turns_back_is_told_in_few_steps(steps) -> None:
         if known:
             assert point.outcome is Outcome.LIMIT_POINT
             assert point.cause is Outcome.ITERATION_LIMIT
-            assert point.end is not None
             assert point.end.kind is PathEnd.LIMIT_POINT
             assert point.end.limit == point.reached == pytest.approx(T_LIMIT, abs=1e-6)
             assert abs(point.end.mode[0]) == pytest.approx(1.0, abs=1e-2)  # the apex moves, the spring is held
@@ -250,6 +249,5 @@ def test_a_path_turns_back_where_a_point_without_stiffness_of_its_own_comes_off(
     assert behind[1] / behind[0] == pytest.approx(-1 / stiffness)  # d2 = (f2 - d1)/k
     turned = by_arc_length(at, ((0.0, state(0.0)), (0.5, state(0.5))), 2.0, SEMISMOOTH, 0.1)
     assert turned.outcome is Outcome.LIMIT_POINT
-    assert turned.end is not None
     assert turned.end.limit == pytest.approx(1.0, abs=1e-9)
     assert "turns back where the contact set changes" in turned.end.sentence

@@ -146,7 +146,7 @@ def both(**given: str) -> tuple[Trace, Trace]:
     return PowerSeries().trace(unloaded.linearise, unloaded.series, shell.forces, [0.5, 1.0]), arc
 
 
-@pytest.mark.parametrize("interpolation", ["curvilinear", "isoparametric"])
+@pytest.mark.parametrize("interpolation", [pytest.param("curvilinear", marks=pytest.mark.slow), "isoparametric"])
 def test_the_curve_of_a_shell_is_that_of_arc_length(interpolation: str) -> None:
     series, arc = both(interpolation=interpolation)
     limits = [[point.factor for point in trace.points if point.limit] for trace in (series, arc)]
@@ -183,7 +183,6 @@ def test_coefficients_are_derivatives_of_the_path() -> None:
     for length in a:
         guess = weights * (x0 + length * x1)
         found = curve.on_plane(start, guess, weights * x1, "difference")
-        assert found is not None
         points.append(np.append(found.u, found.factor))
     fitted = np.linalg.solve(np.vander(a / a[0], increasing=True), np.array(points))
     for k, tolerance in ((1, 1e-8), (2, 1e-6), (3, 1e-5), (4, 1e-3)):

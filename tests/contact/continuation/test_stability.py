@@ -45,7 +45,7 @@ def projected(data: Quadratic, active: np.ndarray, epsilon: float) -> np.ndarray
 def test_negative_eigenvalues_are_those_of_dense_algebra() -> None:
     for kind, epsilon in product(("obstacle", "definite", "inclined"), EPSILONS):
         seen = set()
-        for seed in range(12):
+        for seed in range(8):
             data, active = indefinite(seed, kind)
             wanted = int(np.sum(np.linalg.eigvalsh(projected(data, active, epsilon)) < 0))
             for ordered in (False, True):  # by SuperLU, by fronts

@@ -10,7 +10,7 @@ from contact.faces.bulges import Bulges, blend
 from contact.faces.pair import Pair, between
 from contact.faces.sampling import PAIRINGS
 from support.problems.contact_problems import linear_mechanics
-from support.problems.nets import pair
+from support.problems.nets import are_derivatives, pair
 from support.problems.sheets import sheet
 
 ROUNDING = 1e-13
@@ -43,12 +43,7 @@ def test_rows_and_curvature_are_derivatives(pairing: str, mirrored: bool) -> Non
     at, force = one.at(u), rng.uniform(0.5, 1.0, len(one.weights))
     assert {0, 1, 2} == set(at.near.free.sum(axis=1).tolist())
     assert np.max(np.abs(at.gap - replace(one, bulges=None).at(u).gap)) > 1e-3
-    ways = rng.normal(size=(8, len(u)))
-    sides = [(one.at(u + STEP * way), one.at(u - STEP * way)) for way in ways]
-    rows = np.array([(more.gap - less.gap) / (2 * STEP) for more, less in sides]).T
-    bent = np.array([(more.rows.T @ force - less.rows.T @ force) / (2 * STEP) for more, less in sides]).T
-    np.testing.assert_allclose(at.rows @ ways.T, rows, rtol=0, atol=BY_DIFFERENCES)
-    np.testing.assert_allclose(at.curvature(force) @ ways.T, bent, rtol=0, atol=BY_DIFFERENCES * np.max(np.abs(bent)))
+    are_derivatives(one, u, force, rng.normal(size=(8, len(u))), STEP, BY_DIFFERENCES)
 
 
 def test_second_derivatives_of_the_blend() -> None:

@@ -11,12 +11,12 @@ from contact.faces.measured import distances
 from contact.faces.pair import between
 from contact.faces.sampling import OWN, PAIRINGS, clipped, joined, mortar
 from contact.faces.search import nearest
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import freeze
 from contact.interchange.oracle import minimise
 from contact.problem import ContactSolution
 from contact.verify import PAIR, judge
 from support.problems.contact_problems import linear_mechanics
-from support.problems.nets import pair
+from support.problems.nets import are_derivatives, pair
 from support.problems.sheets import sheet
 
 ROUNDING = 1e-13
@@ -33,12 +33,7 @@ def test_rows_and_curvature_are_derivatives(pairing: str) -> None:
     u = 0.01 * rng.normal(size=one.operator.shape[1])
     at, force = one.at(u), rng.uniform(0.5, 1.0, len(one.weights))
     assert {0, 1, 2} == set(at.near.free.sum(axis=1).tolist())
-    ways = rng.normal(size=(8, len(u)))
-    sides = [(one.at(u + STEP * way), one.at(u - STEP * way)) for way in ways]
-    rows = np.array([(more.gap - less.gap) / (2 * STEP) for more, less in sides]).T
-    bent = np.array([(more.rows.T @ force - less.rows.T @ force) / (2 * STEP) for more, less in sides]).T
-    np.testing.assert_allclose(at.rows @ ways.T, rows, rtol=0, atol=BY_DIFFERENCES)
-    np.testing.assert_allclose(at.curvature(force) @ ways.T, bent, rtol=0, atol=BY_DIFFERENCES * np.max(np.abs(bent)))
+    are_derivatives(one, u, force, rng.normal(size=(8, len(u))), STEP, BY_DIFFERENCES)
 
 
 @each_pairing
@@ -182,14 +177,5 @@ def test_algorithms_and_the_oracle_agree_on_two_nets(pairing: str, name: str) ->
     assert not told.failures()
     assert max(told.balances["pair_force"], told.balances["pair_moment"]) <= PAIR
     assert 3 < found.active.sum() < m
-    lin = problem.linearise(found.u, None)
-    step = FrozenStep(
-        problem.stiffness(lin, found.u, found.pressure),
-        lin.residual,
-        problem.gap_jacobian(found.u),
-        problem.gap(found.u),
-        one.weights,
-        lin.scale,
-    )
-    _, pressure = minimise(step)
+    _, pressure = minimise(freeze(problem, found.u, found.pressure, {}))
     np.testing.assert_allclose(found.pressure, pressure, rtol=0, atol=1e-8 * np.max(pressure))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -114,14 +115,21 @@ def nets(mu: float, master: float = 50.0, pairing: str = "nodes") -> tuple[Conta
     return rubbed(between(linear_mechanics(sparse.csc_matrix(K), load.ravel()), one), mu), one, load
 
 
+@cache
+def rubbing_nets(pairing: str = "nodes") -> tuple[ContactProblem, ContactSolution]:
+    """Two nets and their answer by semismooth, from rest."""
+    problem, _, load = nets(0.3, pairing=pairing)
+    rest = ContactSolution.at_rest(load.size, len(problem.weights))
+    return problem, by_the_exact_law()["semismooth"].solve(problem, rest)
+
+
 @pytest.mark.parametrize("pairing", ["nodes", "mortar"])
 @pytest.mark.parametrize("name", [name for name in by_the_exact_law() if name != "trial-and-error"])
 def test_algorithms_agree_on_two_nets_that_rub(name: str, pairing: str) -> None:
     """All but trial-and-error, whose states go round in a circle here."""
-    problem, _, load = nets(0.3, pairing=pairing)
-    rest = ContactSolution.at_rest(load.size, len(problem.weights))
-    wanted, algorithm = by_the_exact_law()["semismooth"].solve(problem, rest), by_the_exact_law(1e6)[name]
-    found = algorithm.solve(problem, rest)
+    problem, wanted = rubbing_nets(pairing)
+    algorithm = by_the_exact_law(1e6)[name]
+    found = algorithm.solve(problem, ContactSolution.at_rest(len(wanted.u), len(problem.weights)))
     assert found.outcome.converged
     told = judge(problem, found.u, found.pressure, found.rubbed.force, epsilon=algorithm.epsilon)
     assert not told.failures()
@@ -135,12 +143,11 @@ def test_algorithms_agree_on_two_nets_that_rub(name: str, pairing: str) -> None:
 
 def test_the_oracle_agrees() -> None:
     """Tresca programmes of an interior point on the step at its solution."""
-    problem, _, load = nets(0.3)
-    found = by_the_exact_law()["semismooth"].solve(problem, ContactSolution.at_rest(load.size, len(problem.weights)))
+    problem, found = rubbing_nets()
     step = freeze(problem, found.u, found.pressure, {})
     assert isinstance(step, FrozenFrictionalStep)
     normal = problem.nodal_forces(found.pressure)
-    assert confirm(step, np.zeros(load.size), normal, found.rubbed.force).agrees
+    assert confirm(step, np.zeros(len(found.u)), normal, found.rubbed.force).agrees
 
 
 SPOILT = {
@@ -151,8 +158,7 @@ SPOILT = {
 
 @pytest.mark.parametrize("what", list(SPOILT))
 def test_the_judge_sees_where_slips_are_counted_from(what: str) -> None:
-    problem, _, load = nets(0.3)
-    found = by_the_exact_law()["semismooth"].solve(problem, ContactSolution.at_rest(load.size, len(problem.weights)))
+    problem, found = rubbing_nets()
     names, spoil = SPOILT[what]
     other = problem.since(spoil(found.rubbed.since))
     told = judge(other, found.u, found.pressure, found.rubbed.force)
@@ -160,10 +166,8 @@ def test_the_judge_sees_where_slips_are_counted_from(what: str) -> None:
 
 
 def test_the_judge_does_not_trust_the_slip_of_the_problem() -> None:
-    problem, _, load = nets(0.3)
-    found = by_the_exact_law()["semismooth"].solve(problem, ContactSolution.at_rest(load.size, len(problem.weights)))
+    problem, found = rubbing_nets()
     law = problem.coulomb
-    assert law is not None
     assert not judge(problem, found.u, found.pressure, found.rubbed.force).failures()
     lame = replace(law, slip=lambda u: np.zeros((len(law.mu), 2)))
     wrong = np.where(found.rubbed.state[:, None] == State.STICK, 0.0, found.rubbed.force)
@@ -237,9 +241,7 @@ def test_springs_leave_anchors_behind_on_the_face() -> None:
     found = algorithm.solve(problem, ContactSolution.at_rest(load.size, len(problem.weights)))
     assert found.outcome.converged
     friction, law = found.rubbed, problem.coulomb
-    assert law is not None
     left = problem.since(friction.anchors)
-    assert left.coulomb is not None
     stretched = -friction.force / (20.0 * problem.weights[:, None])
     sticks = friction.state == State.STICK
     assert sticks.sum() > 1

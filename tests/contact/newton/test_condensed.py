@@ -42,7 +42,7 @@ def test_the_step_on_any_set_is_that_of_the_dense_saddle_point() -> None:
     """Sets near the one that was factorised, its complement, all and none, by one factorisation."""
     springs = 1e-2, 1e4, 1e14, math.inf
     for (kind, symmetric), epsilon, solver in product(KINDS, springs, ("multifrontal", "splu")):
-        for seed in range(3):
+        for seed in range(2):
             data, u, rng = example(kind, symmetric, seed)
             base = rng.random(6) < 0.5
             problem = replace(data.problem(), ordered=True)
@@ -140,7 +140,6 @@ def test_exchanging_twice_changes_nothing() -> None:
 
 def tyre(contact: str, **settings: str) -> tuple[dict[str, float], float, np.ndarray]:
     result = solve(*complete("tyre", {"delta_mm": "20", **settings}, "16x14", model="half", contact=contact))
-    assert result.last is not None
     return dict(result.counters), float(result.steps[-1]["force_N"]), result.last.pressure
 
 

@@ -117,7 +117,6 @@ def test_tangents_of_shells_and_their_inertia(shape) -> None:
 def test_fronts_cover_every_unknown_once_and_children_come_first() -> None:
     K = tangent(20, 20)
     found = Analysis.of(K.indptr, K.indices)
-    assert found is not None
     assert np.array_equal(np.sort(found.order), np.arange(K.shape[0]))
     assert [front.start for front in found.fronts[1:]] == [front.stop for front in found.fronts[:-1]]
     children = [child for front in found.fronts for child, _ in front.children]

@@ -31,7 +31,7 @@ TUNED = next(name for name in STEPS.manifest()["name"] if split_of(name) == TUNE
 HEADS = ("solver", "problem", "tolerance", "asked", "claimed", "false", "seconds", "factorisation_s", "reason")
 
 
-def result(entry: str, solved: int, *, cost: float = 2.0, false: int = 0, kernels: str = "own") -> Result:
+def result(entry: str, solved: int, *, cost: float = 2.0, false: int = 0, kernels: str = "own", by: str = "") -> Result:
     """One that solves so many of four problems at a cost, claims some more falsely, and fails at the rest."""
     statuses = ["ok"] * solved + ["anomalous"] * false + ["failed"] * (4 - solved - false)
     public = [
@@ -39,7 +39,7 @@ def result(entry: str, solved: int, *, cost: float = 2.0, false: int = 0, kernel
     ]
     counts = Counted({"ok": solved, "anomalous": false, "failed": 4, "missing": 0, "excluded": 0}, cost, "0" * 16)
     asked = Asked(1e-6, (*public, Solved(TUNED, "ok", 1e-3)), counts)
-    return Result(entry, {**here(), "kernels": kernels}, harness(), dataset.identity(), 20.0, (asked,))
+    return Result(entry, {**here(), "kernels": kernels}, by or harness(), dataset.identity(), 20.0, (asked,))
 
 
 # --- the data set -----------------------------------------------------------------------------------------------------
@@ -107,7 +107,8 @@ def test_each_way_to_end_has_its_status(tmp_path: Path) -> None:
 
 
 def damaged(**changes: object) -> str:
-    record = {"format": results.FORMAT, "format_version": results.VERSION, **asdict(result("mine", 2)), **changes}
+    known = asdict(result("mine", 2, by="0" * 16))
+    record = {"format": results.FORMAT, "format_version": results.VERSION, **known, **changes}
     return json.dumps(json.loads(json.dumps(record).replace("NaN", "null")))
 
 

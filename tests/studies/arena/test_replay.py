@@ -46,7 +46,13 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
     assert not any("alone" in line for line in whole.lines())
 
 
-@pytest.mark.parametrize("name", [*filter(is_exact, ALGORITHMS)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name in ("semismooth", "lcp") else [pytest.mark.slow])
+        for name in filter(is_exact, ALGORITHMS)
+    ],
+)
 def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
     """From no displacement and no set at all; the oracle has the last word."""
     step = json.loads((frozen / "result" / "result.json").read_text())["steps"][-1]

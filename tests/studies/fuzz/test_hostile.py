@@ -40,7 +40,8 @@ set = { delta_mm = "0.5" }
 """
 ONE = '[[cross]]\nname = "t"\n[cross.scenes.panel]\nmeshes = ["2x2"]\n'
 ANSWER = {"du": [0.1, 0.2], "pressure": [3.0], "claims": {"accuracy": 1e-9, "force": 1.5, "pressed": [0]}}
-DRAWS = range(40)
+DRAWS = [range(12), pytest.param(range(12, 40), marks=pytest.mark.slow)]
+each_draw = pytest.mark.parametrize("draws", DRAWS, ids=["few", "many"])
 LIVE = {"script", "img", "figure", "a", "svg", "iframe", "object", "embed", "form", "style", "link", "meta", "base"}
 Say = Callable[[], str]
 
@@ -99,8 +100,9 @@ def _spoilt(data: Any, text: str, rng: np.random.Generator) -> bytes:
     return spoiling.json_text(data, rng).encode() if rng.random() < 0.8 else spoiling.flipped(text.encode(), rng)
 
 
-def test_spoilt_stores_are_taken_or_refused_in_a_line(theirs: Path, tmp_path: Path, say: Say) -> None:
-    for seed in DRAWS:
+@each_draw
+def test_spoilt_stores_are_taken_or_refused_in_a_line(draws: range, theirs: Path, tmp_path: Path, say: Say) -> None:
+    for seed in draws:
         rng, there, here = np.random.default_rng([1, seed]), tmp_path / f"there {seed}", tmp_path / f"here {seed}"
         shutil.copytree(theirs, there)
         files = sorted([*(there / "cells").glob("*.json"), *(there / "campaigns").glob("*.json")])
@@ -125,23 +127,26 @@ def test_what_is_not_written_out_is_found(monkeypatch: pytest.MonkeyPatch) -> No
             _lies_still([text])
 
 
-def test_spoilt_answers_are_judged_or_refused_in_a_line(step: Path, tmp_path: Path, say: Say) -> None:
+@each_draw
+def test_spoilt_answers_are_judged_or_refused_in_a_line(draws: range, step: Path, tmp_path: Path, say: Say) -> None:
     path = tmp_path / "answer.json"
-    for seed in DRAWS:
+    for seed in draws:
         path.write_bytes(_spoilt(ANSWER, json.dumps(ANSWER), np.random.default_rng([2, seed])))
         say("problems", "judge", step, path)
 
 
-def test_spoilt_steps_are_solved_or_refused_in_a_line(step: Path, tmp_path: Path, say: Say) -> None:
+@each_draw
+def test_spoilt_steps_are_solved_or_refused_in_a_line(draws: range, step: Path, tmp_path: Path, say: Say) -> None:
     path = tmp_path / "step.npz"
-    for seed in DRAWS:
+    for seed in draws:
         path.write_bytes(spoiling.npz(step.read_bytes(), np.random.default_rng([3, seed])))
         say("resolve", path)
 
 
-def test_spoilt_campaigns_are_read_or_refused_in_a_line(tmp_path: Path) -> None:
+@each_draw
+def test_spoilt_campaigns_are_read_or_refused_in_a_line(draws: range, tmp_path: Path) -> None:
     path = tmp_path / "sweep.toml"
-    for seed in DRAWS:
+    for seed in draws:
         path.write_text(spoiling.toml_text(CAMPAIGN, np.random.default_rng([4, seed])), encoding="utf-8")
         assert "\n" not in _said(path), seed
 

@@ -12,7 +12,7 @@ from support.stores.elsewhere import BEAMS, TYRES, Elsewhere, solved
 
 @pytest.fixture(scope="session")
 def beams(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Eight cells that take no time."""
+    """Six cells that take no time."""
     return solved(tmp_path_factory.mktemp("beams"), "beams", BEAMS)
 
 

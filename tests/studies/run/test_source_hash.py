@@ -86,8 +86,10 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     code += "from studies.scenes import SCENES; list(SCENES.values()); called = set()\n"
     code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
     code += f"for name in {tuple(ALGORITHMS)}: solve(*complete('strip-contact', {{}}, '4x1', contact=name))\n"
-    code += "for scene, mesh in ('panel', '4x4'), ('tyre', '6x6'), ('pagano', '4x4'), ('manufactured', '4x4'):\n"
-    code += "    solve(*complete(scene, {}, mesh))\n"
+    code += "for scene, mesh, asked in (\n"
+    code += "    ('panel', '2x2', {}), ('tyre', '6x6', {'delta_mm': '5'}), ('pagano', '2x2', {}),\n"
+    code += "    ('manufactured', '2x2', {}),\n"
+    code += "): solve(*complete(scene, asked, mesh))\n"
     code += "solve(*complete('pressed-panel', {'element': 'refined'}, '4x4'))\n"
     code += "sys.setprofile(None); print(*filter(None, called))"
     called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()

@@ -114,6 +114,7 @@ def test_errors_fall_with_the_square_of_the_elements() -> None:
     assert np.all(fine < 4e-3)
 
 
+@pytest.mark.slow
 def test_load_steps_change_nothing() -> None:
     """Not even the first ones, on the way from touch: no pressure below that is on the path."""
     once, often = (read(solved(SCENE, "1x16", steps=steps), "contact_force_EI_R2") for steps in (1, 3))

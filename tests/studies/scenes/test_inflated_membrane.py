@@ -77,6 +77,7 @@ def test_a_membrane_is_filled_far_beyond_its_largest_pressure() -> None:
     assert 1e6 * between == pytest.approx(list(PUBLISHED.values()), rel=1e-2)
 
 
+@pytest.mark.slow
 def test_what_is_stable_at_a_volume_is_not_at_its_pressure() -> None:
     """Three volumes, the last two beyond the largest pressure."""
     words = []

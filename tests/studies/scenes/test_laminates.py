@@ -161,7 +161,7 @@ def test_two_faces_are_too_stiff_for_a_sandwich() -> None:
 @pytest.mark.parametrize(
     ("S", "surfaces", "deflection", "hoop", "shear"),
     [
-        ("100", "3/ply", 3e-3, 1e-3, 0.06),
+        pytest.param("100", "3/ply", 3e-3, 1e-3, 0.06, marks=SLOW),
         pytest.param("2", "4/ply", 4e-3, 4e-2, 2e-2, marks=SLOW),
         pytest.param("10", "4/ply", 1e-3, 1e-3, 2e-3, marks=SLOW),
         pytest.param("4", "4/ply", 1e-3, 1.2e-2, 5e-3, marks=SLOW),

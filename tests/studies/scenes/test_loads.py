@@ -63,7 +63,6 @@ def test_an_edge_load_is_uniform_on_lines_of_any_spacing(lines: str, cut: bool) 
     scene, request = complete("sze-annulus", {"lines": lines}, "6x20")
     if cut:
         tree = Family.of(scene, request).tree
-        assert tree is not None
         leaves = tree.refined(tree.leaves[:, 1] < 2).leaves
         request = replace(request, leaves=tuple(map(tuple, leaves.tolist())))
     shell = scene.build(request).shell

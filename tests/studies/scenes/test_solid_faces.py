@@ -14,7 +14,6 @@ from studies.output.vtu import read_vtu
 from studies.scenes import SCENES
 from studies.scenes.closed_forms.contact import hertz_pressure, pressed_cylinders
 from studies.scenes.complete import complete
-from studies.scenes.faces.model import FacesModel
 from studies.scenes.faces.ring_on_layer import BED, STIFF
 from studies.scenes.faces.solids import towards_start
 from studies.solving.refinement.grids import near
@@ -44,7 +43,6 @@ def test_the_tangent_of_a_shell_and_a_solid_that_press_each_other_is_a_derivativ
     """Of residual less contact forces; both without a resultant."""
     scene, request = complete("ring-on-layer", {"pairing": pairing, "slave": slave, "layer_law": "neo-hooke"}, "1x8")
     model = scene.build(replace(request, newton="plain"))
-    assert isinstance(model, FacesModel)
     bodies, pair = model.bodies_at(35.0), model.pairs_at(35.0)[0]
     u, du = rng.normal(size=(2, model.n_unknowns)) * 0.02
     problem = between(bodies.linearise, pair)
@@ -90,7 +88,6 @@ def test_cylinders_on_a_coarse_mesh_have_the_force_of_hertz(tmp_path) -> None:
     assert result.quantities["P_over_ER"] == pytest.approx(
         pressed_cylinders(0.05, 100.0, (1000 / 0.91,) * 2)[0] / 1e5, rel=0.01
     )
-    assert result.last is not None
     result.model.write_fields(tmp_path / "fields.vtu", result.last)
     fields = read_vtu(tmp_path / "fields.vtu")
     at = fields.points + fields.data["displacement"]
@@ -121,7 +118,6 @@ def test_half_spheres_of_too_few_elements_are_refused() -> None:
     """Half of a mesh, for its error, may be too coarse: the next one that is not is taken."""
     scene, request = complete("half-spheres", {}, "8x1")
     half = near(scene, request, 0.5)
-    assert half is not None
     assert half.mesh[0] > 4
     with pytest.raises(UsageError, match=r"mesh 4x1: .* too coarse"):
         scene.build(replace(request, mesh=(4, 1)))
@@ -173,6 +169,7 @@ def test_algorithms_agree(name: str, scene: str, mesh: str, travel: str) -> None
         assert ours[key] == pytest.approx(value, rel=AGREE)
 
 
+@pytest.mark.slow
 def test_a_ring_on_a_stiff_layer_is_that_on_a_plate() -> None:
     """Nodes against a flat face to what the layer yields; the soft one of the same thickness yields far more."""
     plate = solve(*complete("ring", {"delta_mm": "50"}, "1x20")).quantities
@@ -215,9 +212,6 @@ HALVES: dict[str, str] = {"delta_mm": "1,2,3,4", "surfaces": "5"}
 def test_half_spheres_rub_on_each_other_and_not_on_the_plane() -> None:
     result = solved("half-spheres", "8x1", through=1, delta_mm="0.5", mu="0.5")
     assert result.verdict == "converged"
-    assert isinstance(result.model, FacesModel)
-    assert result.last is not None
-    assert result.last.friction is not None
     pressure, t = result.last.pressure, np.linalg.norm(result.last.friction.force, axis=1)
     rubs = result.model.pair_of_candidate == 0
     assert np.all(t[~rubs] == 0)
@@ -226,6 +220,7 @@ def test_half_spheres_rub_on_each_other_and_not_on_the_plane() -> None:
     assert result.steps[-1]["dissipation_N_mm"] > 0
 
 
+@pytest.mark.slow
 def test_half_spheres_that_rub_take_the_steps_that_are_asked_for() -> None:
     """Slips beside the planes of symmetry would have Newton's iteration cycle, and steps cut, from 0.5 mm on."""
     scene, request = complete("half-spheres", {"through": "1", "delta_mm": "1", "mu": "0.5"}, "16x1", steps=2)
@@ -234,7 +229,6 @@ def test_half_spheres_that_rub_take_the_steps_that_are_asked_for() -> None:
 
 def test_fields_of_half_spheres_have_what_deforms(tmp_path) -> None:
     result = solved("half-spheres", "8x1", through=1, delta_mm="0.1")
-    assert result.last is not None
     result.model.write_fields(tmp_path / "fields.vtu", result.last)
     fields = read_vtu(tmp_path / "fields.vtu")
     assert set(fields.data["body"]) == {0.0, 1.0}  # and not the plane

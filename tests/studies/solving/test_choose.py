@@ -202,7 +202,6 @@ def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
 def test_a_notebook_has_tables(tmp_path: Path) -> None:
     found = choose_in_notebook("ring", "5%", budget=2.0, delta_mm=50)
     assert {"name", "formulation_error", "within", "mesh"} <= {*found.variants.columns}
-    assert found.recommended is not None
     assert found.recommended["error_at_most"] <= 0.05
     found.write(tmp_path)
     assert told(tmp_path)["scene"] == "ring"

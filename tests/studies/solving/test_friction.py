@@ -28,7 +28,7 @@ from studies.solving.friction_stages import Slide, Stages
 from studies.solving.result import Result
 from studies.solving.solve import solve
 
-MESH = "14x12"
+MESH = "10x10"
 TURN = 10  # deg, of a step
 
 
@@ -49,7 +49,6 @@ def turned() -> Result:
 
 
 def last_problem(result: Result) -> ContactProblem:
-    assert result.end is not None
     return result.end.problem
 
 
@@ -112,10 +111,16 @@ def test_a_part_of_a_tyre_is_not_dragged() -> None:
 @pytest.mark.parametrize(
     ("foundation", "length", "stress"),
     [
-        *(("plane", 1e3, 7.0), ("ball", 0.03, 1e6)),
+        ("plane", 1e3, 7.0),
         *(
             pytest.param(*each, marks=pytest.mark.slow)
-            for each in (("plane", 1e-3, 1.0), ("plane", 0.03, 1e6), ("ball", 1e-3, 1.0), ("ball", 1e3, 7.0))
+            for each in (
+                ("plane", 1e-3, 1.0),
+                ("plane", 0.03, 1e6),
+                ("ball", 1e-3, 1.0),
+                ("ball", 0.03, 1e6),
+                ("ball", 1e3, 7.0),
+            )
         ),
     ],
 )
@@ -244,7 +249,6 @@ def test_who_is_taken_in_on_the_first_step_slips_from_where_it_was(monkeypatch: 
 
 @pytest.mark.parametrize("spoil", ["sign", "twice", "open", "since", "untold", "short"])
 def test_the_judge_of_a_scene_sees_a_spoilt_answer(dragged: Result, spoil: str) -> None:
-    assert dragged.end is not None
     visited, state = dragged.end, dragged.end.point.solution
     assert state.friction is not None
     told = state.friction
@@ -265,7 +269,6 @@ def test_the_judge_of_a_scene_sees_a_spoilt_answer(dragged: Result, spoil: str) 
 
 def test_friction_is_across_the_normal(dragged: Result) -> None:
     problem = last_problem(dragged)
-    assert dragged.end is not None
     pull = in_space(problem, dragged.end.point.solution)
     assert problem.directions is not None
     normal = problem.directions(dragged.end.point.solution.u)
@@ -313,7 +316,6 @@ def test_friction_is_switched_on_along_a_path_and_read_off() -> None:
     plain = next(iter(walk(replace(rubbed, targets=(0.5,)).stages(), configured("semismooth", {}))))
     assert without.u == pytest.approx(plain.point.solution.u, abs=1e-9)
     assert np.all(without.friction == 0)
-    assert free.point.solution.friction is not None
     assert free.point.solution.friction.dissipation == 0
     size = np.linalg.norm(touch.friction, axis=1)
     assert 0 < size.max() <= 0.3 * touch.force.max() * (1 + 1e-9)

@@ -22,7 +22,10 @@ def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: str) 
     return found
 
 
-@pytest.mark.parametrize("contact", ALGORITHMS)
+@pytest.mark.parametrize(
+    "contact",
+    [pytest.param(name, marks=[pytest.mark.slow] if name == "trial-and-error" else []) for name in ALGORITHMS],
+)
 def test_every_algorithm_stops_where_it_is_told_and_says_no_more(contact: str) -> None:
     tight, loose = (solved("tyre", "12x12", contact, delta_mm="10", **t) for t in ({}, {"tolerance": str(LOOSE)}))
     assert loose.counters["newton_iterations"] < tight.counters["newton_iterations"]

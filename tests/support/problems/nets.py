@@ -20,3 +20,15 @@ def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.
     if pairing == "nodes":
         return Pair(reference, everything, master, at_nodes(nodes, len(reference), areas(reference, above[1])[nodes]))
     return Pair(reference, everything, master, mortar(reference, above[1], master, nodes))
+
+
+def are_derivatives(one: Pair, u: np.ndarray, force: np.ndarray, ways: np.ndarray, step: float, bound: float) -> None:
+    """Asserts that rows are those of the gaps at u (n,), and the curvature under ``force`` (m,) that of the rows.
+
+    Along ``ways`` (k, n) by central differences of a step [mm]; bound: of gaps, and of the size of the curvature.
+    """
+    at, sides = one.at(u), [(one.at(u + step * way), one.at(u - step * way)) for way in ways]
+    rows = np.array([(more.gap - less.gap) / (2 * step) for more, less in sides]).T
+    bent = np.array([(more.rows.T @ force - less.rows.T @ force) / (2 * step) for more, less in sides]).T
+    np.testing.assert_allclose(at.rows @ ways.T, rows, rtol=0, atol=bound)
+    np.testing.assert_allclose(at.curvature(force) @ ways.T, bent, rtol=0, atol=bound * np.max(np.abs(bent)))

@@ -126,7 +126,6 @@ def nodal_components(
 
 def everywhere(body: Discretisation, field: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     """The unknowns of a Cartesian displacement field(x (..., 3)) at every surface of every node."""
-    assert body.wall is not None
     frame = body.surface.frame(*body.grid.nodes.T)
     x = body.surface.position(*body.grid.nodes.T)[:, None] + body.wall.sampling.at[:, None] * frame[:, None, 2]
     v = np.einsum("nix,nsx->nsi", frame, field(x))

@@ -300,7 +300,7 @@ def test_a_shell_that_is_free_to_move_is_no_answer(tmp_path) -> None:
     assert main(["solve", written(tmp_path, lines), "--out", str(tmp_path / "out")]) not in (OK, WRONG_USE)
 
 
-@pytest.mark.parametrize(("node", "within"), [(25, 0.02), (46, 0.15)])
+@pytest.mark.parametrize(("node", "within"), [(25, 0.02), pytest.param(46, 0.15, marks=pytest.mark.slow)])
 def test_what_a_force_along_the_wall_makes_grow_is_foreseen(tmp_path, node: int, within: float) -> None:
     """In the middle of a sheet Kelvin's, (3 - nu)(1 + nu)/(4 pi E h) ln 2; at its rim Flamant's, 2/(pi E h) ln 2."""
     lines = [

@@ -15,6 +15,7 @@ from support.decks import answered, mesh_lines, plate, refused
 
 ALONG_X = ["--set", "towards_1=1", "--set", "towards_3=0"]
 ON_PLANE = [*ALONG_X, "--set", "foundation=plane", "--set", "delta_mm=1,2"]
+FAST = ("semismooth", "lcp")
 
 
 def panel(m: int, *loads: str) -> list[str]:
@@ -35,7 +36,9 @@ def panel(m: int, *loads: str) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("contact", ALGORITHMS)
+@pytest.mark.parametrize(
+    "contact", [pytest.param(name, marks=[] if name in FAST else [pytest.mark.slow]) for name in ALGORITHMS]
+)
 def test_every_algorithm_has_the_force_of_the_scene(tmp_path, contact: str) -> None:
     ours = solve(*complete("pressed-panel", {"element": "quads"}, "4x4", contact=contact)).steps
     result = answered(tmp_path, panel(4), *ON_PLANE, "--no-error", "--contact", contact)

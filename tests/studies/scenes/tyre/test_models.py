@@ -86,12 +86,12 @@ def test_inflation_of_a_column_is_that_of_the_whole() -> None:
 @pytest.mark.parametrize(
     "settings",
     [
-        {"element": "paper"},
         {"load": "follower", "pressure_area": "face", "interpolation": "isoparametric", "grading": "uniform"},
-        {"element": "paper", "load": "follower", "pressure_area": "face"},
         {"element": "paper", "gamma_deg": "30", "section": "nonsymmetric"},
         {**ISOTROPIC, "element": "paper"},
-        {"grading": "uniform"},
+        pytest.param({"element": "paper"}, marks=pytest.mark.slow),
+        pytest.param({"element": "paper", "load": "follower", "pressure_area": "face"}, marks=pytest.mark.slow),
+        pytest.param({"grading": "uniform"}, marks=pytest.mark.slow),
     ],
     ids=str,
 )

@@ -91,6 +91,5 @@ def test_a_coarse_tyre_that_cannot_be_pressed_further_is_given_up_early(measure:
     scene, request = resolve("tyre", {"delta_mm": "20"}, "8x8", measure=measure)
     *_, last = walk(scene.build(request).stages(), ALGORITHMS["semismooth"]())
     assert last.point.outcome is Outcome.LIMIT_POINT
-    assert last.point.end is not None
     assert last.point.reached == last.point.end.limit < 12
     assert last.point.solution.counters["factorisations"] <= WORTH * EASY_ITERATIONS + EASY_ITERATIONS

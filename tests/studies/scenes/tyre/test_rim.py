@@ -19,7 +19,6 @@ def refined_about(request: Request, factors: tuple[float, ...], hollow: float = 
     """Elements cut once for each ellipse, so many times the patch, that holds their centre, and not in the hollow."""
     family = Family.of(SCENES["tyre"], request)
     tree = family.tree
-    assert tree is not None
     for level, factor in enumerate(factors):
         from_centre = np.hypot(*(np.rad2deg(tree.grid().centre) / PATCH).T)
         tree = tree.refined((tree.leaves[:, 0] == level) & (from_centre < factor) & (from_centre > hollow))

@@ -19,8 +19,8 @@ from studies.solving.refinement.grids import first_grid
 from studies.solving.solve import solve
 
 STATED = [
-    ("ring", {"delta_mm": "30"}, 0.01, "P_R2_over_EI", "1x512"),
-    ("cantilever", {"load_fraction": "0.5"}, 0.001, "tip_shortening_mm", "512x1"),
+    ("ring", {"delta_mm": "30"}, 0.01, "P_R2_over_EI", "1x256"),
+    ("cantilever", {"load_fraction": "0.5"}, 0.001, "tip_shortening_mm", "256x1"),
     ("strip-contact", {"load_fraction": "5"}, 0.01, "half_force", "256x1"),
     ("pagano", {"S": "20"}, 0.002, "w_bar", "48x48"),
     ("plate-contact", {}, 0.02, "contact_force", "512x1"),

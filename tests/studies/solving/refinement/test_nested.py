@@ -33,7 +33,7 @@ ASKED = [  # scene, settings, mesh, options
     ("hemisphere", {"load_fraction": "1"}, "16x16", {"measure": "elongation"}),
     ("ring", {}, "1x64", {"contact": "trial-and-error"}),
 ]
-FAST = 3
+FAST = slice(1, 3)
 
 
 def iterations(result: Result) -> int:
@@ -52,7 +52,7 @@ def from_coarser(scene: Scene, request: Request) -> Result:
 
 @pytest.mark.parametrize(
     ("scene", "settings", "mesh", "options"),
-    [*ASKED[:FAST], *(pytest.param(*each, marks=pytest.mark.slow) for each in ASKED[FAST:])],
+    [*ASKED[FAST], *(pytest.param(*each, marks=pytest.mark.slow) for each in ASKED if each not in ASKED[FAST])],
     ids=lambda part: str(part)[:30],
 )
 def test_the_answer_is_that_from_rest(scene, settings, mesh, options) -> None:
@@ -68,6 +68,7 @@ def test_the_answer_is_that_from_rest(scene, settings, mesh, options) -> None:
         assert told == before
 
 
+@pytest.mark.slow
 def test_iterations_of_a_single_load_are_saved() -> None:
     asked = complete("hemisphere", {"load_fraction": "1"}, "24x24")
     assert iterations(from_coarser(*asked)) <= 5 < iterations(solve(*asked))
@@ -102,10 +103,10 @@ def test_what_does_not_get_there_is_no_start() -> None:
     assert sketch(*complete("tyre", {"delta_mm": "40"}, "8x8")) is None
 
 
+@pytest.mark.slow
 def test_what_is_not_one_shell_is_no_start_but_has_values() -> None:
     asked = complete("two-cylinders", {"delta_mm": "0.01"}, "1x8")
     known = sketch(*asked)
-    assert known is not None
     assert known.model is None
     scene, request = complete("two-cylinders", {"delta_mm": "0.01"}, "1x12")
     from_it, from_rest = solve_from(scene, request, known), solve(scene, request)
@@ -117,7 +118,6 @@ def test_a_curve_is_followed_for_what_it_says_of_the_limit() -> None:
     """It starts from nowhere else, and has the values of the solve."""
     asked = complete("roof-a", {"until": "limit"}, "4x4")
     known = sketch(*asked)
-    assert known is not None
     assert known.strayed == 0.0
     assert known.quantities == pytest.approx(solve(*asked).quantities)
 
@@ -128,13 +128,12 @@ def strayed(scene: str, mesh: str, settings: dict[str, str], **options: str) -> 
     half = near(*asked, 0.5)
     assert half is not None
     known = sketch(*asked, sketch(asked[0], half))
-    assert known is not None
     return known.strayed
 
 
 def test_how_far_a_start_is_from_its_state_is_known_in_steps() -> None:
     """With the order 2 of the grids."""
-    far = [strayed("hemisphere", mesh, {"load_fraction": "1"}) for mesh in ("16x16", "32x32")]
+    far = [strayed("hemisphere", mesh, {"load_fraction": "1"}) for mesh in ("12x12", "24x24")]
     assert 0.001 < far[1] < 0.5 * far[0] < FAR
 
 
