@@ -29,7 +29,7 @@ report: $(READY)
 
 standard: $(READY)
 	$(BIN)/footprint run standard --store $(STORE) --engine $(ENGINE)
-	$(BIN)/footprint run fuzz --cases 2000 --store $(STORE) --engine $(ENGINE) || test $$? -eq 1  # its findings are on the page
+	$(BIN)/footprint run fuzz --seeds 0:2000 --store $(STORE) --engine $(ENGINE) || test $$? -eq 1  # its findings are on the page
 	$(BIN)/footprint analyse standard --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
 

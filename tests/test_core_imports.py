@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-OPTIONAL = ("clarabel", "cvxpy", "markdown_it", "matplotlib", "osqp", "pandas", "PIL", "rich", "skfem")
+OPTIONAL = ("clarabel", "cvxpy", "markdown_it", "matplotlib", "osqp", "pandas", "PIL", "skfem")
 SYSTEM = ("_multiprocessing", "fcntl", "resource", "termios")  # WebAssembly lacks the first and third, Windows the rest
 SOLVE = """
 import json, sys

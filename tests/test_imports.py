@@ -222,7 +222,7 @@ def test_an_import_backwards_is_seen() -> None:
 
 
 HEAVY = (
-    *("clarabel", "cvxpy", "distributed", "matplotlib", "meshio", "osqp", "pandas", "rich", "skfem"),
+    *("clarabel", "cvxpy", "distributed", "matplotlib", "meshio", "osqp", "pandas", "skfem"),
     *("scipy.interpolate", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.special", "scipy.stats"),
 )
 STARTED = {"_thread.start_new_thread", "os.fork", "os.posix_spawn", "os.system", "subprocess.Popen"}

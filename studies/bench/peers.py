@@ -8,7 +8,7 @@ paper's tyre on 42x40 (9840 unknowns) in the same rounds, too. A program that is
 
 import importlib.util
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -18,36 +18,12 @@ import pandas as pd
 from contact.problem import Outcome
 from contact.solvers.sparse import factorise
 from studies.bench.costs import at_rest, shell_of
-from studies.bench.problems import DELTA_MM, LINEAR_SHELLS, Line, Solved, problems
+from studies.bench.problems import DELTA_MM, LINEAR_SHELLS, MEASURED, Line, Solved, problems
 from studies.bench.programs import Case
 from studies.output.stopwatch import timed
-from studies.output.terminal import columns
 from studies.scenes.complete import complete
-from studies.scenes.tyre.scene import ISOTROPIC
 from studies.solving.solve import solve
 
-FULL = {"load_fraction": "1"}
-FOLLOWER = {"load": "follower", "pressure_area": "face", "delta_mm": repr(DELTA_MM)}
-ISOTROPIC_TYRE = {**ISOTROPIC, "delta_mm": repr(DELTA_MM)}
-TYRES = ("20x18", "24x22", "28x26", "32x30", "36x34", "40x38", "48x46", "60x58", "72x70")  # of the whole
-PLY_TYRES = ("20x18", "28x26", "36x34", "42x40", "60x58", "84x80")
-SQUARES = tuple(f"{n}x{n}" for n in (8, 10, 12, 14, 16, 20, 24, 32, 48))
-OCTANTS = ("6x9", "8x12", "12x18", "16x24", "24x36")
-STRIPS = ("4x1", "8x1", "16x1", "32x1", "64x1")
-PAPER = {"element": "paper"}
-NODAL = {"thickness_strain": "nodal"}
-# elements over psi and phi, of the quarter; those of a wall of plies of the whole
-QUARTERS = {
-    2: ("6x6", "8x8", "12x12", "12x16", "16x16", "20x20"),
-    3: ("4x4", "5x5", "6x6", "8x8", "10x10", "14x12"),
-    4: ("3x3", "4x4", "5x5", "6x6"),
-}
-WHOLES = {2: ("8x8", "12x10", "16x14", "20x18"), 3: ("8x8", "10x8")}
-KRATOS = {
-    "hemisphere": ("8x8", "12x12", "16x16", "20x20", "24x24", "32x32"),
-    "sze-pullout": ("6x9", "8x12", "12x18", "16x24"),
-    "cantilever": ("4x1", "8x1", "16x1", "32x1", "64x1"),
-}
 KINDS = ("thick quadrilaterals", "thin quadrilaterals", "thick triangles")
 
 
@@ -76,14 +52,13 @@ def _found(module: str) -> bool:
 def _ngsolve() -> tuple[Line, ...]:
     from studies.bench.ngsolve_tyre import AnglePlies, Isotropic, tyre
 
-    return tuple(
-        Line(problem, "ngsolve", f"order {order}", meshes, partial(tyre, delta_mm=DELTA_MM, wall=wall, order=order))
-        for problem, wall, orders in (
-            ("tyre, isotropic", Isotropic(), QUARTERS),
-            ("tyre, angle plies", AnglePlies(), WHOLES),
-        )
-        for order, meshes in orders.items()
-    )
+    walls: dict[str, Isotropic | AnglePlies] = {"tyre, isotropic": Isotropic(), "tyre, angle plies": AnglePlies()}
+    found = []
+    for problem, wall in walls.items():
+        for order, meshes in MEASURED["ngsolve"][problem].items():
+            solve = partial(tyre, delta_mm=DELTA_MM, wall=wall, order=int(order))
+            found.append(Line(problem, "ngsolve", f"order {order}", tuple(meshes), solve))
+    return tuple(found)
 
 
 def _kratos() -> tuple[Line, ...]:
@@ -91,8 +66,8 @@ def _kratos() -> tuple[Line, ...]:
 
     return (
         *(
-            Line(problem, "kratos", kind, meshes, partial(shell, problem, kind))
-            for problem, meshes in KRATOS.items()
+            Line(problem, "kratos", kind, tuple(meshes), partial(shell, problem, kind))
+            for problem, meshes in MEASURED["kratos"].items()
             for kind in KINDS
         ),
         *(Line(each.name, "kratos", KINDS[0], each.meshes, partial(linear, each)) for each in LINEAR_SHELLS),
@@ -124,27 +99,10 @@ def available() -> tuple[tuple[Line, ...], tuple[str, ...]]:
 
 def lines() -> tuple[Line, ...]:
     """Each family of each problem."""
-    tyres = (
-        ("tyre, isotropic", "element paper", TYRES, "quarter", {**ISOTROPIC_TYRE, **PAPER}),
-        ("tyre, isotropic", "default", TYRES, "quarter", ISOTROPIC_TYRE),
-        ("tyre, angle plies", "whole, element paper", PLY_TYRES, "full", {**FOLLOWER, **PAPER}),
-        ("tyre, angle plies", "half, element paper", PLY_TYRES, "half", {**FOLLOWER, **PAPER}),
-    )
-    shells = (
-        ("hemisphere", "inward_mm", SQUARES),
-        ("sze-pullout", "w_A_mm", OCTANTS),
-        ("cantilever", "tip_deflection_mm", STRIPS),
-    )
-    families = {"default": FULL, "thickness strain at nodes": {**FULL, **NODAL}}
     return (
         *(
-            Line(problem, "footprint", family, meshes, partial(solved, "tyre", "force_N", model, settings))
-            for problem, family, meshes, model, settings in tyres
-        ),
-        *(
-            Line(scene, "footprint", family, meshes, partial(solved, scene, quantity, "auto", settings))
-            for scene, quantity, meshes in shells
-            for family, settings in families.items()
+            Line(each["problem"], "footprint", each["family"], tuple(each["meshes"]), partial(solved, **each["solve"]))
+            for each in MEASURED["ours"]
         ),
         *(
             Line(
@@ -152,7 +110,7 @@ def lines() -> tuple[Line, ...]:
                 "footprint",
                 "default",
                 each.meshes,
-                partial(solved, each.scene, each.quantity, "auto", each.settings, measure="linear"),
+                partial(solved, **each.asked, model="auto", measure="linear"),
             )
             for each in LINEAR_SHELLS
         ),
@@ -160,7 +118,7 @@ def lines() -> tuple[Line, ...]:
 
 
 def solved(
-    scene: str, quantity: str, model: str, settings: Mapping[str, str], mesh: str, *, measure: str = "exact"
+    mesh: str, *, scene: str, quantity: str, model: str, settings: Mapping[str, str], measure: str = "exact"
 ) -> Solved:
     """The quantity at the last load.  The parts are shares of wall time, taken of the processor time."""
     seconds, result = timed(lambda: solve(*complete(scene, settings, mesh, model=model, measure=measure)))
@@ -219,40 +177,11 @@ def judged(table: pd.DataFrame) -> pd.DataFrame:
     return found.assign(error=found["value"] / found["reference"] - 1)
 
 
-def lines_of(table: pd.DataFrame) -> Iterator[str]:
+def shown(table: pd.DataFrame) -> str:
     """The table for a terminal."""
-    rows = [("problem", "program", "family", "mesh", "unknowns", "value", "error/%", "seconds", "units", "runs")]
-    for row in table.to_dict("records"):
-        numbers = (f"{row['value']:.6g}", f"{100 * row['error']:+.2f}", f"{row['seconds']:.3f}", f"{row['units']:.2f}")
-        rows.append((*(row[key] for key in KEYS), f"{row['unknowns']:.0f}", *numbers, str(row["runs"])))
-    yield from columns(rows, right=range(4, 10))
+    told = table.assign(**{"error/%": 100 * table["error"]})
+    names = [*KEYS, "unknowns", "value", "error/%", "seconds", "units", "runs"]
+    return told[names].to_string(index=False, float_format="{:.4g}".format)
 
 
-FULL = {"load_fraction": "1"}
-
-CASES = (
-    Case("scordelis-lo", ("4x4", "8x8", "16x16"), "32x32", measure="linear"),
-    Case("pinched-cylinder", ("8x8", "16x16", "24x24"), "32x32", measure="linear"),
-    Case("hemisphere", ("8x8", "12x12", "20x20"), "32x32", FULL),
-    Case("cantilever", ("16x1", "32x1", "64x1"), "64x1", FULL),
-    Case("pressurised-cylinder", ("1x2", "2x4"), "2x4"),
-    Case("strip-contact", ("8x2", "16x2"), "64x1", {"load_fraction": "5"}, "linear"),
-    Case("crushed-ring-solid", ("1x12", "1x24"), "1x48", {"delta_mm": "5.5625,11.125"}),
-    Case(
-        "tyre, isotropic",
-        ("16x18", "24x26", "32x30"),
-        "60x58",
-        {**ISOTROPIC, "delta_mm": f"{DELTA_MM:g}"},
-        scene="tyre",
-    ),
-    # whole bricks: those with a rule of eight points soften further where cords leave their plane
-    Case(
-        "tyre, angle plies, inflated",
-        ("10x12", "12x14", "14x18"),
-        "84x80",
-        {**FOLLOWER, "delta_mm": "0"},
-        scene="tyre",
-        integration="full",
-        held=True,
-    ),
-)
+CASES = tuple(Case(**{**each, "meshes": tuple(each["meshes"])}) for each in MEASURED["deck"])

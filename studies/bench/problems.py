@@ -1,16 +1,19 @@
 """What every program solves: problems with references that are not ours, a line of work and precision, one solve."""
 
 import math
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.data import reference_rows
 from studies.scenes.references import closest
 
+MEASURED = tomllib.loads(Path(__file__).with_name("measured.toml").read_text(encoding="utf-8"))
 DELTA_MM = 10.0
 SOLID, PLIES = "isotropic_tyre_3d_solid.csv", "bias_tyre_3d_solid.csv"
 KNOWN = {SOLID: 0.003, PLIES: 0.01}  # relative uncertainty
@@ -74,6 +77,11 @@ class LinearShell:
         """That of the problem."""
         return ", ".join([self.scene, *self.settings.values()])
 
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What is solved, but for the mesh."""
+        return {"scene": self.scene, "quantity": self.quantity, "settings": self.settings}
+
     def problem(self) -> Problem:
         """Raises LookupError without a reference."""
         _, request = complete(self.scene, self.settings, self.meshes[0], measure="linear")
@@ -85,22 +93,7 @@ class LinearShell:
         return Problem(self.name, self.quantity, reference.value, reference.uncertainty, 0.01, linear=True)
 
 
-TIP, STRIP, SIX = "tip_deflection_mm", ("12x2", "24x4", "48x8", "96x16"), ("6x1", "12x2", "24x4", "48x8", "96x16")
-LINEAR_SHELLS = (
-    *(
-        LinearShell("twisted-beam", TIP, STRIP, {"h_mm": h, "load": load})
-        for h in ("0.32", "0.0032")
-        for load in ("in-plane", "out-of-plane")
-    ),
-    LinearShell("raasch-hook", TIP, ("14x4", "28x8", "56x16", "112x32")),
-    *(LinearShell("hypar", TIP, ("12x6", "24x12", "48x24", "96x48"), {"t_over_L": t}) for t in ("0.01", "0.001")),
-    LinearShell("morley-skew-plate", "w_bar", ("4x4", "8x8", "16x16", "32x32", "64x64")),
-    *(
-        LinearShell("slender-beam", TIP, SIX, {"load": load, "shape": shape})
-        for load in ("in-plane", "out-of-plane")
-        for shape in ("rectangle", "trapezoid", "parallelogram")
-    ),
-)
+LINEAR_SHELLS = tuple(LinearShell(**{**each, "meshes": tuple(each["meshes"])}) for each in MEASURED["linear"])
 
 
 def size(mesh: str) -> tuple[int, int]:
@@ -124,10 +117,10 @@ def problems() -> dict[str, Problem]:
     return {problem.name: problem for problem in listed}
 
 
-def solid_force(file: str, delta_mm: float = DELTA_MM) -> float:
-    """Force [N] of the finest solid of a table, nan at a travel that it has not."""
+def solid_force(file: str) -> float:
+    """Force [N] of the finest solid of a table at DELTA_MM."""
     rows = reference_rows(file)
-    return next((row["force_N_ngsolve"] for row in rows if row["delta_mm"] == delta_mm), math.nan)
+    return next(row["force_N_ngsolve"] for row in rows if row["delta_mm"] == DELTA_MM)
 
 
 def _published(scene: str, quantity: str, kind: str) -> tuple[float, float]:

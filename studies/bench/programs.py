@@ -23,14 +23,13 @@ import pandas as pd
 from formulations.solid import SolidDiscretisation, SolidModel
 from studies.ask.request import UsageError, text_of
 from studies.ask.settings import configured
-from studies.exchange.deck import AUTO, deck, element
+from studies.exchange.deck import deck, element
 from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH, Found, read_results
 from studies.output.atomic import write_table_once
 from studies.output.stopwatch import WALL, timed
-from studies.output.terminal import columns
 from studies.run.source_hash import sources_hash
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
@@ -64,7 +63,7 @@ class Case:
     settings: Mapping[str, str] = field(default_factory=dict)
     measure: str = "exact"
     scene: str = ""
-    integration: str = AUTO
+    integration: str = ""
     held: bool = False
 
     @property
@@ -215,17 +214,20 @@ def explained(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(reason=reasons)
 
 
-def lines_of(table: pd.DataFrame) -> Iterator[str]:
+def shown(table: pd.DataFrame) -> str:
     """The table for a terminal."""
-    rows = [("case", "mesh", "elements", "quantity", "load", "theirs", "ours", "off/%", "reference", "s", "reason")]
-    for row in table.to_dict("records"):
-        reference = "" if np.isnan(row["reference"]) else f"{row['reference']:.5g}"
-        numbers = (
-            f"{row['load']:.4g}",
-            f"{row['theirs']:.6g}",
-            f"{row['ours']:.6g}",
-            f"{100 * row['difference']:+.2f}",
-        )
-        named = (row["case"], row["mesh"], row["elements"], row["quantity"])
-        rows.append((*named, *numbers, reference, f"{row['seconds']:.0f}", row["reason"] or "within"))
-    yield from columns(rows, right=range(4, 10))
+    told = table.assign(reason=table["reason"].replace("", "within"), **{"off/%": 100 * table["difference"]})
+    names = [
+        "case",
+        "mesh",
+        "elements",
+        "quantity",
+        "load",
+        "theirs",
+        "ours",
+        "off/%",
+        "reference",
+        "seconds",
+        "reason",
+    ]
+    return told[[*names, "reason"]].to_string(index=False, float_format="{:.5g}".format, na_rep="")

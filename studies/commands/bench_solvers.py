@@ -6,7 +6,6 @@ How an answer is asked for, timed and judged is in :mod:`studies.arena`.
 from __future__ import annotations
 
 import argparse
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, check_directory, count, positive, progress_bar
-from studies.output.terminal import columns
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +21,8 @@ if TYPE_CHECKING:
     from studies.arena.solver_run import Field
     from studies.arena.solver_table import Tell
 
-COUNTS = ("solver", "problems", "solved", "false", "refused", "timed_out")
+SUMMED = {name: name for name in ("solver", "problems", "solved", "false", "refused")}
+SUMMED |= {"timed_out": "timed out", "mean_s": "mean s", "memory_MB": "MB"}  # columns by what they are shown as
 SOLVER_ROUNDS, LIMIT_S, TOLERANCES = 3, 20.0, "1e-4,1e-6,1e-8"
 
 
@@ -133,32 +132,28 @@ def _solver_summary(field: Field, store: Path, limit_s: str) -> Iterator[str]:
 
     found = pd.read_csv(field.path(store, "summary"))
     yield f"failures at the limit of {float(limit_s):g} s; means of processor time, shifted by 0.01 s"
-    heads = ("solver", "problems", "solved", "false", "refused", "timed out", "mean s", "MB")
     for (tolerance, kind), own in found[found["size"] == "all"].groupby(["tolerance", "kind"], sort=False):
         none = own["refused"] == own["problems"]
-        best_first = own[~none].sort_values("mean_s", kind="stable").to_dict("records")
-        counts = [[str(row[key]) for key in COUNTS] for row in best_first]
-        means = [(f"{row['mean_s']:.4f}", f"{row['memory_MB']:.1f}") for row in best_first]
-        rows = [(*own_counts, *own_means) for own_counts, own_means in zip(counts, means, strict=True)]
-        yield from ("", f"{kind}, to {tolerance:g}", *columns([heads, *rows], right=range(1, 8)))
+        best_first = own.loc[~none, list(SUMMED)].sort_values("mean_s", kind="stable").rename(columns=SUMMED)
+        table = best_first.to_string(index=False, float_format="{:.4g}".format)
+        yield from ("", f"{kind}, to {tolerance:g}", *table.splitlines())
         if none.any():
             yield f"all {own['problems'].max()} refused by {'; '.join(own.loc[none, 'solver'])}"
 
 
 def _ranks_compared(found: pd.DataFrame) -> int:
     """Print the correlations of ranks; FAILED where one is below the bar."""
+    import numpy as np
+
     from studies.arena.solver_run import REPEATED
 
-    heads = ("tolerance", "kind", "problems", "solvers", "Spearman", "Kendall", "")
-    rows = []
-    for row in found.to_dict("records"):
-        none = math.isnan(row["spearman"])
-        bar = "no ranks" if none else "repeats" if row["spearman"] >= REPEATED else "BROKEN"
-        alike = (f"{row['spearman']:.3f}", f"{row['kendall']:.3f}", bar)
-        rows.append((f"{row['tolerance']:g}", str(row["kind"]), str(row["problems"]), str(row["solvers"]), *alike))
+    none, broken = found["spearman"].isna(), found["spearman"] < REPEATED
+    said = np.select([none, broken], ["no ranks", "BROKEN"], "repeats")
     print(f"\nranks of two runs, Spearman's at least {REPEATED:g}")
-    print("\n".join(columns([heads, *rows], right=range(2, 6))))
-    return FAILED if any(row[-1] == "BROKEN" for row in rows) else OK
+    columns = ["tolerance", "kind", "problems", "solvers", "spearman", "kendall"]
+    shown = found[columns].assign(tolerance=found["tolerance"].map("{:g}".format), bar=said)
+    print(shown.to_string(index=False, float_format="{:.3f}".format))
+    return FAILED if broken.any() else OK
 
 
 def add_leaderboard(parser: argparse.ArgumentParser) -> None:

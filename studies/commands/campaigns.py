@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 import sys
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
-from studies.commands.options import add_store, add_trust, count, positive, progress_bar, reading
+from studies.commands.options import add_store, add_trust, positive, progress_bar, reading
 from studies.output.atomic import write_table
 
 if TYPE_CHECKING:
@@ -38,8 +37,8 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--time-limit", type=float, metavar="S", help=told)
     told = f"of one cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
     parser.add_argument("--memory-limit", type=float, metavar="MB", help=told)
-    parser.add_argument("--cases", type=int, metavar="N", help=f"of {fuzz.NAME}: from 0 on, default {fuzz.CASES}")
-    parser.add_argument("--seeds", metavar="A:B", help=f"of {fuzz.NAME}: its cases from A on, before B")
+    seeds = f"of {fuzz.NAME}: its cases from A on, before B, by default {fuzz.SEEDS}"
+    parser.add_argument("--seeds", metavar="A:B", default="", help=seeds)
     parser.add_argument("--kind", choices=list(KINDS), default="", help=f"of {fuzz.NAME}: of all its cases")
 
 
@@ -52,7 +51,7 @@ def run_run(options: argparse.Namespace) -> int:
 
     if options.campaign == FUZZ:
         return _run_fuzz(options)
-    for name in ("cases", "seeds", "kind"):
+    for name in ("seeds", "kind"):
         if getattr(options, name):
             raise UsageError(f"--{name} is of {FUZZ}, not of {options.campaign}")
     limits = _limits_of(options, Limits())
@@ -93,7 +92,7 @@ def _run_fuzz(options: argparse.Namespace) -> int:
     if options.fields:
         raise UsageError(f"--fields is of cells, {fuzz.NAME} has none")
     limits = _limits_of(options, fuzz.LIMITS)
-    seeds = _seeds(options, fuzz.CASES)
+    seeds = _seeds(options.seeds or fuzz.SEEDS)
     with progress_bar(fuzz.NAME) as advance:
         summary = fuzz.run(options.store, seeds, options.kind, options.engine, limits, advance, resume=options.resume)
     print(f"{fuzz.NAME}: {summary.line}")
@@ -104,13 +103,11 @@ def _run_fuzz(options: argparse.Namespace) -> int:
     return FAILED if summary.broken else OK
 
 
-def _seeds(options: argparse.Namespace, usual: int) -> range:
-    """The numbers of the cases; usual: how many there are."""
-    if options.seeds is None:
-        return range(usual if options.cases is None else options.cases)
-    first, _, end = options.seeds.partition(":")
-    if options.cases is not None or not (first.isdecimal() and end.isdecimal()):
-        raise UsageError(f"--seeds {options.seeds!r} must be A:B with two whole numbers, without --cases")
+def _seeds(text: str) -> range:
+    """The numbers of the cases."""
+    first, _, end = text.partition(":")
+    if not (first.isdecimal() and end.isdecimal()):
+        raise UsageError(f"--seeds {text!r} must be A:B with two whole numbers")
     return range(int(first), int(end))
 
 
@@ -132,8 +129,11 @@ def run_table(options: argparse.Namespace) -> int:
         column, separator, value = pair.partition("=")
         if not separator or column not in table:
             raise UsageError(f"--where {pair!r} must be COLUMN=VALUE with one of {', '.join(map(str, table.columns))}")
-        numbers = table[column].dtype.kind == "f"
-        table = table[table[column] == (_compared_number(pair, value) if numbers else value)]
+        try:
+            wanted = float(value) if table[column].dtype.kind == "f" else value
+        except ValueError:
+            raise UsageError(f"--where {pair!r}: this column has numbers") from None
+        table = table[table[column] == wanted]
     if options.csv is not None:
         write_table(options.csv, table)
     print(f"{'outcome':15s}{'cell':60s}reason")
@@ -143,22 +143,12 @@ def run_table(options: argparse.Namespace) -> int:
     return OK
 
 
-def _compared_number(pair: str, value: str) -> float:
-    try:
-        return float(value)
-    except ValueError:
-        raise UsageError(f"--where {pair!r}: this column has numbers") from None
-
-
 def add_time(parser: argparse.ArgumentParser) -> None:
-    """The campaign, which cells and how often."""
+    """The campaign, and which cells."""
     parser.add_argument("campaign", help=CAMPAIGN)
     add_store(parser)
     add_trust(parser)
     parser.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
-    parser.add_argument("--longest", type=float, default=math.inf, metavar="S", help="only solves within S seconds")
-    parser.add_argument("--blocks", type=int, default=2, help="fresh processes, default 2")
-    parser.add_argument("--rounds", type=int, default=4, help="interleaved rounds of a block, default 4")
 
 
 def run_time(options: argparse.Namespace) -> int:
@@ -166,14 +156,13 @@ def run_time(options: argparse.Namespace) -> int:
     from studies.run.campaign import find
     from studies.run.timing_lane import time_campaign
 
-    blocks, rounds = count("blocks", options.blocks), count("rounds", options.rounds)
     try:
         only = re.compile(options.only)
     except re.error as error:
         raise UsageError(f"--only {options.only!r} must be a regular expression: {error}") from None
     campaign = find(options.campaign, trust=options.trust)
     with progress_bar(campaign.name) as advance:
-        table = time_campaign(campaign, options.store, only.search, blocks, rounds, advance, options.longest)
+        table = time_campaign(campaign, options.store, only.search, advance)
     print(table.to_string(index=False, float_format=lambda x: f"{x:.4g}"))
     if (table["samples"] == 0).any():
         print("footprint: the machine was too busy: the canary moved in every block", file=sys.stderr)
@@ -182,34 +171,19 @@ def run_time(options: argparse.Namespace) -> int:
 
 
 def add_merge(parser: argparse.ArgumentParser) -> None:
-    """The foreign store, ours, and how many cells are solved again."""
+    """The foreign store, and ours."""
     parser.add_argument("source", type=Path, metavar="FROM", help="the store of another machine")
     add_store(parser)
-    told = "solve so many cells again, drawn by lot, and compare their counters; all: every one"
-    parser.add_argument("--again", default="0", metavar="N|all", help=told)
 
 
 def run_merge(options: argparse.Namespace) -> int:
     """Take what holds; a line on each cell that is refused, and 1 if there is one."""
     from studies.gate.merge import merge
 
-    again = _how_many(options.again)
     with progress_bar("merge") as advance:
-        summary = merge(
-            options.source, options.store, again, advance, lambda line: print(f"refused: {line}", file=sys.stderr)
-        )
+        summary = merge(options.source, options.store, advance, lambda line: print(f"refused: {line}", file=sys.stderr))
     print(f"merge: {summary.line}")
     return FAILED if summary.refused else OK
-
-
-def _how_many(text: str) -> int:
-    from studies.gate.merge import ALL
-
-    if text == ALL:
-        return sys.maxsize
-    if not (text.isascii() and text.isdigit()):
-        raise UsageError(f"--again {text!r} must be a whole number of at least 0, or {ALL}")
-    return int(text)
 
 
 def add_analyse(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -54,7 +54,11 @@ def run_compare(options: argparse.Namespace) -> int:
             return FAILED
         if options.out is not None:
             values = values_of_both(*map(measured, sides))
-            _write_page(options.out, said, values, before, now, campaign)
+            from reports.change import change_html  # with matplotlib, which a comment does without
+            from reports.files import write_texts
+
+            page = change_html(said, values, before, now, campaign)
+            write_texts(options.out.parent, {options.out.name: page})
     print(said, end="")
     return OK
 
@@ -73,15 +77,6 @@ def values_of_both(before: pd.DataFrame, now: pd.DataFrame) -> dict[str, pd.Data
         own = both[both["column"].str.startswith(start)]
         found[name] = pd.DataFrame({side: own[f"value {side}"].astype(float) for side in "AB"})
     return found
-
-
-def _write_page(
-    out: Path, said: str, values: Mapping[str, pd.DataFrame], before: Path, now: Path, campaign: str
-) -> None:
-    from reports.change import change_html  # with matplotlib, which a comment does without
-    from reports.files import write_texts
-
-    write_texts(out.parent, {out.name: change_html(said, values, before, now, campaign)})
 
 
 def _of_times(before: Path, now: Path, campaign: str) -> pd.DataFrame | str:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,9 +15,9 @@ import numpy as np
 from studies.ask.request import UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import add_model, add_settings, check_file, named, pairs
-from studies.exchange.deck import AUTO, INTEGRATIONS, deck
+from studies.exchange.deck import write_deck
 from studies.exchange.of_scene import problem_of
-from studies.exchange.problem import Problem
+from studies.exchange.problem import Problem, isotropic
 from studies.exchange.sheet import write_body, write_sheet
 from studies.output.atomic import write_by
 from studies.output.terminal import columns
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
     from studies.exchange.judging import Comparison
 
 
-FORMATS = ("inp", "vtu", "json")
+FORMATS = {"inp": write_deck, "vtu": write_body, "json": write_sheet}
 ALIGNED = np.deg2rad(1.0)  # cords of 500 MPa in rubber of G = 2 MPa are 6 % softer 1 degree off their wall
 
 
@@ -50,39 +49,23 @@ def problem_asked(options: argparse.Namespace) -> Problem:
 def add_export(parser: argparse.ArgumentParser) -> None:
     """The problem, the format and the file."""
     add_problem(parser)
-    parser.add_argument("--format", required=True, help="inp: a deck of CalculiX; vtu; json: a neutral sheet")
-    parser.add_argument("--integration", default=AUTO, help=f"of the deck's bricks: {', '.join(INTEGRATIONS)}")
-    parser.add_argument("--stiffness", type=float, help="of the deck's contact, MPa/mm; default by modulus and wall")
+    parser.add_argument(
+        "--format", required=True, choices=FORMATS, help="a deck of CalculiX, a mesh, or a neutral sheet"
+    )
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="where it goes")
 
 
 def run_export(options: argparse.Namespace) -> int:
     """Write the file, whole or not at all."""
-    if options.format not in FORMATS:
-        raise UsageError(f"format {options.format!r} must be one of {', '.join(FORMATS)}")
     check_file(options.out)
     problem = problem_asked(options)
-    write_by(options.out, lambda path: _writer(options)(path, problem))
+    write_by(options.out, lambda path: FORMATS[options.format](path, problem))
     bricks = problem.bricks
     print(f"{len(bricks.x)} nodes, {len(bricks.elements)} bricks, {len(problem.steps)} steps: {options.out}")
-    if options.format == "inp" and not all(ply.isotropic for ply in problem.materials) and bricks.turning > ALIGNED:
+    if options.format == "inp" and not all(isotropic(ply) for ply in problem.materials) and bricks.turning > ALIGNED:
         turn = f"{np.rad2deg(bricks.turning):.2g} deg"
         print(f"plies have one direction a brick, off by up to {turn} within it: cords soften, refine --mesh")
     return OK
-
-
-def _writer(options: argparse.Namespace) -> Callable[[Path, Problem], object]:
-    if options.format == "json":
-        return write_sheet
-    if options.format == "vtu":
-        return write_body
-
-    def write(path: Path, problem: Problem) -> None:
-        lines = deck(problem, options.integration, options.stiffness)
-        with path.open("w", encoding="ascii") as file:
-            file.writelines(f"{line}\n" for line in lines)
-
-    return write
 
 
 HEAD = ("load", "quantity", "found", "against", "value", "difference", "allowed", "")

@@ -128,16 +128,19 @@ def of_file(scene: str, settings: Sequence[str]) -> Iterator[DeckScene | None]:
 
 @contextmanager
 def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
-    """Bar, count and remaining time on stderr if that is a terminal; the function takes (done, planned, label)."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    """Say on the terminal what is being done, how much of it is done, and when the rest will be, as far as is known.
 
-    words = TextColumn("{task.description}", markup=False)
-    columns = (words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(file=behind(sys.stderr))
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task(name, total=None)
-        yield lambda done, planned, label: bar.update(task, completed=done, total=planned, description=printable(label))
+    The function takes (done, planned, label); none are planned where nobody knows how many there are.
+    """
+    start = time.perf_counter()
+    with progress_line() as tell:
+
+        def advance(done: int, planned: int, label: str) -> None:
+            spent, rest = time.perf_counter() - start, planned - done
+            left = f", about {spent / done * rest:.2g} s left" if done > 0 and rest > 0 else ""
+            tell(f"{name}: {label}, {done} of {planned or '?'}{left}")
+
+        yield advance
 
 
 @contextmanager

@@ -59,8 +59,7 @@ def run_show(options: argparse.Namespace) -> int:
 
 def add_card(parser: argparse.ArgumentParser) -> None:
     """The file, or a part of ours, and where its page goes."""
-    parser.add_argument("part", nargs="?", metavar="FILE.py", help="a file with parts, or the name of a part of ours")
-    parser.add_argument("--of", metavar="NAME", help="a part of ours by its name")
+    parser.add_argument("part", nargs="?", metavar="FILE.py|NAME", help="a file with parts, or a part of ours")
     parser.add_argument(
         "--out", type=Path, default=Path(), metavar="DIR|FILE.md", help="where the page goes; default card-NAME.md here"
     )
@@ -74,12 +73,12 @@ def run_card(options: argparse.Namespace) -> int:
     from studies.arena.card.card import card_of
     from studies.arena.card.runs import subjects, write_layout
 
-    if sum(given is not None for given in (options.part, options.of, options.template)) != 1:
-        raise UsageError("card takes one of FILE.py, --of NAME and --template DIR")
+    if (options.part is None) == (options.template is None):
+        raise UsageError("card takes one of FILE.py, NAME and --template DIR")
     if options.template is not None:
         print("\n".join(map(str, write_layout(options.template))))
         return OK
-    asked = options.part or options.of
+    asked = options.part
     found = subjects(asked)
     target = _target(options.out, found[0].name if len(found) == 1 else Path(asked).stem)
     with progress_bar("card") as bar:

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+from itertools import count
 from pathlib import Path
 
 import pandas as pd
@@ -28,12 +29,10 @@ def add_problems(parser: argparse.ArgumentParser) -> None:
     )
 
     listing = parts.add_parser("list", help="the problems with their traits and what each adds")
-    listing.add_argument("--family", help="of one scene or source")
     listing.set_defaults(part=_list)
 
     making = parts.add_parser("make", help="make the files, or those that are missing")
     making.add_argument("--out", type=Path, default=PROBLEMS, metavar="DIR", help="where the files go")
-    making.add_argument("--family", help="of one scene or source alone")
     making.add_argument("--choose", action="store_true", help="apply the rule anew: another manifest, about an hour")
     making.set_defaults(part=_make)
 
@@ -73,57 +72,44 @@ def run_problems(options: argparse.Namespace) -> int:
 
 def _list(options: argparse.Namespace) -> int:
     for kept, shown, right, what in zip(
-        _kept(options.family), (SHOWN, RUBBED), (5, 7), ("problems", "problems with friction"), strict=True
+        _manifests(), (SHOWN, RUBBED), (5, 7), ("problems", "problems with friction"), strict=True
     ):
-        if len(kept):
-            rows = [tuple(map(str, row)) for row in kept[list(shown)].itertuples(index=False)]
-            print("\n".join(columns([shown, *rows], right=range(1, right))))
-            print(f"{len(kept)} {what}, {kept['bytes'].sum() / 1e6:.1f} MB: footprint problems make")
+        rows = [tuple(map(str, row)) for row in kept[list(shown)].itertuples(index=False)]
+        print("\n".join(columns([shown, *rows], right=range(1, right))))
+        print(f"{len(kept)} {what}, {kept['bytes'].sum() / 1e6:.1f} MB: footprint problems make")
     return OK
 
 
-def _kept(family: str | None) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The manifests without friction and with it, or their rows of a family; raises UsageError."""
+def _manifests() -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Without friction, and with it."""
     from studies.arena.collected.frictional import FRICTIONAL
     from studies.arena.collected.rule import STEPS
 
-    whole = STEPS.manifest(), FRICTIONAL.manifest()
-    if family is None:
-        return whole
-    names = sorted({*whole[0]["family"], *whole[1]["family"]})
-    if family not in names:
-        raise UsageError(f"--family {family!r} must be one of {', '.join(names)}")
-    smooth, rubbed = (each[each["family"] == family] for each in whole)
-    return smooth, rubbed
+    return STEPS.manifest(), FRICTIONAL.manifest()
 
 
 def _make(options: argparse.Namespace) -> int:
     from studies.arena.collected.dataset import write_card
-    from studies.arena.collected.frictional import FAMILIES, FRICTIONAL, choose_frictional
+    from studies.arena.collected.frictional import FRICTIONAL, choose_frictional
     from studies.arena.collected.rule import STEPS, choose
 
     check_directory(options.out)
-    done = 0
+    smooth, rubbed = _manifests()
+    done = count(1)
     with progress_bar("problems") as advance:
 
         def tell(name: str) -> None:
-            nonlocal done
-            done += 1
-            advance(done, 0, name)
+            advance(next(done), 0, name)
 
         if options.choose:
-            only = options.family or ""
-            tables = [] if only in FAMILIES else [choose(options.out, tell, only)]
-            tables += [choose_frictional(options.out, tell, only)] if only in ("", *FAMILIES) else []
-            print(
-                f"{sum(map(len, tables))} problems, {sum(t['bytes'].sum() for t in tables) / 1e6:.1f} MB: {options.out}"
-            )
+            tables = [choose(options.out, tell), choose_frictional(options.out, tell)]
+            size = sum(table["bytes"].sum() for table in tables)
+            print(f"{sum(map(len, tables))} problems, {size / 1e6:.1f} MB: {options.out}")
             return OK
-        smooth, rubbed = _kept(options.family)
         STEPS.make(options.out, smooth, tell)
         FRICTIONAL.make(options.out, rubbed, tell)
     wrong = _unlike(options.out, smooth, rubbed)
-    if options.family is None and not wrong:
+    if not wrong:
         write_card(options.out)
     return _say(wrong, len(smooth) + len(rubbed), options.out)
 
@@ -134,7 +120,7 @@ def _check(options: argparse.Namespace) -> int:
 
     if not options.directory.is_dir():
         raise UsageError(f"{options.directory} is no directory: footprint problems make")
-    smooth, rubbed = _kept(None)
+    smooth, rubbed = _manifests()
     if options.keep is not None:
         keep_agreeing(options.directory, smooth, options.keep)
     wrong = [*dict.fromkeys([*_unlike(options.directory, smooth, rubbed), *altered(options.directory)])]
@@ -148,9 +134,9 @@ def _unlike(directory: Path, smooth: pd.DataFrame, rubbed: pd.DataFrame) -> list
     return STEPS.unlike(directory, smooth) + FRICTIONAL.unlike(directory, rubbed)
 
 
-def _say(wrong: list[str], count: int, directory: Path) -> int:
+def _say(wrong: list[str], planned: int, directory: Path) -> int:
     print("".join(f"{line}\n" for line in wrong), end="")
-    print(f"{count - len({line.partition(':')[0] for line in wrong})} of {count} as the manifest says: {directory}")
+    print(f"{planned - len({line.partition(':')[0] for line in wrong})} of {planned} as the manifest says: {directory}")
     return FAILED if wrong else OK
 
 
@@ -189,7 +175,6 @@ def add_resolve(parser: argparse.ArgumentParser) -> None:
     """The file and how it is solved."""
     parser.add_argument("file", type=Path, metavar="FILE", help="a frozen problem, as solve --freeze writes it")
     parser.add_argument("--contact", default="semismooth", help="the algorithm, of footprint list algorithms")
-    parser.add_argument("--epsilon", type=float, help="regularisation, MPa/mm; default that of the algorithm")
     parser.add_argument("--oracle", action="store_true", help="compare with a quadratic programme by cvxpy")
 
 
@@ -198,9 +183,7 @@ def run_resolve(options: argparse.Namespace) -> int:
     from studies.arena.replay import algorithm_of, read_step, resolve_step
     from studies.scenes.plugins import blamed
 
-    if options.epsilon is not None and not options.epsilon > 0:
-        raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
-    algorithm, step = algorithm_of(options.contact, options.epsilon), read_step(options.file)
+    algorithm, step = algorithm_of(options.contact), read_step(options.file)
     with blamed(options.contact):
         found = resolve_step(step, algorithm, ask_oracle=options.oracle)
     print("\n".join(found.lines()))

@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.ask.request import Request, UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
+from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_bar
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.result import UNSTABLE, WRONG
 from studies.sweeps.members import LONGEST, MOST, Member
@@ -46,7 +46,7 @@ def run_sweep(options: argparse.Namespace) -> int:
     with (
         of_file(options.scene, options.settings) as deck,
         np.errstate(over="ignore", invalid="ignore"),
-        progress_line() as tell,
+        progress_bar("sweep") as tell,
     ):
         options.measure = options.measure or (Request.measure if deck is None else deck.measure)
         how = named(options, "measure", "contact", "newton", "model", "steps")

@@ -9,15 +9,15 @@ a brick that is moved by its nodes; contact is by pressure over penetration, wit
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
-from studies.ask.request import UsageError, text_of
-from studies.exchange.problem import INNER, OUTER, LoadStep, Material, Plane, Problem, Supports
+from formulations.section.laminate import Ply
+from studies.ask.request import text_of
+from studies.exchange.problem import INNER, OUTER, LoadStep, Plane, Problem, Supports, isotropic
 
 ELEMENTS = {"reduced": "C3D20R", "full": "C3D20"}
-AUTO = "auto"
-INTEGRATIONS = (AUTO, *ELEMENTS)
 A_LINE = 10  # numbers of a set on one line
 LARGEST = 1e-9  # of the largest force: below it is rounding
 OVER = 1.5  # half width of the plane over the largest distance of the body from its middle
@@ -26,20 +26,20 @@ FIRST, SMALLEST = 0.1, 1e-6  # of a step: its first increment, and the smallest
 INCREMENTS = 10_000
 
 
-def deck(problem: Problem, integration: str = AUTO, stiffness: float | None = None) -> Iterator[str]:
-    """Its lines; raises UsageError for options out of their range.
+def write_deck(path: Path, problem: Problem) -> None:
+    """The deck as a file."""
+    with path.open("w", encoding="ascii") as file:
+        file.writelines(f"{line}\n" for line in deck(problem))
 
-    integration: of the bricks, see :func:`element`.  stiffness [MPa/mm]: contact pressure over penetration, positive.
-    """
-    kind, slope = element(problem, integration), contact_stiffness(problem) if stiffness is None else stiffness
-    if not 0 < slope < float("inf"):
-        raise UsageError(f"stiffness = {slope} must be a number in (0, inf)")
+
+def deck(problem: Problem, integration: str = "") -> Iterator[str]:
+    """Its lines; integration: of the bricks, see :func:`element`."""
     yield from _heading(problem)
-    yield from _mesh(problem, kind)
+    yield from _mesh(problem, element(problem, integration))
     yield from _sections(problem)
     yield from _supports(problem.supports)
     if problem.plane is not None:
-        yield from _plane(problem, problem.plane, slope)
+        yield from _plane(problem, problem.plane)
     forces = [problem.supports.along_axes(step.forces) for step in problem.steps]
     most = np.max(np.abs(forces), axis=0)
     loaded = np.argwhere(most > LARGEST * most.max())
@@ -47,23 +47,22 @@ def deck(problem: Problem, integration: str = AUTO, stiffness: float | None = No
         yield from _step(problem, step, [(n, i, force[n, i]) for n, i in loaded])
 
 
-def element(problem: Problem, integration: str = AUTO) -> str:
-    """Its name; raises UsageError for an integration that is none.
+def element(problem: Problem, integration: str = "") -> str:
+    """Its name, by an integration of ELEMENTS.
 
-    Reduced unless bricks stand in a single row: without a neighbour in two directions it keeps its hourglass modes.
+    Without one it is reduced unless bricks stand in a single row: without a neighbour in two directions it keeps its
+    hourglass modes.
     """
-    if integration not in INTEGRATIONS:
-        raise UsageError(f"integration {integration!r} must be one of {', '.join(INTEGRATIONS)}")
     bricks = problem.bricks
     across = len(bricks.elements) // len(bricks.inner)
     single_row = sorted((*problem.request.mesh, across))[1] == 1
-    return ELEMENTS[("full" if single_row else "reduced") if integration == AUTO else integration]
+    return ELEMENTS[integration or ("full" if single_row else "reduced")]
 
 
 def contact_stiffness(problem: Problem) -> float:
     """STIFF times the largest modulus of a ply across the wall, over the thickness of the wall [MPa/mm]."""
     thickness = sum(ply.thickness for ply in problem.materials)
-    return STIFF * max(ply.E[2] for ply in problem.materials) / thickness
+    return STIFF * max(ply.moduli[2] for ply in problem.materials) / thickness
 
 
 def _heading(problem: Problem) -> Iterator[str]:
@@ -99,24 +98,24 @@ def _mesh(problem: Problem, kind: str) -> Iterator[str]:
 def _sections(problem: Problem) -> Iterator[str]:
     for number, ply in enumerate(problem.materials, 1):
         yield f"*MATERIAL, NAME=PLY_{number}"
-        orientation = "" if ply.isotropic else f", ORIENTATION=PLY_{number}"
+        orientation = "" if isotropic(ply) else f", ORIENTATION=PLY_{number}"
         yield from _elastic(ply)
         if orientation:
             yield from _orientation(problem, ply, number)
         yield f"*SOLID SECTION, ELSET=PLY_{number}, MATERIAL=PLY_{number}{orientation}"
 
 
-def _elastic(ply: Material) -> Iterator[str]:
-    if ply.isotropic:
+def _elastic(ply: Ply) -> Iterator[str]:
+    if isotropic(ply):
         yield "*ELASTIC"
-        yield _numbers((ply.E[0], ply.nu[0]))
+        yield _numbers((ply.E_L, ply.nu_LT))
         return
     yield "*ELASTIC, TYPE=ENGINEERING CONSTANTS"
-    yield _numbers((*ply.E, *ply.nu, *ply.G[:2]))
-    yield _numbers(ply.G[2:])
+    yield _numbers((*ply.moduli, *ply.poisson, *ply.shears[:2]))
+    yield _numbers(ply.shears[2:])
 
 
-def _orientation(problem: Problem, ply: Material, number: int) -> Iterator[str]:
+def _orientation(problem: Problem, ply: Ply, number: int) -> Iterator[str]:
     """Axes 1 and 2 of a ply in every one of its bricks: turned by its angle from a1 towards a2."""
     bricks = problem.bricks
     own = np.flatnonzero(bricks.ply == number - 1)
@@ -145,7 +144,7 @@ def _supports(supports: Supports) -> Iterator[str]:
         yield from (f"{node}, {i}, {i}" for i in np.flatnonzero(components) + 1)
 
 
-def _plane(problem: Problem, plane: Plane, slope: float) -> Iterator[str]:
+def _plane(problem: Problem, plane: Plane) -> Iterator[str]:
     """A brick of eight nodes, its first face towards the body, held but for its travel along the normal."""
     corners, count = plane_corners(problem, plane), len(problem.bricks.x)
     number = len(problem.bricks.elements) + 1
@@ -155,13 +154,13 @@ def _plane(problem: Problem, plane: Plane, slope: float) -> Iterator[str]:
     yield f"{number}, {', '.join(str(count + i) for i in range(1, 9))}"
     yield "*MATERIAL, NAME=PLANE"
     yield "*ELASTIC"
-    yield _numbers((max(ply.E[0] for ply in problem.materials), 0.0))
+    yield _numbers((max(ply.E_L for ply in problem.materials), 0.0))
     yield "*SOLID SECTION, ELSET=PLANE, MATERIAL=PLANE"
     yield "*SURFACE, NAME=PLANE, TYPE=ELEMENT"
     yield "PLANE, S1"
     yield "*SURFACE INTERACTION, NAME=TOUCH"
     yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
-    yield _numbers((slope,))
+    yield _numbers((contact_stiffness(problem),))
     yield "*CONTACT PAIR, INTERACTION=TOUCH, TYPE=SURFACE TO SURFACE"
     yield "OUTER, PLANE"
 

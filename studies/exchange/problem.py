@@ -8,7 +8,7 @@ file and no solution may enter here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,15 +16,9 @@ import numpy as np
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
 from studies.ask.request import Request, UsageError
+from studies.output.vtu import PLACES_27
 
-# places of the nodes of a C3D20 along its axes, 0, 1 or 2: corners, edges below, edges above, edges between
-PLACES = np.array(
-    [
-        *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
-        *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
-        *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
-    ]
-)
+PLACES = np.array(PLACES_27[:20])  # of the nodes of a C3D20 along its axes: VTK's corners and edges
 SWAPPED = [1, 0, 2]  # axes of a left-handed body, so that a brick has a positive volume
 LATTICE = (9, 3, 1)  # number of a place in the order of CUBE
 RING = (0, 6, 8, 2, 3, 7, 5, 1)  # of the nine nodes of a face in the order of SQUARE: corners, then edges, as below
@@ -136,43 +130,23 @@ class Bricks:
 ALONG = 1e-12  # what rounding takes off a unit vector along an axis
 
 
-@dataclass(frozen=True)
-class Material:
-    """An orthotropic ply: E_i, G_ij [MPa], nu_ij the contraction along j under tension along i; axis 3 lies across.
-
-    angle [rad]: of axis 1 from a1 towards a2.  thickness [mm].
-    """
-
-    E: tuple[float, float, float]
-    nu: tuple[float, float, float]  # 12, 13, 23
-    G: tuple[float, float, float]  # 12, 13, 23
-    angle: float
-    thickness: float
-
-    @property
-    def isotropic(self) -> bool:
-        """Whether two constants tell it."""
-        G = self.E[0] / (2 * (1 + self.nu[0]))
-        same = (*self.E, *(G_ij / G * self.E[0] for G_ij in self.G))
-        return bool(np.allclose(same, self.E[0], rtol=1e-12) and np.allclose(self.nu, self.nu[0], rtol=1e-12))
+def isotropic(ply: Ply) -> bool:
+    """Whether two constants tell it."""
+    E, nu = ply.E_L, ply.nu_LT
+    same = (*ply.moduli, *(2 * (1 + nu) * G for G in ply.shears))
+    return bool(np.allclose(same, E, rtol=1e-12) and np.allclose(ply.poisson, nu, rtol=1e-12))
 
 
-def materials(laminate: Laminate) -> tuple[Material, ...]:
-    """The plies from inside; a shear correction of the section is one of G_13 and G_23.
+def materials(laminate: Laminate) -> tuple[Ply, ...]:
+    """The plies from inside, L along axis 1; a shear correction of the section is one of G_LN and G_TN.
 
     Raises UsageError for a kind of ply that has no such constants.
     """
     correction = float(getattr(laminate, "shear_correction", 1.0))
-    found = []
     for ply in laminate.plies:
         if not isinstance(ply, Ply):
-            raise UsageError(
-                f"plies of kind {type(ply).__name__} cannot be exported, only those with moduli along axes"
-            )
-        G_LT, G_LN, G_TN = ply.shears
-        G = (G_LT, correction * G_LN, correction * G_TN)
-        found.append(Material(ply.moduli, ply.poisson, G, ply.angle, ply.thickness))
-    return tuple(found)
+            raise UsageError(f"plies of kind {type(ply).__name__} cannot be exported: they have no moduli along axes")
+    return tuple(replace(ply, G_LN=correction * ply.shears[1], G_TT=correction * ply.G_TT) for ply in laminate.plies)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +217,7 @@ class Problem:
     title: str
     key: str
     bricks: Bricks
-    materials: tuple[Material, ...]
+    materials: tuple[Ply, ...]
     supports: Supports
     steps: tuple[LoadStep, ...]
     plane: Plane | None = None

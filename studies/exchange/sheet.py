@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from studies.exchange.problem import INNER, LATTICE, OUTER, SWAPPED, LoadStep, Material, Problem
+from formulations.section.laminate import Ply
+from studies.exchange.problem import INNER, LATTICE, OUTER, SWAPPED, LoadStep, Problem, isotropic
 from studies.output.atomic import plain
 from studies.output.vtu import PLACES_27, write_vtu
 from studies.scenes import SCENES
@@ -63,11 +64,11 @@ def sheet(problem: Problem) -> dict[str, Any]:
     }
 
 
-def _ply(ply: Material) -> dict[str, Any]:
+def _ply(ply: Ply) -> dict[str, Any]:
     names = ("11", "22", "33"), ("12", "13", "23"), ("12", "13", "23")
-    values = zip(("E", "nu", "G"), names, (ply.E, ply.nu, ply.G), strict=True)
+    values = zip(("E", "nu", "G"), names, (ply.moduli, ply.poisson, ply.shears), strict=True)
     told = {f"{kind}_{ij}": value for kind, own, each in values for ij, value in zip(own, each, strict=True)}
-    return {**told, "angle": ply.angle, "thickness_mm": ply.thickness, "isotropic": ply.isotropic}
+    return {**told, "angle": ply.angle, "thickness_mm": ply.thickness, "isotropic": isotropic(ply)}
 
 
 def _step(problem: Problem, step: LoadStep) -> dict[str, Any]:

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from contact.continuation.stability import UNSTABLE as UNSTABLE_WORD
 from contact.problem import ContactSolution
 from studies.ask.request import Request
-from studies.ask.scene import CurveStage, Stage, moved
-from studies.gate.foreign import ClaimError, Foreign
+from studies.ask.scene import CurveStage, moved
+from studies.gate.foreign import FIELDS, ClaimError, Foreign
 from studies.gate.recompute import Opened, Recomputed, arrays_of, as_written
 from studies.output.atomic import Table, plain
 from studies.solving.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG, seen_in
@@ -49,59 +48,55 @@ def check_request(record: Mapping[str, Any], request: Request) -> None:
         raise ClaimError("request", f"{name} is no setting of {request.scene}")
 
 
-@dataclass(frozen=True, eq=False)
-class Verified:
-    """A record whose claims hold: its field as this program writes it, and what is only claimed."""
+def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> tuple[bytes, list[str]]:
+    """Recompute what a record claims from its field; raises ClaimError with the first claim that is not so.
 
-    fields: bytes
-    claimed: list[str]
-
-
-def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Verified:
-    """Recompute what a record claims from its field; raises ClaimError with the first claim that is not so."""
+    Returns the field as this program writes it, and what is only claimed.
+    """
     check_request(record, request)
     opened = Opened.of(request)
-    steps, stage = record["steps"], opened.stage
-    load = _load(steps, stage)
+    steps = record["steps"]
+    load = _load(steps, opened)
     own, arrays = as_written(opened.model, ContactSolution.at_rest(opened.model.n_unknowns, 0))
     largest = 65536 + 2 * len(own) + 4 * sum(values.nbytes for values in arrays.values())
-    told = arrays_of(foreign.fields(record["id"], largest), arrays)
+    told = arrays_of(foreign.beside(record["id"], FIELDS, largest), arrays)
     found = opened.at(load, told, steps[-1].get("contact_nodes"))
-    _steps(steps, load, found, stage)
+    _steps(steps, load, found, opened)
     _residuals(steps[-1], found)
-    _verdict(record, found)
+    _verdict(record, found, opened)
     claimed = [*ALWAYS_CLAIMED, *(["loads before the last"] if len(steps) > 1 else [])]
-    claimed += _quantities(record, found)
-    _counters(record, found)
+    claimed += _quantities(record, found, opened)
+    _counters(record, opened)
     for name, table in found.seen.tables().items():
         check_table(name, table, foreign.table(record["id"], f"{name}.csv"))
-    return Verified(as_written(moved(opened.model, load), found.state)[0], claimed)
+    return as_written(moved(opened.model, load), found.state)[0], claimed
 
 
-def _load(steps: Sequence[Mapping[str, Any]], stage: Stage) -> float:
+def _load(steps: Sequence[Mapping[str, Any]], opened: Opened) -> float:
     """At which the field is judged: the last one that was asked for, or the end that a curve claims."""
     if not steps:
         raise ClaimError("outcome", "claimed converged, without a single load")
-    if not isinstance(stage, CurveStage):
-        return float(stage.targets[-1])
+    if not opened.curve:
+        return float(opened.stage.targets[-1])
     load = _number(next(iter(steps[-1].values()), None), "load")
     if not math.isfinite(load):
         raise ClaimError("load", f"claimed {load}")
     return load
 
 
-def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, stage: Stage) -> None:
+def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, opened: Opened) -> None:
     """There must be one a load, each at its own."""
+    stage = opened.stage
     if isinstance(stage, CurveStage):
         until = getattr(stage.continuation, "to_limit", False)
         if not until and load < (1 - AGREE) * stage.targets[-1]:
             raise ClaimError("load", f"claimed converged at {load:g}, the request goes to {stage.targets[-1]:g}")
         return
-    wanted = found.recorded + len(stage.targets)
+    wanted = opened.recorded + len(stage.targets)
     if len(steps) != wanted:
         raise ClaimError("outcome", f"claimed converged with {len(steps)} loads of {wanted}")
     key, value = next(iter((found.seen.step or {"": None}).items()))
-    for step, target in zip(steps[found.recorded :], stage.targets, strict=True):
+    for step, target in zip(steps[opened.recorded :], stage.targets, strict=True):
         asked = target if value == load else value
         if not _close(told := _number(step.get(key), key), float(asked), AGREE):
             raise ClaimError("load", f"{key} claimed {told!r}, the request asks for {asked:g}")
@@ -116,20 +111,18 @@ def _residuals(step: Mapping[str, Any], found: Recomputed) -> None:
         "tension": 0.0,
         "complementarity": gap * verdict.pressure,
     }
-    told = step.get("kkt")
-    if not isinstance(told, dict):
-        raise ClaimError("kkt", "is not claimed at all")
+    told = step.get("kkt", {})
     for name, value in found.kkt.items():
         claimed = _number(told.get(name), name)
         if not value <= (1 + RESOLVED) * claimed + rounding[name]:
             raise ClaimError(name, f"claimed {claimed:.3g}, found {value:.3g}")
 
 
-def _verdict(record: Mapping[str, Any], found: Recomputed) -> None:
+def _verdict(record: Mapping[str, Any], found: Recomputed, opened: Opened) -> None:
     """The class must follow from the failures and the stability of all loads, those of the last one as found."""
     steps, last = record["steps"], record["steps"][-1]
     told = last.get("failures")
-    if not isinstance(told, list) or not {*found.failures} <= {*told}:
+    if told is None or not {*found.failures} <= {*told}:
         worst = found.failures[0]
         has = {**found.kkt, **found.verdict.balances}[worst]
         raise ClaimError("failures", f"claimed {told or 'none'}, the judge finds {worst} = {has:.3g}")
@@ -138,24 +131,19 @@ def _verdict(record: Mapping[str, Any], found: Recomputed) -> None:
     words = [_word(step) for step in steps]
     if words[-1] != found.stable:
         raise ClaimError("stability", f"claimed {words[-1]!r}, found {found.stable!r}")
-    failed, unstable = any(step.get("failures") for step in steps), UNSTABLE_WORD in words and not found.curve
+    failed, unstable = any(step.get("failures") for step in steps), UNSTABLE_WORD in words and not opened.curve
     follows = WRONG if failed else UNSTABLE if unstable else CONVERGED
     if record["class"] != follows:
         raise ClaimError("class", f"claimed {record['class']!r}, its loads come to {follows!r}")
 
 
 def _word(step: Mapping[str, Any]) -> str:
-    told = step.get("stability")
-    if (
-        not isinstance(told, dict)
-        or not isinstance(told.get("word"), str)
-        or not isinstance(step.get("failures"), list)
-    ):
+    if "word" not in step.get("stability", {}) or "failures" not in step:
         raise ClaimError("stability", "is not claimed of every load")
-    return str(told["word"])
+    return str(step["stability"]["word"])
 
 
-def _quantities(record: Mapping[str, Any], found: Recomputed) -> Iterator[str]:
+def _quantities(record: Mapping[str, Any], found: Recomputed, opened: Opened) -> Iterator[str]:
     """The headline ones and those of the last load; those that a whole curve alone can tell are yielded."""
     told = record["quantities"]
     last = seen_in(record["steps"][-1], record["counters"])
@@ -163,13 +151,13 @@ def _quantities(record: Mapping[str, Any], found: Recomputed) -> Iterator[str]:
     for each, ours, others in ((last, seen, shaken), (told, found.seen.quantities, found.shaken.quantities)):
         for name, value in plain(ours).items():
             _agrees(name, each.get(name), value, AGREE, plain(others)[name])
-    for name, value in found.before.items():
+    for name, value in opened.before.items():
         if name not in found.seen.quantities:
             _agrees(name, told.get(name), value, RESOLVED, value)
     if last.keys() != seen.keys():
         raise ClaimError("quantities", f"{', '.join(sorted(last.keys() ^ seen.keys()))} is not what the scene reads")
-    for name in told.keys() - found.seen.quantities.keys() - found.before.keys():
-        if not found.curve:
+    for name in told.keys() - found.seen.quantities.keys() - opened.before.keys():
+        if not opened.curve:
             raise ClaimError("quantities", f"the scene reads no {name}")
         yield name
 
@@ -187,11 +175,11 @@ def _agrees(name: str, told: Any, ours: Any, share: float, shaken: Any) -> None:
         raise ClaimError(name, f"claimed {claimed:.12g}, found {ours:.12g}, off by {off}")
 
 
-def _counters(record: Mapping[str, Any], found: Recomputed) -> None:
+def _counters(record: Mapping[str, Any], opened: Opened) -> None:
     """Those that need no solve: the unknowns, and that operations are the sum of their kinds."""
     counters, total = record["counters"], sum(record["work"].values())
-    if counters.get("dofs") != found.dofs:
-        raise ClaimError("dofs", f"claimed {counters.get('dofs')}, the model has {found.dofs}")
+    if counters.get("dofs") != opened.model.n_unknowns:
+        raise ClaimError("dofs", f"claimed {counters.get('dofs')}, the model has {opened.model.n_unknowns}")
     if counters.get("operations") != total:
         raise ClaimError("operations", f"claimed {counters.get('operations')}, their kinds sum to {total}")
 

@@ -22,10 +22,10 @@ from studies.gate.baseline import (
     OUTCOME,
     TOLERANCES,
     Bound,
-    Update,
     bound_of,
     read_baseline,
     read_bounds,
+    record_update,
 )
 from studies.output.atomic import write_table
 from studies.output.terminal import columns
@@ -153,7 +153,7 @@ def failures(findings: list[Finding]) -> list[Finding]:
     return [finding for finding in findings if finding.what != "better"]
 
 
-def update(table: pd.DataFrame, baseline: Path, signed: Update) -> list[Finding]:
+def update(table: pd.DataFrame, baseline: Path, owner: str, reason: str) -> list[Finding]:
     """Replace the baseline by the table and record it; returns what changed.
 
     Raises UsageError for an empty table, one with cells the machine has not finished, or one with values that no bound
@@ -176,7 +176,7 @@ def update(table: pd.DataFrame, baseline: Path, signed: Update) -> list[Finding]
     counts = pd.Series([finding.what for finding in found], dtype=str).value_counts()
     changed = ", ".join(f"{n} {what}" for what, n in counts.items()) if shared else "first baseline"
     write_table(baseline, now)
-    signed.record(baseline, now, changed or "nothing beyond the bounds")
+    record_update(baseline, owner, reason, now, changed or "nothing beyond the bounds")
     return found
 
 

@@ -2,8 +2,8 @@
 
 - A cell is asked for by its label and settings; request and identity are found here. Another identity means other
   sources or another request: it is refused.
-- A cell that claims an equilibrium is taken when its field bears it out (:mod:`studies.gate.claims`), or when it was
-  solved again. Without either it is refused.
+- A cell that claims an equilibrium is taken when its field bears it out (:mod:`studies.gate.claims`). Without one it
+  is refused: who wants it solves it here.
 - Of a cell that claims none only that, and its reason, are taken: an unverified failure, no quantity and no load of it.
 - A cell that is here stays as it is. When it says the same, nothing is to be done; when not, that is named.
 - Its seconds are kept apart: they are of another machine, and nothing bears them out.
@@ -14,11 +14,10 @@ Each record comes last and whole, so that a merge that was stopped is gone on wi
 
 from __future__ import annotations
 
-import secrets
-import tempfile
+import csv
+import io
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,76 +25,35 @@ from typing import Any
 import numpy as np
 
 from studies.ask.request import Request, UsageError
-from studies.gate.claims import Verified, check_request, claims_success, verify
+from studies.gate.claims import check_request, claims_success, verify
 from studies.gate.foreign import FIELDS, ClaimError, Foreign
 from studies.output.atomic import as_text, write_by, write_text
 from studies.output.provenance import provenance
 from studies.run.archive import Archive, DamagedError
 from studies.run.campaign import Campaign
-from studies.run.children import Children
-from studies.run.collect import SOLVED_AGAIN, UNVERIFIED, VERIFIED
+from studies.run.collect import UNVERIFIED, VERIFIED
 from studies.run.plan import Row, planned
 from studies.run.running import Progress, write_plan
-from studies.run.task import Limits
-from studies.scenes.plugins import used
 
 SOLIDS = ("crushed-ring-solid", "tyre-solid", "two-cylinders", "ironing")
 NOT_SOLVED, ALREADY = "not solved there", "here already"
 LARGEST, LARGEST_SOLID = 20_000, 4_096  # elements that are built to recompute a claim: about a GiB
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out
-ALL = "all"  # of the cells, solved again
-VALUES, COUNTS, FEW = 1e-6, 0.1, 2  # relative, of quantities and of counters, of which a few are never too many
-
-
-Check = Callable[[Row, Mapping[str, Any]], None]  # of a planned cell and what its record claims
-
-
-@contextmanager
-def solving_again() -> Iterator[Check]:
-    """What solves a cell here, in a process with the usual limits; its record is gone with it.
-
-    The check raises ClaimError where the cell comes to something else.
-    """
-    with closing(Children()) as children, tempfile.TemporaryDirectory() as folder:
-        aside = Archive(Path(folder))
-
-        def check(row: Row, record: Mapping[str, Any]) -> None:
-            task = row.task(used())
-            ended, ours = children.perform(task, folder, Limits()), aside.record(task.id)
-            if ours is None:
-                raise ClaimError("outcome", f"claimed {record['class']!r}, solved again it ends in {ended!r}")
-            compare(record, ours)
-
-        yield check
-
-
-def compare(
-    record: Mapping[str, Any], ours: Mapping[str, Any], said: str = "solved again {}", *, counted: bool = True
-) -> None:
-    """Class and quantities and, where ``counted``, loads and counters; raises ClaimError for the first that differs.
-
-    said: of the value that ours has.
-    """
-    if record["class"] != ours["class"]:
-        raise ClaimError("class", f"claimed {record['class']!r}, {said.format(repr(ours['class']))}")
-    if counted and len(record["steps"]) != len(ours["steps"]):
-        raise ClaimError("steps", f"claimed {len(record['steps'])} loads, {said.format(len(ours['steps']))}")
-    compared = {"quantities": (VALUES, 0.0), "counters": (COUNTS, FEW)}
-    for kind in ("quantities", "counters") if counted else ("quantities",):
-        share, least = compared[kind]
-        for name, value in ours[kind].items():
-            told = record[kind].get(name)
-            numbers = isinstance(told, int | float) and isinstance(value, int | float)
-            if told != value and not (numbers and abs(told - value) <= max(share * abs(value), least)):
-                raise ClaimError(name, f"claimed {told}, {said.format(value)}")
+VALUES = 1e-6  # relative, of quantities
 
 
 @dataclass
 class Summary:
     """How a merge has ended: cells by what became of them, and a line on each that was refused."""
 
+    say: Callable[[str], None]
     counts: Counter[str] = field(default_factory=Counter)
     refused: list[str] = field(default_factory=list)
+
+    def refuse(self, line: str) -> None:
+        """One more, said as it comes."""
+        self.refused.append(line)
+        self.say(line)
 
     @property
     def line(self) -> str:
@@ -107,42 +65,31 @@ class Summary:
 def merge(
     source: Path,
     store: Path,
-    again: int = 0,
     progress: Progress = lambda done, planned, label: None,
     say: Callable[[str], None] = lambda line: None,
 ) -> Summary:
     """Take what holds; raises UsageError for a source that is no store, or is the store itself.
 
-    again: how many cells, drawn by lot, are solved again.  say: is told each refusal as it comes.
+    say: is told each refusal as it comes.
     """
-    foreign, archive, summary = Foreign(source), Archive(store), Summary()
+    foreign, archive, summary = Foreign(source), Archive(store), Summary(say)
     if source.resolve() == store.resolve():
         raise UsageError(f"{source} cannot be merged into itself")
     names = foreign.campaigns()
     with archive.claimed():
-        asked = dict(_asked(foreign, archive, names, summary, say))
-        theirs = Archive(source)
-        new = [each for each in asked if not archive.record_path(each).exists() and theirs.record_path(each).exists()]
-        lot = secrets.SystemRandom().sample(new, min(again, len(new)))  # nobody can know which beforehand
-        with solving_again() as check:
-            for done, (cell_id, (row, claimed)) in enumerate(asked.items()):
-                progress(done, len(asked), row.cell.label)
-                try:
-                    taken = _taken(foreign, archive, cell_id, row, claimed, check if cell_id in lot else None)
-                    summary.counts[taken] += 1
-                except ClaimError as refused:
-                    _refuse(summary, say, f"{row.cell.label} ({cell_id}): {refused}")
+        asked = dict(_asked(foreign, archive, names, summary))
+        for done, (cell_id, (row, claimed)) in enumerate(asked.items()):
+            progress(done, len(asked), row.cell.label)
+            try:
+                summary.counts[_taken(foreign, archive, cell_id, row, claimed)] += 1
+            except ClaimError as refused:
+                summary.refuse(f"{row.cell.label} ({cell_id}): {refused}")
         progress(len(asked), len(asked), "done")
     return summary
 
 
-def _refuse(summary: Summary, say: Callable[[str], None], line: str) -> None:
-    summary.refused.append(line)
-    say(line)
-
-
 def _asked(
-    foreign: Foreign, archive: Archive, names: list[str], summary: Summary, say: Callable[[str], None]
+    foreign: Foreign, archive: Archive, names: list[str], summary: Summary
 ) -> Iterator[tuple[str, tuple[Row, str | None]]]:
     """The cells that are solved, by their identity here: planned here, and the identity that the foreign plan claims.
 
@@ -153,26 +100,26 @@ def _asked(
         try:
             cells = foreign.planned(name)
         except (ClaimError, OSError) as refused:
-            _refuse(summary, say, f"campaign {name}: {refused}")
+            summary.refuse(f"campaign {name}: {refused}")
             continue
         for cell, claimed in cells:
             try:
                 row = planned(cell)
             except UsageError as error:
-                _refuse(summary, say, f"{cell.label}: scene: {error}")
+                summary.refuse(f"{cell.label}: scene: {error}")
                 continue
             rows.append(row)
             if row.id is not None:
                 yield row.id, (row, claimed)
             elif claimed is not None:
-                _refuse(summary, say, f"{cell.label} ({claimed}): request: {row.reason}")
+                summary.refuse(f"{cell.label} ({claimed}): request: {row.reason}")
         if not archive.index_path(name).exists():
             title = f"the cells {name} of another store"
             write_plan(archive, Campaign(name, title, tuple(row.cell for row in rows)), rows)
 
 
-def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: str | None, check: Check | None) -> str:
-    """What has become of a cell, in a word; check: solves it again, where that is asked for. Raises ClaimError."""
+def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: str | None) -> str:
+    """What has become of a cell, in a word; raises ClaimError."""
     if claimed is None:
         return NOT_SOLVED
     if claimed != cell_id:
@@ -188,22 +135,18 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: 
     request = row.request
     check_request(record, request)
     success = claims_success(record)
-    if check is not None:
-        check(row, record)
-    if success and FIELDS in record["files"]:
-        found = _verified(record, request, foreign)
-        tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
-        _keep_files(archive.files(cell_id), found.fields, tables)
-        return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, found.claimed)
-    if check is not None:
-        return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, ["times", "machine"])
     if success:
-        raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them, or --again all")
+        if FIELDS not in record["files"]:
+            raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them")
+        field, claims = _verified(record, request, foreign)
+        tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
+        _keep_files(archive.files(cell_id), field, tables)
+        return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, claims)
     empty: dict[str, Any] = {key: {} for key in OF_A_FAILURE}
     return _keep(archive, foreign, {**record, **empty, "steps": [], "files": []}, UNVERIFIED, ["outcome", "reason"])
 
 
-def _verified(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Verified:
+def _verified(record: Mapping[str, Any], request: Request, foreign: Foreign) -> tuple[bytes, list[str]]:
     """What a record claims, recomputed; numbers beyond all measure are a claim like any other. Raises ClaimError."""
     try:
         with np.errstate(all="ignore"):
@@ -230,20 +173,24 @@ def _is_here(archive: Archive, cell_id: str, record: Mapping[str, Any]) -> bool:
         raise ClaimError("here", f"{error}; footprint run sets it aside") from None
     if ours is None:
         return False
-    compare(record, ours, "the cell here has {} and stays", counted=False)
+    there, here = ((each["class"], each["quantities"]) for each in (record, ours))
+    if there[0] != here[0]:
+        raise ClaimError("class", f"claimed {there[0]!r}, the cell here has {here[0]!r} and stays")
+    for name, value in here[1].items():
+        told = there[1].get(name)
+        numbers = isinstance(told, int | float) and isinstance(value, int | float)
+        if told != value and not (numbers and abs(told - value) <= VALUES * abs(value)):
+            raise ClaimError(name, f"claimed {told}, the cell here has {value} and stays")
     return True
 
 
 def _keep_files(folder: Path, fields: bytes, tables: Mapping[str, list[list[str]]]) -> None:
     """The field as it was judged, and the tables as they were read."""
     for name, rows in tables.items():
-        write_text(folder / name, "".join(",".join(map(_quoted, row)) + "\n" for row in rows))
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows(rows)
+        write_text(folder / name, text.getvalue())
     write_by(folder / FIELDS, lambda path: path.write_bytes(fields))
-
-
-def _quoted(word: str) -> str:
-    """A value of a table, as csv writes it."""
-    return '"' + word.replace('"', '""') + '"' if any(each in word for each in ',"\n\r') else word
 
 
 def _keep(archive: Archive, foreign: Foreign, record: Mapping[str, Any], status: str, claimed: list[str]) -> str:

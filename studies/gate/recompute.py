@@ -24,7 +24,7 @@ from contact.verify import Verdict, claim, gap_residuals, judge
 from formulations.discretisation import Discretisation
 from formulations.solid.body import SolidDiscretisation
 from studies.ask.request import Request, UsageError
-from studies.ask.scene import CurveStage, Observation, Scene, SceneModel, ShellSceneModel, Stage, candidates_at, moved
+from studies.ask.scene import CurveStage, Observation, SceneModel, ShellSceneModel, Stage, candidates_at, moved
 from studies.ask.settings import configured, rubbing
 from studies.gate.foreign import ClaimError
 from studies.output.vtu import PackedArray, packed_arrays
@@ -128,11 +128,10 @@ class Recomputed:
 
     verdict, failures: of the judge, by the law and the tolerance of the request.  kkt: with the true gaps.
     gap_share: of a large gap that is none.  seen, shaken: what the scene reads of the field, and of the same with
-    other last digits.  before: headline quantities of earlier stages, solved here, and how many steps they recorded.
+    other last digits.
     """
 
     state: ContactSolution
-    dofs: int
     verdict: Verdict
     failures: list[str]
     kkt: Mapping[str, float]
@@ -140,41 +139,37 @@ class Recomputed:
     stable: str
     seen: Observation
     shaken: Observation
-    before: Mapping[str, float]
-    recorded: int
-    stage: Stage
-
-    @property
-    def curve(self) -> bool:
-        """Whether it is the end of a curve by arc length, whose other points are not kept."""
-        return isinstance(self.stage, CurveStage)
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """The model of a request and its last stage, begun from what the stages before it have come to here."""
+    """The model of a request and its last stage, begun from what the stages before it have come to here.
+
+    first: whether there are none.  before: their headline quantities, and how many steps they recorded.
+    """
 
     request: Request
     model: SceneModel
     algorithm: ContactAlgorithm
-    stages: tuple[Stage, ...]
+    stage: Stage
+    first: bool
     before: Mapping[str, float]
     recorded: int
     begun: Any
 
     @classmethod
-    def of(cls, request: Request, scene: Scene | None = None) -> Opened:
+    def of(cls, request: Request) -> Opened:
         """Build it, and solve all stages but the last; raises ClaimError where that is not possible."""
         if rubbing(request.settings):
             raise ClaimError("mu", "the path to a state with friction is not in its last field")
         try:
-            model = (scene or SCENES[request.scene]).build(request)
+            model = SCENES[request.scene].build(request)
             algorithm = configured(request.contact, request.settings)
         except ValueError as error:  # a UsageError is one
             raise ClaimError("scene", str(error)) from None
-        stages, previous, recorded = tuple(model.stages()), None, 0
+        (*earlier, stage), previous, recorded = model.stages(), None, 0
         before: dict[str, float] = {}
-        for visited in walk(stages[:-1], algorithm, request.steps):
+        for visited in walk(earlier, algorithm, request.steps):
             if not visited.converged:
                 raise ClaimError("outcome", f"the stage {visited.stage.name!r} does not converge here")
             seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
@@ -182,15 +177,15 @@ class Opened:
             recorded += seen.step is not None
             previous = visited.state
         try:
-            begun = stages[-1].begin(previous)
+            begun = stage.begin(previous)
         except UsageError as error:
             raise ClaimError("scene", str(error)) from None
-        return cls(request, model, algorithm, stages, before, recorded, begun)
+        return cls(request, model, algorithm, stage, not earlier, before, recorded, begun)
 
     @property
-    def stage(self) -> Stage:
-        """The last one."""
-        return self.stages[-1]
+    def curve(self) -> bool:
+        """Whether the field is of the end of a curve by arc length, whose other points are not kept."""
+        return isinstance(self.stage, CurveStage)
 
     def at(self, load: float, arrays: Arrays, touching: int | None) -> Recomputed:
         """Judge and read a field at a load of the last stage; raises ClaimError for one that the model cannot have.
@@ -198,18 +193,17 @@ class Opened:
         touching: how many nodes are told to be in contact; what has no pressure and no gap counts where that fits.
         """
         problem = self.begun[0](load)
-        if isinstance(self.stage, CurveStage):
+        if self.curve:
             problem = replace(problem, energy=None)
         state = state_of(moved(self.model, load), arrays, len(problem.weights))
         epsilon, n = self.algorithm.epsilon, len(state.u)
         verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
-        shares = {"penetration": BEFORE, "complementarity": BEFORE} if len(self.stages) > 1 else {}
+        shares = {"penetration": BEFORE, "complementarity": BEFORE} if not self.first else {}
         bounds = claim(self.request.number("tolerance"), n) | shares
         read = partial(self._read, problem, load, verdict, touching)
         seen, used = read(state)
         return Recomputed(
             state=used,
-            dofs=self.model.n_unknowns,
             verdict=verdict,
             failures=verdict.failures(**bounds),
             kkt=verdict.kkt | gap_residuals(problem, state.u, state.pressure, np.inf),
@@ -217,9 +211,6 @@ class Opened:
             stable=stability(problem, used, epsilon).word,
             seen=seen,
             shaken=read(_shaken(used))[0],
-            before=self.before,
-            recorded=self.recorded,
-            stage=self.stage,
         )
 
     def _read(

@@ -7,7 +7,6 @@ A/A comparison of its own samples), and by more than a share that matters.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -99,10 +98,3 @@ def _row(label: str, before: pd.DataFrame, now: pd.DataFrame, worse: str) -> lis
     )
     p = mannwhitneyu(b, a, alternative="greater" if worse == "slower" else "less").pvalue
     return [*found, np.median(b) / np.median(a) - 1, floor, float(p)]
-
-
-def time_lines(table: pd.DataFrame) -> Iterator[str]:
-    """The cells whose verdict is not "same", for a terminal."""
-    shown = table[table["verdict"] != "same"]
-    if len(shown):
-        yield from shown.to_string(index=False, float_format=lambda x: f"{x:.4g}").splitlines()

@@ -23,7 +23,7 @@ from typing import Any
 from contact.interchange.untrusted import MOST, read_bytes, read_json
 from studies.ask.scene import UsageError
 from studies.output.atomic import PART, SCHEMA, write_json, write_text
-from studies.run.schema import FAILURE, PLAN, RECORD, REFERENCE, Each, Kind, fault, plan_fault, shortened
+from studies.run.schema import FAILURE, RECORD, REFERENCE, Each, fault, plan_fault, shortened
 
 KEYS = ("schema", "id", "scene", "settings", "class", "reason", "quantities", "steps", "counters", "timing_s", "files")
 FAILURE_KEYS = ("schema", "id", "class", "reason")
@@ -62,12 +62,12 @@ class Archive:
 
     def record(self, cell_id: str) -> dict[str, Any] | None:
         """The record of a cell, or None; raises DamagedError when it is not one."""
-        return _read(self.record_path(cell_id), KEYS, lambda data: fault(data, RECORD), cell_id)
+        return read_file(self.record_path(cell_id), KEYS, lambda data: fault(data, RECORD), cell_id)
 
     def failure(self, cell_id: str) -> dict[str, Any] | None:
         """What happened to a cell without a record, or None; what cannot be read says nothing."""
         try:
-            return _read(self.failure_path(cell_id), FAILURE_KEYS, lambda data: fault(data, FAILURE), cell_id)
+            return read_file(self.failure_path(cell_id), FAILURE_KEYS, lambda data: fault(data, FAILURE), cell_id)
         except DamagedError:
             return None
 
@@ -75,7 +75,7 @@ class Archive:
         """The plan of a campaign; raises UsageError when it has none, or another schema's."""
         path = self.index_path(campaign)
         try:
-            found = _read(path, ("schema", "campaign", "cells"), plan_fault)
+            found = read_file(path, ("schema", "campaign", "cells"), plan_fault)
         except DamagedError as error:
             raise UsageError(str(error)) from None
         if found is None:
@@ -120,7 +120,6 @@ class Archive:
 
         What a killed run was writing is swept away: it never had a name.
         """
-        self._refuse_others()
         import fcntl  # as killing a cell, not there on every system; reading a store does without
 
         try:
@@ -138,21 +137,8 @@ class Archive:
                 part.unlink(missing_ok=True)
             yield
 
-    def _refuse_others(self) -> None:
-        """Raise UsageError when another version of the program, or something else, has put its things here."""
-        if self.root.exists() and not self.root.is_dir():
-            raise UsageError(f"--store {self.root} is a file, not a directory")
-        schemas = {1} if (self.root / "campaign.json").exists() else set()
-        for name in self.campaigns():
-            try:
-                schemas.add(int(read_json(self.index_path(name))["schema"]))
-            except (OSError, ValueError, KeyError, TypeError):
-                continue  # it will be written anew
-        for schema in schemas - {SCHEMA}:
-            raise UsageError(f"{self.root} has schema {schema}, this program writes {SCHEMA}: choose another --store")
 
-
-def _read(
+def read_file(
     path: Path, keys: tuple[str, ...], fault_of: Callable[[Mapping[str, Any]], str], cell_id: str | None = None
 ) -> dict[str, Any] | None:
     """A JSON file with these keys, this schema and this id, its values of their types; None when it is not there.
@@ -184,37 +170,22 @@ def _read(
 def check_store(root: Path, campaign: str | None = None) -> None:
     """Raise UsageError, one line, for the first file of a campaign, by default of any, that may not be read.
 
-    What is missing is passed over, and so are records that no plan asks for.
+    Records and tables that are missing are passed over, and so are records that no plan asks for.
     """
     archive = Archive(root)
-    for name in [campaign] if campaign else archive.campaigns():
-        for row in _checked(archive.index_path(name), PLAN).get("cells", ()):
-            if row.get("id") is not None:
-                _checked(archive.record_path(row["id"]), RECORD)
-                _checked(archive.failure_path(row["id"]), FAILURE)
-    _checked(root / "references.json", {"references": Each(REFERENCE)})
-    for path in _tables(root):
-        _bounded(path)
-
-
-def _checked(path: Path, kind: Kind) -> dict[str, Any]:
-    """The record in a file, its values of their types; an empty one where there is none."""
     try:
-        data = read_json(path)
-    except FileNotFoundError:
-        return {}
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{path}: cannot be read: {' '.join(str(error).split())}") from None
-    wrong = fault(data, kind) if isinstance(data, dict) else "expected a record"
-    if wrong:
-        raise UsageError(f"{path}: {wrong}")
-    return dict(data)
-
-
-def _tables(root: Path) -> Iterator[Path]:
-    yield from sorted(root.glob("tables/*.csv"))
-    yield from sorted(root.glob("cells/*/*.csv"))
-    yield from sorted(root.glob("references/*"))
+        for name in [campaign] if campaign else archive.campaigns():
+            for row in archive.index(name)["cells"]:
+                if row["id"] is not None:
+                    archive.record(row["id"])
+                    failed = archive.failure_path(row["id"])
+                    read_file(failed, FAILURE_KEYS, lambda data: fault(data, FAILURE), row["id"])
+        read_file(root / "references.json", ("references",), lambda data: fault(data, {"references": Each(REFERENCE)}))
+    except DamagedError as error:
+        raise UsageError(str(error)) from None
+    for pattern in ("tables/*.csv", "cells/*/*.csv", "references/*"):
+        for path in sorted(root.glob(pattern)):
+            _bounded(path)
 
 
 def _bounded(path: Path) -> None:

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,7 +37,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, text_of
 from studies.ask.scene import UsageError, has_contact
 from studies.run.lists import LISTS
-from studies.run.schema import Each, Kind, Named, fault, scalar, setting, whole, word
+from studies.run.schema import KINDS, fault
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.plugins import load_file
@@ -55,25 +55,6 @@ CATALOGUES: dict[str, Mapping[str, Any]] = {
     "scenes": SCENES,
 }
 MOST_CELLS, MOST_KEYS, LONGEST_LABEL = 100_000, 100, 1000
-
-
-def axis(value: Any) -> bool:
-    """A list of numbers or words, or "all"."""
-    return value == "all" or (isinstance(value, list) and all(map(scalar, value)))
-
-
-OF_A_SCENE: Mapping[str, Kind] = {
-    **dict.fromkeys((*OPTIONS, *SETTINGS), axis),
-    **{"vary": Named(axis), "set": Named(setting), "steps": whole},
-}
-CROSS: Mapping[str, Kind] = {"name": word, "scenes": Named(OF_A_SCENE), **OF_A_SCENE}
-CAMPAIGN: Mapping[str, Kind] = {
-    "title": word,
-    "lists": axis,
-    "pages": word,
-    "modules": Each(word),
-    "cross": Each(CROSS),
-}
 
 
 @dataclass(frozen=True)
@@ -117,8 +98,8 @@ def read(path: Path, *, trust: bool = False) -> Campaign:
         raise UsageError(f"campaign {path}: {error.strerror}") from None
     except ValueError as error:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
-    _known(path, data, CAMPAIGN)
-    if wrong := fault(data, CAMPAIGN):
+    _known(path, data, "file_of_a_campaign")
+    if wrong := fault(data, KINDS["file_of_a_campaign"]):
         raise UsageError(f"campaign {path}: {wrong}")
     use = _modules(path, data.get("modules", []), trust=trust)
     lists = [LISTS[name] for name in _listed(path, data, "lists", LISTS)]
@@ -153,12 +134,12 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
 
     Of a scene without contact the contact algorithms are no axis.
     """
-    _known(path, cross, CROSS)
+    _known(path, cross, "cross")
     if not isinstance(cross.get("scenes"), Mapping):
         raise UsageError(f"campaign {path}: a cross needs its scenes, as tables [cross.scenes.NAME]")
     for scene in _listed(path, {"scenes": list(cross["scenes"])}, "scenes", SCENES):
         own = cross["scenes"][scene]
-        _known(path, own, OF_A_SCENE)
+        _known(path, own, "of_a_scene")
         asked = {**cross, **own}
         constant = {**cross.get("set", {}), **own.get("set", {})}
         axes = _axes(path, asked)
@@ -201,7 +182,9 @@ def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[s
     return [text_of(value) for value in values]
 
 
-def _known(path: Path, data: Mapping[str, Any], keys: Iterable[str]) -> None:
+def _known(path: Path, data: Mapping[str, Any], kind: str) -> None:
+    keys = KINDS[kind]
+    assert isinstance(keys, Mapping)
     for key in data:
         if key not in keys:
             raise UsageError(f"campaign {path}: key {key!r} must be one of {', '.join(keys)}")

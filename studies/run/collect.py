@@ -172,7 +172,7 @@ def _is_number(value: object) -> bool:
 
 
 UNKNOWN = "not told"
-VERIFIED, SOLVED_AGAIN, UNVERIFIED = STATUSES = ("verified", "solved again", "unverified failure")  # of merged cells
+STATUSES = VERIFIED, _, UNVERIFIED = "verified", "solved again", "unverified failure"  # of cells merged now, or once
 COUNTED = ("machine", "cells", *STATUSES, "seconds")
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 from contact.catalogue import ALGORITHMS
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
@@ -17,7 +16,6 @@ from studies.ask.request import text_of
 from studies.run.scene_cells import BENCHMARKS as BENCHMARK_LADDERS
 from studies.run.scene_cells import ladder_cells, share_cells, sheet_cells
 from studies.scenes.complete import Cell
-from studies.scenes.tyre.scene import ISOTROPIC
 
 _PAPER = {"element": "paper"}
 
@@ -27,81 +25,36 @@ def enforcements(default: float) -> tuple[tuple[str, str], ...]:
     return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", text_of(default)))
 
 
-def _tyre(label: str, settings: Mapping[str, str] | None = None, **options: Any) -> Cell:
-    """All of the tyre, so that its symmetry is a finding, unless ``model`` says otherwise."""
-    return Cell(label, "tyre", {"model": "full", **options}, {**_PAPER, **(settings or {})})
+OF_A_CELL = ("measure", "contact", "newton", "mesh", "model", "steps")  # its options; all else are settings
+ONE_BY_ONE = tomllib.loads(Path(__file__).with_name("cells.toml").read_text(encoding="utf-8"))
 
 
-def _of(group: str, cells: Iterable[Cell]) -> tuple[Cell, ...]:
-    """Cells that say which list they are of."""
-    return tuple(replace(cell, group=group) for cell in cells)
+def _cells(part: str) -> Iterator[Cell]:
+    """Those of a part of cells.toml."""
+    for label, own in ONE_BY_ONE[part]["cells"].items():
+        told = {**ONE_BY_ONE[part]["shared"], **own}
+        scene, expected, group = (told.pop(name, "") for name in ("scene", "expected", "group"))
+        options = {name: told.pop(name) for name in list(told) if name in OF_A_CELL}
+        yield Cell(label, scene, options, told, expected=expected, group=group)
 
 
-_TO_20 = {"delta_mm": "20"}
-_ANSWERS = {"exact": {"epsilon": "inf"}, "epsilon": {"epsilon": "1e4"}}
-
-TYRE = (
-    _tyre("paper", {"delta_mm": ",".join(str(d) for d in (5, 10, 15, *range(20, 28)))}),
-    _tyre("linear", measure="linear"),
-    *(
-        _tyre(f"{measure} {contact} {newton} {kind}", {**_TO_20, **epsilon}, **options)
-        for measure in ("exact", "linear")
-        for contact in ("semismooth", "trial-and-error")
-        for newton in (("mixed", "plain") if measure == "exact" else ("mixed",))
-        for kind, epsilon in _ANSWERS.items()
-        for options in [
-            {"measure": measure, "contact": contact, "newton": newton, "steps": 4 if newton == "plain" else 1}
-        ]
-    ),
-    _tyre("fine", _TO_20, mesh="84x80"),
-    _tyre("isotropic", ISOTROPIC),
-    _tyre("isotropic fine", ISOTROPIC, mesh="84x80"),
-)
-_NEAR = {"delta_mm": "20,21,22,23,24,25"}  # mm, travels at which the printed table may be meant
+PARTS = ("tyre", "readings", "solid", "robustness", "models")
+TYRE, READINGS, SOLID, ROBUSTNESS, MODELS = (tuple(_cells(part)) for part in PARTS)
 _FACE = {"load": "follower", "pressure_area": "face"}
-READINGS = (  # the paper's tyre with one thing changed, beside its printed table
-    *(_tyre(f"reading {measure}", _NEAR, measure=measure) for measure in ("von-karman", "sanders", "donnell")),
-    _tyre("reading linear", {"delta_mm": "14,16,18,19,20,21,22,24"}, measure="linear"),
-    _tyre("reading 84x80", _NEAR, mesh="84x80"),
-    _tyre("reading face area", {**_NEAR, "pressure_area": "face"}),
-    _tyre("reading follower", {**_NEAR, **_FACE}),
-    _tyre("reading full-3d", {**_NEAR, "section": "full-3d"}),
-    _tyre("reading consistent", {**_NEAR, "coupling": "consistent"}),
-    *(  # data within their rounding
-        _tyre(f"reading {key} {value}", {**_NEAR, key: value})
-        for key, values in (
-            ("gamma_deg", ("51.5", "52.5")),
-            ("ply_thickness_mm", ("1.15", "1.25")),
-            ("p0_MPa", ("0.145", "0.155")),
-        )
-        for value in values
-    ),
-)
 BUDGETED = {"follower": _FACE, "full-3d": {"section": "full-3d"}, "nonsymmetric": {"section": "nonsymmetric"}}
 BUDGET_MESHES = ("28x26", "42x40", "84x80")
 BUDGET = tuple(  # what another load or section changes, on three meshes, over the cells of one step
-    _tyre(f"budget {name} {mesh}", {**_TO_20, **settings}, mesh=mesh, model="half")
+    Cell(f"budget {name} {mesh}", "tyre", {"model": "half", "mesh": mesh}, {**_PAPER, "delta_mm": "20", **settings})
     for name, settings in BUDGETED.items()
     for mesh in BUDGET_MESHES
 )
-SOLID = (
-    *(Cell(f"solid {mesh}", "tyre-solid", {"mesh": mesh}) for mesh in ("14x18", "28x36", "56x72")),  # each is nested
-    Cell("solid penalty", "tyre-solid", {"mesh": "28x36"}, {"epsilon": "20"}),  # as in the reference by NGSolve
-    _tyre("isotropic coarse", ISOTROPIC, mesh="28x26"),
-)
-_WHOLE_LOAD = {"load_fraction": "1", **_PAPER}
 BENCHMARKS = (
     *(
         Cell(f"{ladder.name} {mesh.split('x')[0]}", ladder.scene, {"mesh": mesh}, _PAPER)
         for ladder in BENCHMARK_LADDERS
         for mesh in ladder.meshes
     ),
-    Cell("hemisphere one step mixed", "hemisphere", {"newton": "mixed"}, _WHOLE_LOAD),
-    Cell(
-        *("hemisphere one step plain", "hemisphere", {"newton": "plain"}, _WHOLE_LOAD),
-        expected="plain Newton cannot take the whole load in one step; the step has to be cut",
-    ),
-    Cell("hemisphere twenty steps plain", "hemisphere", {"newton": "plain", "steps": 20}, _WHOLE_LOAD),
+    *_cells("benchmarks"),
 )
 
 
@@ -130,54 +83,19 @@ _WAYS: dict[str, tuple[str, dict[str, str]]] = {  # settings that change how an 
 
 def agreement() -> tuple[Cell, ...]:
     """Every algorithm of the catalogue as it is, and by the other ways, for two loads and two sections."""
-    return _of(
-        "agreement",
-        (
-            _tyre(
-                f"agreement {way} {load['load']} {section} {kind}",
-                {**load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
-                contact=contact,
-                model="half",
-            )
-            for way, (contact, settings) in ({name: (name, {}) for name in ALGORITHMS} | _WAYS).items()
-            for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
-            for load in ({"load": "dead"}, {"load": "follower", "pressure_area": "mid"})
-            for section in ("constant-s33", "nonsymmetric")
-        ),
+    return tuple(
+        Cell(
+            f"agreement {way} {load['load']} {section} {kind}",
+            "tyre",
+            {"model": "half", "contact": contact},
+            {**_PAPER, **load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
+            group="agreement",
+        )
+        for way, (contact, settings) in ({name: (name, {}) for name in ALGORITHMS} | _WAYS).items()
+        for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
+        for load in ({"load": "dead"}, {"load": "follower", "pressure_area": "mid"})
+        for section in ("constant-s33", "nonsymmetric")
     )
-
-
-_EXACT = {"epsilon": "inf"}
-
-
-def _one_step(way: str, mesh: str, settle: dict[str, str], expected: str = "") -> Cell:
-    """Inflation, then 20 mm at once."""
-    settings = {**_TO_20, **_EXACT, **settle}
-    cell = _tyre(f"one step {way} {mesh}", settings, mesh=mesh, contact="semismooth", model="half")
-    return replace(cell, expected=expected)
-
-
-_SETTLED = {"settle": "1"}
-_FAR = _tyre("far", {"delta_mm": "20,25,30,35,40", **_EXACT}, contact="semismooth", model="half")
-ROBUSTNESS = _of(
-    "agreement",
-    (
-        *(_one_step("semismooth", mesh, {}) for mesh in ("28x26", "42x40", "84x80")),
-        *(_one_step("semismooth, settle 1", mesh, _SETTLED) for mesh in ("28x26", "42x40")),
-        _one_step("semismooth, settle 1", "84x80", _SETTLED, "the textbook's method chases sets far from the solution"),
-        replace(_FAR, expected="asked for more travel than there is"),
-    ),
-)
-MODELS = _of(
-    "models",
-    (  # what a part of the tyre saves, and that it changes nothing
-        *(_tyre(f"model {model} angle plies", _TO_20, model=model) for model in ("full", "half")),
-        *(
-            _tyre(f"model {model} isotropic", {**ISOTROPIC, **_TO_20}, model=model)
-            for model in ("full", "half", "mirror", "quarter")
-        ),
-    ),
-)
 
 
 CELLS: dict[str, Callable[[], Iterable[Cell]]] = {  # made when they are asked for; catalogues grow

@@ -154,7 +154,7 @@ def engine_of(name: str) -> Engine:
     """The engine of a name; it yields tasks with their classes as they are done. Raises UsageError."""
     kind, _, rest = name.partition(":")
     if name == "serial":
-        return _serial
+        return lambda tasks, store, limits: _local(1, tasks, store, limits)
     if kind == "local" and rest.isascii() and rest.isdigit() and 1 <= int(rest) <= MOST:
         return lambda tasks, store, limits: _local(int(rest), tasks, store, limits)
     if kind == "dask" and rest:
@@ -162,12 +162,6 @@ def engine_of(name: str) -> Engine:
             raise UsageError("engine dask needs the extra dask: pip install -e '.[dask]' in the checkout of Footprint")
         return lambda tasks, store, limits: _dask(rest, tasks, store, limits)
     raise UsageError(f"engine {name!r} must be serial, local:N with N in [1, {MOST}], or dask:ADDRESS")
-
-
-def _serial(tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:
-    with closing(Children()) as children:
-        for task in tasks:
-            yield task, children.perform(task, str(store), limits)
 
 
 def _local(n: int, tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:

@@ -73,6 +73,11 @@ def setting(value: Any) -> bool:
     return (value is not None and scalar(value)) or (isinstance(value, list) and all(map(finite, value)))
 
 
+def axis(value: Any) -> bool:
+    """A list of numbers or words, or "all"."""
+    return value == "all" or (isinstance(value, list) and all(map(scalar, value)))
+
+
 def option(value: Any) -> bool:
     """A word, or a whole number."""
     return word(value) or whole(value)
@@ -119,13 +124,14 @@ Kind = Callable[[Any], bool] | Each | Named | Maybe | Mapping[str, Any] | None
 
 REQUEST_KEYS = ("scene", "mesh", "settings")
 ROW_KEYS = ("label", "id", "scene", "command", "options", "settings", "files", "request", "reason")
-PLAIN = (word, identity, file_name, whole, flag, finite, count, number, scalar, setting, option, mesh, leaf, canary)
+PLAIN = (word, identity, file_name, whole, flag, finite, count, number, scalar, setting, option)
+LISTED = (axis, mesh, leaf, canary)
 WAYS: dict[str, Callable[[Kind], Each | Named | Maybe]] = {"each": Each, "named": Named, "maybe": Maybe}
 
 
 def _read() -> dict[str, Kind]:
     """The kinds of kinds.toml by name, each made of those before it."""
-    found: dict[str, Kind] = {kind.__name__: kind for kind in PLAIN}
+    found: dict[str, Kind] = {kind.__name__: kind for kind in (*PLAIN, *LISTED)}
 
     def made(told: Any) -> Kind:
         if isinstance(told, dict):

@@ -14,9 +14,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from contact.interchange.untrusted import read_json
 from studies.ask.request import UsageError
 from studies.output.stopwatch import timed
+from studies.run.archive import DamagedError, read_file
 from studies.run.schema import TIMES, fault
 
 DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
@@ -30,18 +30,13 @@ def times_path(store: Path, campaign: str) -> Path:
 
 def read_times(store: Path, campaign: str) -> dict[str, Any]:
     """What was kept of a campaign: canaries, rounds of a block, samples, provenance; raises UsageError."""
-    path = times_path(store, campaign)
     try:
-        found = read_json(path)
-        told = {key: found[key] for key in ("canaries", "rounds", "cells")}
-        told["provenance"] = found.get("provenance") or {}
-    except FileNotFoundError:
-        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
-    if wrong := fault(told, TIMES):
-        raise UsageError(f"{path} cannot be read: {wrong}")
-    return told
+        found = read_file(times_path(store, campaign), ("canaries", "rounds", "cells"), lambda told: fault(told, TIMES))
+    except DamagedError as error:
+        raise UsageError(str(error)) from None
+    if found is None:
+        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them")
+    return {"provenance": {}, **found}
 
 
 def interval(samples: Sequence[float]) -> tuple[float, float, float]:

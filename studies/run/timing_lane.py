@@ -11,10 +11,8 @@ from __future__ import annotations
 import json
 import math
 import statistics
-from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -35,20 +33,8 @@ from studies.solving.result import SOLVED
 REPEATS = 3  # of a block that was discarded
 SHARE = 10.0  # seconds of the solves that share a block, which takes five to ten times as long
 BLOCKS, ROUNDS = 2, 4  # eight samples of each cell: the first number that a rank test over many cells can use
+Samples = dict[str, dict[str, list[float]]]  # seconds by label: warm of blocks that count, cold, of discarded ones
 COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "operations")
-
-
-@dataclass
-class Samples:
-    """Seconds of each cell by its label: warm of the blocks that count, cold, and of discarded blocks.
-
-    canaries: before and after each block, with whether it counts.
-    """
-
-    warm: dict[str, list[float]] = field(default_factory=partial(defaultdict, list))
-    cold: dict[str, list[float]] = field(default_factory=partial(defaultdict, list))
-    discarded: dict[str, list[float]] = field(default_factory=partial(defaultdict, list))
-    canaries: list[tuple[float, float, bool]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -76,12 +62,16 @@ def shares(seconds: Mapping[str, float]) -> list[list[str]]:
 def sample(
     shared: Sequence[Sequence[str]],
     watch: Stopwatch,
-    blocks: int = BLOCKS,
-    rounds: int = ROUNDS,
+    blocks: int,
+    rounds: int,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
-) -> Samples:
-    """Interleaved rounds of the cells that share a block, which counts only when the canary has stood still."""
-    found, quiet = Samples(), float("inf")
+) -> tuple[Samples, list[tuple[float, float, bool]]]:
+    """Interleaved rounds of the cells that share a block, which counts only when the canary has stood still.
+
+    Returns the samples of each cell, and the canaries before and after each block with whether it counts.
+    """
+    found: Samples = {label: {"warm": [], "cold": [], "discarded": []} for labels in shared for label in labels}
+    canaries, quiet = list[tuple[float, float, bool]](), math.inf
     planned = [(f"block {block + 1}", labels) for block in range(blocks) for labels in shared]
     for done, (name, labels) in enumerate(planned):
         for _ in range(1 + REPEATS):
@@ -96,28 +86,24 @@ def sample(
             after = watch.canary()
             quiet = min(quiet, before, after)
             counts = max(before, after) <= (1 + DRIFT) * quiet
-            found.canaries.append((before, after, counts))
+            canaries.append((before, after, counts))
             for label in labels:
-                found.cold[label].append(cold[label])
-                (found.warm if counts else found.discarded)[label] += warm[label]
+                found[label]["cold"].append(cold[label])
+                found[label]["warm" if counts else "discarded"] += warm[label]
             if counts:
                 break
     progress(len(planned) * rounds, len(planned) * rounds, "done")
-    return found
+    return found, canaries
 
 
 def time_campaign(
     campaign: Campaign,
     store: Path,
     only: Callable[[str], object] = lambda label: True,
-    blocks: int = BLOCKS,
-    rounds: int = ROUNDS,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
-    longest: float = math.inf,
 ) -> pd.DataFrame:
     """Time the cells of a campaign that the store knows to be converged, keep all samples, and return the table.
 
-    longest: processor time [s] of a solve beyond which a cell keeps its single time, which varies least.
     Raises UsageError when there is none, and when a cell does not end as it did.
     """
     archive = Archive(store)
@@ -125,10 +111,8 @@ def time_campaign(
     rows = {row.cell.label: (cell_id, row) for cell_id, row in solved_rows(wanted)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
-    right = {label: record for label, record in right.items() if _spent(record) <= longest}
     if not right:
-        within = f" within {longest:g} s" if longest < math.inf else ""
-        raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time{within}: footprint run comes first")
+        raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time: footprint run comes first")
     child = Child()
 
     def ask(task: Task) -> dict[str, Any]:
@@ -144,28 +128,19 @@ def time_campaign(
     try:
         watch = Stopwatch(child.end, lambda: float(ask(Task("canary", "canary"))["seconds"]), cell)
         shared = shares({label: _spent(record) for label, record in right.items()})
-        found = sample(shared, watch, blocks, rounds, progress)
+        found, canaries = sample(shared, watch, BLOCKS, ROUNDS, progress)
     finally:
         child.end()
     with archive.claimed():
-        _keep(archive, campaign.name, {label: rows[label][0] for label in right}, found, rounds)
-    return summary(archive.root, campaign.name)
+        told = {"schema": SCHEMA, "campaign": campaign.name, "provenance": provenance(), "canaries": canaries}
+        cells = [{"label": label, "id": rows[label][0], **found[label]} for label in right]
+        write_json(times_path(store, campaign.name), {**told, "rounds": ROUNDS, "cells": cells})
+    return summary(store, campaign.name)
 
 
 def _spent(record: Mapping[str, Any]) -> float:
     """Seconds of the solve that made a record, be it on another machine: enough to share out blocks."""
     return float((record.get("merged") or record).get("timing_s", {}).get("cpu", 0.0))
-
-
-def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples, rounds: int) -> None:
-    told = {"schema": SCHEMA, "campaign": name, "provenance": provenance(), "canaries": found.canaries}
-    told["rounds"] = rounds
-    cells = [
-        {"label": label, "id": cell_id}
-        | {kind: getattr(found, kind).get(label, []) for kind in ("warm", "cold", "discarded")}
-        for label, cell_id in ids.items()
-    ]
-    write_json(times_path(archive.root, name), {**told, "cells": cells})
 
 
 def summary(store: Path, campaign: str) -> pd.DataFrame:

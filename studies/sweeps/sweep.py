@@ -141,7 +141,7 @@ def sweep(
     error: float | None = None,
     quantity: str | None = None,
     keep: Path | None = None,
-    progress: Callable[[str], None] = lambda text: None,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
     mesh: str | Sequence[int] | None = None,
     **options: Any,
 ) -> Sweep:
@@ -155,7 +155,6 @@ def sweep(
     kept = None if keep is None else Kept(keep, name, [swept.coarser, swept.adapted])
     across = min(len(each.values) for each in swept.ranges) if len(swept.ranges) > 1 else 1
     grids = [Neighbours(DIRECTIONS * (across + 1)) for _ in (*swept.coarser, None)]
-    begun = time.perf_counter()
     for place in order(swept.ranges):
         request = swept.requests[place]
         read = None if kept is None or isinstance(request, str) else kept.read(request)
@@ -167,9 +166,7 @@ def sweep(
         if read is None and kept is not None and not isinstance(request, str) and member.verdict != UNSUPPORTED:
             kept.write(request, member)
         swept.members[place] = member
-        done, planned = len(swept.members), len(swept.requests)
-        left = (time.perf_counter() - begun) / done * (planned - done)
-        progress(f"{done} of {planned} members, about {left:.2g} s left")
+        progress(len(swept.members), len(swept.requests), swept.named(place))
     if all(member.verdict == UNSUPPORTED for member in swept.members.values()):
         raise UsageError(next(iter(swept.members.values())).reason)
     return swept

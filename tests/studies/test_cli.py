@@ -387,13 +387,6 @@ def test_list_names_everything(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == list(MEASURES)
 
 
-def test_bench_prints_the_split(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "newton", "--mesh", "12x12", "--repeats", "2"]) == 0
-    out = capsys.readouterr().out
-    for part in ("elements", "scatter", "contact", "factorisation", "solution", "total"):
-        assert part in out
-
-
 @dataclass(frozen=True)
 class Refusing(Semismooth):
     """Refuses at once, at the first problem with candidates, or to be made at all."""

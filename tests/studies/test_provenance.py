@@ -30,7 +30,7 @@ def test_every_package_that_may_decide_a_result_is_among_them() -> None:
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     asked = set(re.findall(r'^    "([\w-]+)>=', text, re.MULTILINE))
     asked |= {name for line in re.findall(r"^(?:mkl|qp) = \[(.*)\]", text, re.MULTILINE) for name in words(line)}
-    others = {"markdown-it-py", "matplotlib", "rich", "distributed", "hatchling", "hypothesis", "mypy", "pandas-stubs"}
+    others = {"markdown-it-py", "matplotlib", "distributed", "hatchling", "hypothesis", "mypy", "pandas-stubs"}
     others |= {"hatch-vcs", "pillow", "pytest", "pytest-xdist", "ruff", "scipy-stubs", "sympy"}
     others |= {"KratosLinearSolversApplication", "KratosStructuralMechanicsApplication"}  # of one version with Kratos
     assert asked - others <= set(PACKAGES)

@@ -288,9 +288,8 @@ def test_a_wrong_file_is_one_line(source: str, says: str, tmp_path: Path, capsys
 def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "mine.txt").write_text("kept", encoding="utf-8")
     for arguments, says in (
-        ([], "card takes one of FILE.py, --of NAME and --template DIR"),
-        (["semismooth", "--of", "lcp"], "card takes one of"),
-        (["--of", "nobody"], "'nobody' must be a file that ends in .py, or one of trial-and-error"),
+        ([], "card takes one of FILE.py, NAME and --template DIR"),
+        (["nobody"], "'nobody' must be a file that ends in .py, or one of trial-and-error"),
         ([str(tmp_path / "nothing.py")], "no such file"),
         (["--template", str(tmp_path)], "must be an empty directory"),
     ):

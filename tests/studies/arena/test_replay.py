@@ -106,8 +106,6 @@ WRONG = (
     (["resolve", "nothing.npz"], "nothing.npz"),
     (["resolve", __file__], "no frozen contact step"),
     (["resolve", __file__, "--contact", "magic"], "semismooth"),
-    (["resolve", __file__, "--epsilon", "-1"], "(0, inf]"),
-    (["resolve", __file__, "--epsilon", "nan"], "(0, inf]"),
 )
 
 

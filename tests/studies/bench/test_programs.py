@@ -13,7 +13,7 @@ from studies.analysis.everything import fitted
 from studies.analysis.programs import agreement
 from studies.ask.request import UsageError
 from studies.bench import programs
-from studies.bench.peers import CASES, FOLLOWER
+from studies.bench.peers import CASES
 from studies.bench.problems import problems
 from studies.bench.programs import Case
 from studies.cli import main
@@ -58,7 +58,7 @@ def test_a_row_a_quantity_a_load_and_a_mesh_that_is_run_once(
     np.testing.assert_allclose(table["theirs"], 1.1 * np.array([4.92, 6.7, 4.92, 6.7]))
     assert set(table["elements"]) == {ELEMENTS["full"]}  # in a single row
     assert table["reference"].iloc[1] == pytest.approx(6.69964)
-    assert len(list(programs.lines_of(table))) == 5
+    assert len(programs.shown(table).splitlines()) == 5
     (tmp_path / "programs" / "cantilever-4x1.csv").unlink()  # stopped there
     again = programs.measured([BEAM], tmp_path)
     pd.testing.assert_frame_equal(again.drop(columns="seconds"), table.drop(columns="seconds"))
@@ -137,7 +137,9 @@ def test_the_table_goes_to_the_store_and_what_has_no_reason_fails(
 
 @pytest.mark.slow
 def test_one_direction_a_brick_changes_a_wall_of_plies_and_no_isotropic_one() -> None:
-    plies = problem_of("tyre", {**FOLLOWER, "delta_mm": "0", "gamma_deg": "0"}, "14x18")
+    plies = problem_of(
+        "tyre", {"load": "follower", "pressure_area": "face", "delta_mm": "0", "gamma_deg": "0"}, "14x18"
+    )
     isotropic = problem_of("tyre", {**ISOTROPIC, "delta_mm": "0"}, "14x18")
     each, one = (programs.inflated_equator(plies, held=held) for held in (False, True))
     assert one > 1.005 * each  # cords that leave their wall are softer, and this wall grows

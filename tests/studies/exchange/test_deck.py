@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.ask.request import UsageError
 from studies.exchange.deck import deck, plane_corners
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
@@ -144,11 +143,3 @@ def test_the_measure_says_large_displacements_and_a_single_row_is_integrated_ful
         text = "\n".join(deck(problem_of("cantilever", {}, mesh, measure=measure)))
         assert re.findall(r"TYPE=(C3D20R?),", text) == [kind]
         assert ("NLGEOM" in text) is (measure == "exact")
-
-
-def test_the_ranges_of_the_options(tyre: Problem) -> None:
-    for value in (0.0, float("inf"), float("nan")):
-        with pytest.raises(UsageError, match=r"stiffness = .* \(0, inf\)"):
-            list(deck(tyre, stiffness=value))
-    with pytest.raises(UsageError, match="integration 'lazy' must be one of auto, reduced, full"):
-        list(deck(tyre, "lazy"))

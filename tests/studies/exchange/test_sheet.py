@@ -45,7 +45,7 @@ def test_everything_comes_back(problem: Problem, tmp_path: Path) -> None:
         np.testing.assert_array_equal(pressure[problem.bricks.inner], step.pressure)
         assert (told[problem.key], told["plane_offset_mm"]) == (step.load, step.offset)
     assert [(ply["E_11"], ply["nu_23"], ply["G_13"], ply["angle"]) for ply in read["plies"]] == [
-        (ply.E[0], ply.nu[2], ply.G[1], ply.angle) for ply in problem.materials
+        (ply.E_L, ply.nu_TT, ply.shears[1], ply.angle) for ply in problem.materials
     ]
     references = SCENES[problem.request.scene].references
     assert [(each["quantity"], each["value"]) for each in read["references"]] == [

@@ -208,12 +208,12 @@ def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str
     store = ["--store", str(tmp_path)]
     for words in (
         ["fuzz", "--seed", "-1"],
-        ["run", "fuzz", "--cases", "0", *store],
+        ["run", "fuzz", "--seeds", "0:0", *store],
         ["run", "fuzz", "--seeds", "3:3", *store],
         ["run", "fuzz", "--seeds", "3", *store],
         ["run", "quick", "--kind", "friction", *store],
-        ["run", "quick", "--cases", "5", *store],
-        ["run", "fuzz", "--resume", "--cases", "1", *store],
+        ["run", "quick", "--seeds", "0:5", *store],
+        ["run", "fuzz", "--resume", "--seeds", "0:1", *store],
     ):
         assert main(words) == 2
         assert capsys.readouterr().err.count("\n") == 1

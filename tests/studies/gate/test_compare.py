@@ -13,12 +13,12 @@ import pytest
 from studies.ask.request import Request, Settings
 from studies.ask.scene import UsageError
 from studies.commands.comparison import comment
-from studies.gate.baseline import COMMAND, OUTCOME, TOLERANCES, UPDATES, Update, bound_of, read_baseline, read_bounds
+from studies.gate.baseline import COMMAND, OUTCOME, TOLERANCES, UPDATES, bound_of, read_baseline, read_bounds
 from studies.gate.compare import NothingComparedError, check, compared, failures, lines, measured, update
 
 EXACT = 6.69964  # mm, the cantilever's tip deflection under the whole load, as its scene says
 MESHES = (8, 16, 32, 64)
-SIGNED = Update("Anna", "why", "quick")
+SIGNED = ("Anna", "why")
 BOUND = """[[bound]]
 column = "{column}"
 worse = "{worse}"
@@ -67,7 +67,7 @@ def campaign(order: float = 2.0, loss: float = 0.0, counters: float = 1.0) -> pd
 @pytest.fixture
 def baseline(tmp_path: Path) -> Path:
     (tmp_path / TOLERANCES).write_text(BOUNDS)
-    update(campaign(), tmp_path / "quick.csv", Update("Anna", "the first one", "quick"))
+    update(campaign(), tmp_path / "quick.csv", "Anna", "the first one")
     return tmp_path / "quick.csv"
 
 
@@ -166,25 +166,19 @@ def test_zero_cells_are_a_failure(baseline: Path) -> None:
         check(campaign().assign(label=list("abcd")), baseline)
 
 
-@pytest.mark.parametrize(("owner", "reason"), [("", "why"), ("Anna", ""), ("  ", "why")])
-def test_an_update_needs_owner_and_reason(owner: str, reason: str) -> None:
-    with pytest.raises(UsageError, match="--owner NAME and --reason TEXT"):
-        Update(owner, reason, "quick")
-
-
 @pytest.mark.parametrize("outcome", ["missing", "time", "memory", "crash"])
 def test_what_the_machine_did_not_finish_is_no_baseline(baseline: Path, outcome: str) -> None:
     before = baseline.read_bytes()
     table = campaign()
     table.loc[2, "outcome"] = outcome
     with pytest.raises(UsageError, match=rf"1 cells are not finished, the first is 'cantilever 32': {outcome}"):
-        update(table, baseline, SIGNED)
+        update(table, baseline, *SIGNED)
     assert baseline.read_bytes() == before
 
 
 def test_an_update_is_recorded_and_then_holds(baseline: Path) -> None:
     slower = campaign(counters=1.1)
-    update(slower, baseline, Update("Boris", "one\nmore", "quick"))
+    update(slower, baseline, "Boris", "one\nmore")
     assert check(slower, baseline) == []
     log = pd.read_csv(baseline.parent / UPDATES)
     assert list(log["owner"]) == ["Anna", "Boris"]
@@ -196,15 +190,19 @@ def test_an_update_is_recorded_and_then_holds(baseline: Path) -> None:
 @pytest.mark.parametrize(
     ("broken", "message"),
     [
-        (BOUNDS.replace('owner = "Anna"\n', "", 1), r"bound 1 \(q\.\*\): needs an owner"),
-        (BOUNDS.replace("date = 2026-01-31\n", "", 1), r"bound 1 \(q\.\*\): needs a date"),
-        (BOUNDS.replace("date = 2026-01-31", 'date = "soon"', 1), r"bound 1 \(q\.\*\): needs a date"),
-        (BOUNDS.replace('reason = "as planted"', 'reason = " "', 1), r"bound 1 \(q\.\*\): needs a reason"),
-        (BOUNDS.replace('worse = "up"', 'worse = "more"', 1), r"bound 2 \(error\.\*\): worse = 'more' must be one of"),
-        (BOUNDS.replace("relative = 0.04", "relative = -1", 1), r"relative = -1 must be a number in \[0, inf\)"),
-        (BOUNDS + "relativ = 1\n", "'relativ' must be given, and nothing but"),
+        (BOUNDS.replace('owner = "Anna"\n', "", 1), r"bound 1 \(q\.\*\): .*'owner'"),
+        (
+            BOUNDS.replace("date = 2026-01-31", 'date = "soon"', 1),
+            r"bound 1 \(q\.\*\): needs an owner, a reason and a date",
+        ),
+        (
+            BOUNDS.replace('reason = "as planted"', 'reason = " "', 1),
+            r"bound 1 \(q\.\*\): needs an owner, a reason and",
+        ),
+        (BOUNDS.replace('worse = "up"', 'worse = "more"', 1), r"bound 2 \(error\.\*\): worse must be one of up, down"),
+        (BOUNDS.replace("relative = 0.04", "relative = -1", 1), r"relative and absolute in \[0, inf\)"),
+        (BOUNDS + "relativ = 1\n", "'relativ'"),
         (BOUNDS.replace("[[bound]]", "[bound", 1), "cannot be read"),
-        ("", r"has no \[\[bound\]\]"),
     ],
 )
 def test_bounds_are_refused_in_one_line(tmp_path: Path, broken: str, message: str) -> None:
@@ -218,7 +216,7 @@ def test_a_value_without_a_bound_is_refused(baseline: Path) -> None:
     with pytest.raises(UsageError, match=r"no bound covers c\.factorisations of 'cantilever 8'"):
         check(campaign(), baseline)
     with pytest.raises(UsageError, match=r"no bound covers c\.factorisations"):
-        update(campaign(), baseline, SIGNED)
+        update(campaign(), baseline, *SIGNED)
 
 
 def test_the_last_bound_wins_and_can_be_for_some_cells(tmp_path: Path) -> None:
@@ -232,11 +230,12 @@ def test_the_last_bound_wins_and_can_be_for_some_cells(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("label,value\na,1\n", "must have the columns label, column, value"),
-        ("label,column,value\na,c.x,1\na,c.x,2\n", r"c\.x of 'a' stands there twice"),
-        ("label,column,value\na,c.x,many\n", "'many' of 'a' is no number"),
-        ("label,column,value\na,c.x,1\n", "'a' has no outcome"),
-        ("label,column,value\na,outcome,converged\n", "'a' has no command"),
+        ("label,column,value\na,1\n", "cannot be read"),
+        ("label,column\na,1\n", "cannot be read"),
+        ("label,column,value\na,c.x,1\na,c.x,2\n", "cannot be read: .*duplicate"),
+        ("label,column,value\na,outcome,converged\na,command,run\na,c.x,many\n", "cannot be read: .*many"),
+        ("label,column,value\na,outcome,converged\n", "cannot be read: .*command"),
+        ("label,column,value\na,outcome,converged\nb,command,run\n", "a cell has no outcome or no command"),
     ],
 )
 def test_a_damaged_baseline_is_refused(tmp_path: Path, text: str, message: str) -> None:

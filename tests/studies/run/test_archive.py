@@ -10,17 +10,23 @@ import pytest
 
 from studies.ask.scene import UsageError
 from studies.run import archive
-from studies.run.archive import check_store
+from studies.run.archive import KEYS, check_store
 
-ROW = {"label": "a", "id": "a", "scene": "panel"}
+ROW = {
+    **{"label": "a", "id": "a", "scene": "panel", "command": "solve", "options": {}, "settings": {}, "files": False},
+    **{"request": None, "reason": ""},
+}
+PLAN = {"schema": 2, "campaign": "one", "cells": [ROW]}
+RECORD = {**{key: {} for key in KEYS}, "schema": 2, "id": "a", "class": "converged", "reason": "", "scene": "panel"}
+RECORD |= {"steps": [], "files": []}
 
 
 @pytest.fixture
 def store(tmp_path: Path) -> Path:
     """A plan of one cell, a record of no plan that is none, and a table."""
     for path, text in (
-        ("campaigns/one.json", json.dumps({"campaign": "one", "cells": [ROW]})),
-        ("cells/a.json", json.dumps({"reason": "converged"})),
+        ("campaigns/one.json", json.dumps(PLAN)),
+        ("cells/a.json", json.dumps(RECORD)),
         ("cells/b.json", "{"),
         ("tables/t.csv", "a,b\n1,2\n"),
     ):
@@ -38,11 +44,11 @@ def test_what_is_missing_or_asked_for_by_no_plan_is_passed_over(store: Path) -> 
 @pytest.mark.parametrize(
     ("path", "text", "says"),
     [
-        ("cells/a.json", '{"reason": 1}', "reason = 1 must be a text"),
-        ("cells/a.json", "[]", "expected a record"),
+        ("cells/a.json", json.dumps(RECORD | {"reason": 1}), "reason = 1 must be a text"),
+        ("cells/a.json", "[]", "is not a record"),
         ("failures/a.json", "[" * 100_000, "nests deeper"),
-        ("campaigns/one.json", '{"cells": [{"id": "../x"}]}', "must be a name"),
-        ("references.json", '{"references": 1}', "must be a list"),
+        ("campaigns/one.json", json.dumps(PLAN | {"cells": [ROW | {"id": "../x"}]}), "must be a name"),
+        ("references.json", '{"schema": 2, "references": 1}', "must be a list"),
     ],
 )
 def test_values_are_of_their_types(store: Path, path: str, text: str, says: str) -> None:

@@ -73,7 +73,7 @@ def test_seconds_of_the_minority_of_a_cluster_do_not_count_either() -> None:
 def test_where_the_campaign_was_timed_its_machine_is_the_home(mixed: Path) -> None:
     """The lane times cells here, merged ones too; what was solved elsewhere brings nothing beside it."""
     here = Elsewhere(mixed)
-    lane = {"provenance": {"machine": {"cpu": "Quiet CPU"}}, "canaries": [], "rounds": 1}
+    lane = {"schema": 2, "provenance": {"machine": {"cpu": "Quiet CPU"}}, "canaries": [], "rounds": 1}
     cells = [{"label": BEAM, "id": here.ids[BEAM], "warm": [2.0] * 8, "cold": [], "discarded": []}]
     times_path(mixed, "beams").parent.mkdir()
     times_path(mixed, "beams").write_text(json.dumps({**lane, "cells": cells}))
