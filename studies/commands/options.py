@@ -61,9 +61,11 @@ def check_directory(path: Path) -> None:
 
 
 def check_file(path: Path, option: str = "--out") -> None:
-    """Raise UsageError for an option that cannot be a file."""
+    """Raise UsageError for an option that cannot be a file: what is there is replaced, and may only be one."""
     if path.is_dir():
         raise UsageError(f"{option} {path} is a directory, not a file")
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        raise UsageError(f"{option} {path} is a link or a device, not a file")
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:

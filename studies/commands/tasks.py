@@ -20,7 +20,8 @@ from studies.output.atomic import write_json
 from studies.output.provenance import provenance
 from studies.output.terminal import columns
 
-HOLDS = {True: "holds", False: "fails", None: "-"}
+ENVIRONMENT = Path(held_out.SECRET)  # of --held-out alone
+TRUE = {True: "true", False: "false", None: "-"}
 
 
 def add_tasks(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +29,7 @@ def add_tasks(parser: argparse.ArgumentParser) -> None:
     told = "a table a task: claim = 'met' or 'cannot', and what is chosen; left out: the tasks"
     parser.add_argument("submission", type=Path, nargs="?", metavar="FILE.toml", help=told)
     drawn = "grade on hidden configurations, too, drawn from the secret in a file, or in FOOTPRINT_ARENA_SECRET"
-    parser.add_argument("--held-out", type=Path, nargs="?", const=Path(), metavar="FILE", help=drawn)
+    parser.add_argument("--held-out", type=Path, nargs="?", const=ENVIRONMENT, metavar="FILE", help=drawn)
     limit = f"wall time of a task with all its configurations, default {LIMIT_S:g}"
     parser.add_argument("--limit", type=float, default=LIMIT_S, metavar="SECONDS", help=limit)
     parser.add_argument("--out", type=Path, metavar="FILE.json", help="the grades as JSON")
@@ -37,15 +38,17 @@ def add_tasks(parser: argparse.ArgumentParser) -> None:
 def run_tasks(options: argparse.Namespace) -> int:
     """Print the tasks, or the grades; 1 where a claim is false."""
     if options.submission is None:
-        if options.held_out is not None or options.out is not None:
-            raise UsageError("--held-out and --out are of a submission: footprint tasks FILE.toml")
+        if options.held_out is not None or options.out is not None or options.limit != LIMIT_S:
+            raise UsageError("--held-out, --limit and --out need a submission: footprint tasks FILE.toml")
         print("\n".join(line for task in tasks().values() for line in task.lines))
         return OK
     limit_s, key = positive("limit", options.limit), None
     if options.out is not None:
         check_file(options.out)
+        if options.out.resolve() == options.submission.resolve():
+            raise UsageError(f"--out {options.out} is the submission")
     if options.held_out is not None:
-        key = held_out.secret(None if options.held_out == Path() else options.held_out)
+        key = held_out.secret(None if options.held_out is ENVIRONMENT else options.held_out)
     claims, use = read_submission(options.submission), [str(Path(each).resolve()) for each in options.use or ()]
     try:
         with progress_bar("tasks") as tell:
@@ -66,8 +69,8 @@ def _lines(found: Sequence[Grade]) -> Iterator[str]:
     rows = [("task", "claim", "score", "open", "hidden", "")]
     for each in found:
         hidden = "-" if each.hidden is None else f"{each.hidden} of {HIDDEN}"
-        rows.append((each.task, each.claim or "-", str(each.score), HOLDS[each.open], hidden, each.said))
+        rows.append((each.task, each.claim or "-", str(each.score), TRUE[each.open], hidden, each.said))
     yield from columns(rows, right=range(2, 3))
     counts = Counter(each.score for each in found)
-    told = f"{counts[1]} held, {counts[-1]} false, {counts[0]} without a claim"
+    told = f"{counts[1]} true, {counts[-1]} false, {counts[0]} without a claim"
     yield f"score {counts[1] - counts[-1]} of {len(found)}: {told}"

@@ -75,7 +75,8 @@ def solve(
                 stop = error
                 result.outcome = result.cause = Outcome.INTERRUPTED
                 result.reason = f"{word(stop)} with {len(result.loads) or 'no'} loads finished"
-    result.counters["operations"] = sum(work.values())
+    # last, so that nothing an algorithm counts under these names is added to them
+    result.counters |= {"dofs": model.n_unknowns, "operations": sum(work.values())}
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
     result.timing = {**clocks, "build": built - start, **times}

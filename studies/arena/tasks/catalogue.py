@@ -50,6 +50,11 @@ class Need:
         words += [f"within {100 * self.within:g} % of {self.of}"] if self.of else []
         return f"{self.name} {' and '.join(words)}"
 
+    @property
+    def limited(self) -> bool:
+        """Whether what is known bounds it."""
+        return bool(self.bound or self.of) and (math.isfinite(self.least) or math.isfinite(self.most))
+
     def beyond(self, request: Request) -> str:
         """Why no answer to the request can have it; empty where one may."""
         name = self.bound or self.of
@@ -106,6 +111,8 @@ class GradedTask:
 
     def beyond(self, drawn: Text) -> str:
         """Why no choice can meet it, at the upper end of each range that may be chosen; empty where one may."""
+        if not any(need.limited for need in self.needs):
+            return ""
         ends = {key: f"{among[1]:g}" for key, among in self.choose.items() if among}
         _, request = self.cell(ends, drawn).resolved()
         return next(filter(None, (need.beyond(request) for need in self.needs)), "")
@@ -131,9 +138,20 @@ class GradedTask:
         """The task for a terminal."""
         yield f"{self.id}: {self.says}"
         yield f"  {self.cell({}, {}).command}"
-        words = [f"{key} in [{among[0]:g}, {among[1]:g}]" if among else key for key, among in self.choose.items()]
-        yield f"  choose {', '.join(words)}; hidden: {', '.join(self.hidden)}"
+        choices, hidden = (
+            "; ".join(f"{key} {_among(among)}".rstrip() for key, among in each.items())
+            for each in (self.choose, self.hidden)
+        )
+        yield f"  choose {choices}"
+        yield f"  hidden {hidden}"
         yield f"  needs {'; '.join(need.text for need in self.needs)}"
+
+
+def _among(among: Sequence[Any]) -> str:
+    """A range or a list of words; empty for all that the scene admits."""
+    if among and isinstance(among[0], str):
+        return f"of {', '.join(among)}"
+    return f"in [{among[0]:g}, {among[1]:g}]" if among else ""
 
 
 def _numbers(text: str) -> list[float]:

@@ -24,6 +24,7 @@ from studies.run.task import Limits, Task
 from studies.solving.result import SOLVED
 
 LIMIT_S, MEMORY_MB = 60.0, 2048.0  # of a task: wall time of all its configurations, and memory of the process
+COSTS = ("dofs", "operations")  # counted by the solve, not by the algorithm
 Tell = Callable[[int, int, str], None]
 
 
@@ -115,13 +116,15 @@ def _graded(task: GradedTask, claim: Claim, drawn: Sequence[Text], solving: _Sol
 
 
 def values_of(record: Mapping[str, Any]) -> dict[str, float]:
-    """Quantities of the last load and of the whole, costs, and the residuals of the judge, the worst of all loads.
+    """Quantities of the last load and of the whole, COSTS, and the residuals of the judge, the worst of all loads.
 
-    A residual that is no number is infinite.
+    A residual that is not finite is infinite. Other counters are those of the algorithm, which may be one of the
+    submission: none of them is read.
     """
     steps = record["steps"] or [{}]
-    found = {**steps[-1], **record["quantities"], **record["counters"]}
-    numbers = {name: float(value) for name, value in found.items() if isinstance(value, int | float)}
+    costs = {name: record["counters"][name] for name in COSTS}
+    values = {**costs, **steps[-1], **record["quantities"]}
+    numbers = {name: float(value) for name, value in values.items() if isinstance(value, int | float)}
     for step in steps:
         for name, value in step.get("kkt", {}).items():
             numbers[name] = max(numbers.get(name, 0.0), math.inf if value is None else float(value))

@@ -1,6 +1,6 @@
 """What a submission claims of which task, with which choice: a TOML file that nobody vouches for.
 
-A table a task: ``claim`` is "met", with what is chosen beside it, or "cannot", alone; without it nothing is claimed.
+A table a task: ``claim`` is "met", with what is chosen beside it, or "cannot", alone.
 Whatever is wrong with the file ends in a UsageError of one line.
 """
 
@@ -33,7 +33,7 @@ def read_submission(path: Path) -> dict[str, Claim]:
     try:
         tables = read_toml(path)
     except ValueError as error:
-        raise UsageError(f"{path} is no submission: {str(error).splitlines()[0][:200]}") from None
+        raise UsageError(f"{path} is no submission: {str(error).splitlines()[0].partition(';')[0][:200]}") from None
     found = {}
     for name, table in tables.items():
         task = tasks().get(name)
@@ -51,8 +51,10 @@ def _claim(task: GradedTask, table: Any) -> Claim:
         raise UsageError(f"{str(table)[:40]!r} must be a table")
     chosen = {key: _text(key, value) for key, value in table.items() if key != "claim"}
     task.check(chosen)
-    said = table.get("claim", NONE)
-    if "claim" in table and said not in CLAIMS:
+    if "claim" not in table:
+        raise UsageError(f"claim is missing: it must be {' or '.join(CLAIMS)}")
+    said = table["claim"]
+    if said not in CLAIMS:
         raise UsageError(f"claim = {str(said)[:40]!r} must be {' or '.join(CLAIMS)}")
     if said == CANNOT and chosen:
         raise UsageError(f"claim = {CANNOT!r} stands alone, without {next(iter(chosen))}")

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactProblem, ContactSolution
 from studies.arena.tasks.catalogue import HIDDEN, OPTIONS, Need, tasks
 from studies.arena.tasks.exact import EXACT
 from studies.arena.tasks.grading import Grade, grade, values_of
@@ -15,6 +20,7 @@ from studies.arena.tasks.submission import CANNOT, MET, Claim, read_submission
 from studies.cli import main
 from studies.commands import tasks as command
 from studies.scenes import SCENES
+from studies.scenes.complete import complete
 from studies.solving.solve import solve
 
 REFERENCE = Path(__file__).parent / "graded.toml"
@@ -32,7 +38,7 @@ def graded(claims: dict[str, Claim], key: bytes | None = KEY, **more: float) -> 
 
 def test_there_are_twenty_and_four_of_them_cannot_be_met() -> None:
     assert len(TASKS) == 20
-    assert BEYOND == ["soft-plates", "plate-that-slides", "cap-that-carries", "strip-that-carries"]
+    assert BEYOND == ["soft-plates", "plate-dragged-560N", "cap-that-carries", "strip-that-carries"]
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -75,7 +81,7 @@ def test_a_secret_draws_the_same_again_and_another_one_does_not() -> None:
 
 
 def test_what_is_needed_is_held_against_the_value_the_reference_and_the_bound() -> None:
-    _, request = TASKS["plate-that-sticks"].cell({}, {}).resolved()  # Coulomb's 0.3 x 1600 N
+    _, request = TASKS["plate-dragged-400N"].cell({}, {}).resolved()  # Coulomb's 0.3 x 1600 N
     assert Need("x", least=1, most=2).missed({"x": 2.0}, request) == ""
     assert Need("x", least=1, most=2).missed({"x": 2.1}, request) == "x is 2.1"
     assert Need("x", most=2).missed({}, request) == "x is not known"
@@ -90,8 +96,9 @@ def test_what_is_needed_is_held_against_the_value_the_reference_and_the_bound() 
 
 def test_residuals_are_the_worst_of_all_loads_and_none_is_infinite() -> None:
     steps = [{"kkt": {"equilibrium": 1e-3, "penetration": None}}, {"kkt": {"equilibrium": 1e-9}, "w": 2.0}]
-    found = values_of({"steps": steps, "quantities": {"limit": None}, "counters": {"dofs": 3}})
-    assert found == {"w": 2.0, "dofs": 3.0, "equilibrium": 1e-3, "penetration": math.inf}
+    counters = {"dofs": 3, "operations": 40, "w": 1.0}  # of the last, which an algorithm has counted, nothing is read
+    values = values_of({"steps": steps, "quantities": {"limit": None}, "counters": counters})
+    assert values == {"w": 2.0, "dofs": 3.0, "operations": 40.0, "equilibrium": 1e-3, "penetration": math.inf}
 
 
 # --- submissions ------------------------------------------------------------------------------------------------------
@@ -102,6 +109,7 @@ def test_residuals_are_the_worst_of_all_loads_and_none_is_infinite() -> None:
     [
         ("[no-task]", "'no-task' is none of the 20 tasks"),
         ("trapezoids = 3", "'3' must be a table"),
+        ("[trapezoids]\nmesh = '24x4'", "claim is missing: it must be met or cannot"),
         ("[trapezoids]\nclaim = 'maybe'", "claim = 'maybe' must be met or cannot"),
         ("[trapezoids]\nclaim = ['met']", "must be met or cannot"),
         ("[trapezoids]\nclaim = 'cannot'\nmesh = '6x1'", "stands alone, without mesh"),
@@ -149,6 +157,11 @@ def test_what_is_no_submission_is_one_line(
     [
         ["--held-out"],
         ["--out", "grades.json"],
+        ["--limit", "5"],
+        [str(REFERENCE), "--held-out", ""],
+        [str(REFERENCE), "--held-out", "."],
+        [str(REFERENCE), "--out", "/dev/null"],
+        [str(REFERENCE), "--out", str(REFERENCE)],
         [str(REFERENCE), "--held-out", "nothing.txt"],
         [str(REFERENCE), "--limit", "0"],
         [str(REFERENCE), "--out", "."],
@@ -162,15 +175,32 @@ def test_wrong_words_are_one_line(words: list[str], capsys: pytest.CaptureFixtur
 
 def test_an_empty_submission_claims_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "s.toml"
-    path.write_text("[trapezoids]\nmesh = '24x4'\n")
+    path.write_text("")
     assert main(["tasks", str(path), "--out", str(tmp_path / "g.json")]) == 0
-    assert "score 0 of 20: 0 held, 0 false, 20 without a claim" in capsys.readouterr().out
+    assert "score 0 of 20: 0 true, 0 false, 20 without a claim" in capsys.readouterr().out
     assert json.loads((tmp_path / "g.json").read_text())["score"] == 0
 
 
 def test_the_tasks_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["tasks"]) == 0
-    assert capsys.readouterr().out.count("\n") == 4 * len(TASKS)
+    assert capsys.readouterr().out.count("\n") == 5 * len(TASKS)
+
+
+def test_what_an_algorithm_counts_is_not_added_to_what_the_solve_counts() -> None:
+    """An algorithm that claims fewer unknowns and operations than it had, and a quantity of the scene."""
+
+    class Liar(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            solution = super().solve(problem, start)
+            return replace(solution, counters={**solution.counters, "dofs": -(10**9), "operations": -1e12})
+
+    counters = []
+    for kind in (Semismooth, Liar):
+        with patch.dict(ALGORITHMS, {"semismooth": kind}):
+            scene, request = complete("ring", {"delta_mm": "5"}, "1x8")
+            counters.append(solve(scene, request).counters)
+    assert counters[1]["dofs"] == counters[0]["dofs"]
+    assert counters[1]["operations"] == counters[0]["operations"]
 
 
 # --- grades -----------------------------------------------------------------------------------------------------------
