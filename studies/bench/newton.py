@@ -111,13 +111,13 @@ def exponents(table: pd.DataFrame) -> dict[str, float]:
 
 def shown(table: pd.DataFrame) -> str:
     """The table for a terminal, in ms, with its exponents."""
-    found = pd.DataFrame({name: 1e3 * table[f"{name}_s"] for name in TIMES})
-    found["us/element"] = 1e6 * table["elements_s"] / table["elements"]
-    found = found.assign(GiB=table["peak_GiB"]).map("{:.2f}".format)
-    found = pd.concat([table[["mesh", "dofs"]], found], axis=1)
+    formatted = pd.DataFrame({name: 1e3 * table[f"{name}_s"] for name in TIMES})
+    formatted["us/element"] = 1e6 * table["elements_s"] / table["elements"]
+    formatted = formatted.assign(GiB=table["peak_GiB"]).map("{:.2f}".format)
+    formatted = pd.concat([table[["mesh", "dofs"]], formatted], axis=1)
     last = {"mesh": "exponent", "dofs": f"from {FITTED_FROM}"}
     last |= {part: f"{p:.2f}" for part, p in exponents(table).items()}
-    return pd.concat([found, pd.DataFrame([last])]).to_string(index=False, na_rep="")
+    return pd.concat([formatted, pd.DataFrame([last])]).to_string(index=False, na_rep="")
 
 
 def _cost(model: TyreModel, end: Visited, seconds: float) -> dict[str, Any]:

@@ -53,12 +53,12 @@ def _ngsolve() -> tuple[Line, ...]:
     from studies.bench.ngsolve_tyre import AnglePlies, Isotropic, tyre
 
     walls: dict[str, Isotropic | AnglePlies] = {"tyre, isotropic": Isotropic(), "tyre, angle plies": AnglePlies()}
-    found = []
+    tyre_lines = []
     for problem, wall in walls.items():
         for order, meshes in MEASURED["ngsolve"][problem].items():
             solve = partial(tyre, delta_mm=DELTA_MM, wall=wall, order=int(order))
-            found.append(Line(problem, "ngsolve", f"order {order}", tuple(meshes), solve))
-    return tuple(found)
+            tyre_lines.append(Line(problem, "ngsolve", f"order {order}", tuple(meshes), solve))
+    return tuple(tyre_lines)
 
 
 def _kratos() -> tuple[Line, ...]:
@@ -88,10 +88,10 @@ PEERS = (
 
 def available() -> tuple[tuple[Line, ...], tuple[str, ...]]:
     """The lines of all programs that are there, ours first, and a sentence for each that is not."""
-    found = [line for peer in PEERS if not peer.missing for line in peer.lines()]
-    beside = {line.problem for line in found}
+    theirs = [line for peer in PEERS if not peer.missing for line in peer.lines()]
+    beside = {line.problem for line in theirs}
     own = [line for line in lines() if line.problem in beside]
-    return (*own, *found), tuple(peer.missing for peer in PEERS if peer.missing)
+    return (*own, *theirs), tuple(peer.missing for peer in PEERS if peer.missing)
 
 
 # --- ours -------------------------------------------------------------------------------------------------------------
@@ -165,23 +165,23 @@ def measured(
             long |= {key} if solved.seconds > LONG else set()
             rows.append({**dict(zip(KEYS, key, strict=True)), **solved._asdict()})
     progress(rounds * len(works), rounds * len(works), "done")
-    found = pd.DataFrame(rows).groupby(KEYS, sort=False)
-    table = found.median().assign(runs=found.size()).reset_index()
+    groups = pd.DataFrame(rows).groupby(KEYS, sort=False)
+    table = groups.median().assign(runs=groups.size()).reset_index()
     return judged(table.assign(units=table["seconds"] / np.median(units)))
 
 
 def judged(table: pd.DataFrame) -> pd.DataFrame:
     """With the relative error of each value, and of the problem what it is compared by."""
     known = pd.DataFrame(map(vars, problems().values())).set_index("name")
-    found = table.join(known[["reference", "uncertainty", "within", "bar", "linear"]], on="problem")
-    return found.assign(error=found["value"] / found["reference"] - 1)
+    joined = table.join(known[["reference", "uncertainty", "within", "bar", "linear"]], on="problem")
+    return joined.assign(error=joined["value"] / joined["reference"] - 1)
 
 
 def shown(table: pd.DataFrame) -> str:
     """The table for a terminal."""
-    told = table.assign(**{"error/%": 100 * table["error"]})
+    formatted = table.assign(**{"error/%": 100 * table["error"]})
     names = [*KEYS, "unknowns", "value", "error/%", "seconds", "units", "runs"]
-    return told[names].to_string(index=False, float_format="{:.4g}".format)
+    return formatted[names].to_string(index=False, float_format="{:.4g}".format)
 
 
 CASES = tuple(Case(**{**each, "meshes": tuple(each["meshes"])}) for each in MEASURED["deck"])

@@ -81,9 +81,9 @@ def _command() -> str:
 
 def version() -> str:
     """Of the program that is installed, "ccx 2.20"; raises UsageError where there is none."""
-    told = subprocess.run([_command(), "-v"], capture_output=True, text=True, check=False, timeout=60).stdout
-    found = re.search(r"Version (\S+)", told)
-    return f"{COMMAND} {found[1] if found else 'unknown'}"
+    output = subprocess.run([_command(), "-v"], capture_output=True, text=True, check=False, timeout=60).stdout
+    match = re.search(r"Version (\S+)", output)
+    return f"{COMMAND} {match[1] if match else 'unknown'}"
 
 
 def found_by(lines: Iterable[str], problem: Problem) -> list[Found]:
@@ -94,8 +94,8 @@ def found_by(lines: Iterable[str], problem: Problem) -> list[Found]:
         (folder / "scene.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
         run = subprocess.run([command, "scene"], cwd=folder, capture_output=True, text=True, check=False)
         if FINISHED not in run.stdout:
-            said = next((line.strip() for line in run.stdout.splitlines() if "*ERROR" in line), "no reason told")
-            raise UsageError(f"{PROGRAM} does not come to the end of {problem.request.scene}: {said}")
+            message = next((line.strip() for line in run.stdout.splitlines() if "*ERROR" in line), "no reason told")
+            raise UsageError(f"{PROGRAM} does not come to the end of {problem.request.scene}: {message}")
         return read_results(folder / "scene.dat", problem)
 
 
@@ -126,12 +126,12 @@ def measured(
 
 def _table(case: Case, mesh: str, release: str) -> pd.DataFrame:
     problem = problem_of(case.of, case.settings, mesh, measure=case.measure)
-    seconds, found = timed(lambda: found_by(deck(problem, case.integration), problem), WALL)
-    loads = [each.load for each in found]
+    seconds, results = timed(lambda: found_by(deck(problem, case.integration), problem), WALL)
+    loads = [each.load for each in results]
     ours = our_solution(problem, loads, case.settings, case.ours, measure=case.measure)
     if not ours.outcome.converged:
         raise UsageError(f"our solution of {case.name} on {case.ours} did not converge: {ours.reason}")
-    rows = compared(problem, found, ours, WITHIN)
+    rows = compared(problem, results, ours, WITHIN)
     common = {
         "case": case.name,
         "scene": case.of,
@@ -147,7 +147,7 @@ def _table(case: Case, mesh: str, release: str) -> pd.DataFrame:
         "seconds": seconds,
         "held": inflated_equator(problem) if case.held else np.nan,
     }
-    return pd.DataFrame([{**common, **told} for told in _values(rows, loads)])
+    return pd.DataFrame([{**common, **values} for values in _values(rows, loads)])
 
 
 def _values(rows: Sequence[Comparison], loads: Sequence[float]) -> Iterator[dict[str, Any]]:
@@ -216,7 +216,7 @@ def explained(table: pd.DataFrame) -> pd.DataFrame:
 
 def shown(table: pd.DataFrame) -> str:
     """The table for a terminal."""
-    told = table.assign(reason=table["reason"].replace("", "within"), **{"off/%": 100 * table["difference"]})
+    formatted = table.assign(reason=table["reason"].replace("", "within"), **{"off/%": 100 * table["difference"]})
     names = [
         "case",
         "mesh",
@@ -230,4 +230,4 @@ def shown(table: pd.DataFrame) -> str:
         "seconds",
         "reason",
     ]
-    return told[[*names, "reason"]].to_string(index=False, float_format="{:.5g}".format, na_rep="")
+    return formatted[[*names, "reason"]].to_string(index=False, float_format="{:.5g}".format, na_rep="")

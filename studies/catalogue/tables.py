@@ -45,8 +45,8 @@ def parts() -> pd.DataFrame:
     scenes = []
     for name, scene in SCENES.items():
         sheet = sheet_of(scene)
-        seen = (sheet.up, sheet.azimuth, sheet.elevation)
-        scenes.append(("scene", name, meaning_of(name), _said_of_scene(name), "", _module(scene), *seen))
+        view = (sheet.up, sheet.azimuth, sheet.elevation)
+        scenes.append(("scene", name, meaning_of(name), _said_of_scene(name), "", _module(scene), *view))
     measures = [
         ("measure", name, meaning_of(name), _about_measure(each), each.reference, _module(each))
         for name, each in MEASURES.items()
@@ -70,16 +70,16 @@ def _module(part: object) -> str:
 
 def _said_of_scene(name: str) -> str:
     scene = SCENES[name]
-    said = (inspect.getmodule(type(scene)), type(scene), scene.build)
-    texts = [plain_text(inspect.getdoc(each) or "") for each in said]
+    documented = (inspect.getmodule(type(scene)), type(scene), scene.build)
+    texts = [plain_text(inspect.getdoc(each) or "") for each in documented]
     return "\n\n".join(text for text in texts if text)
 
 
 def _about_measure(measure: StrainMeasure) -> str:
     """What its slopes and stretches leave out, and its stress."""
     slope, stretch = kinematics_of(measure)
-    words = f"Slope {slope}; stretch of a face at the distance d from the reference surface {stretch}."
-    return f"{words}\n\n{_conjugate(measure)}"
+    text = f"Slope {slope}; stretch of a face at the distance d from the reference surface {stretch}."
+    return f"{text}\n\n{_conjugate(measure)}"
 
 
 def _conjugate(measure: StrainMeasure) -> str:
@@ -111,7 +111,7 @@ def _monomials(measure: StrainMeasure) -> dict[str, dict[str, float]] | None:
     if not isinstance(measure, QuadraticMeasure):
         return None
     names = [quantity.rstrip("-+") for quantity in QUANTITIES]
-    found: dict[str, dict[str, float]] = {}
+    coefficients: dict[str, dict[str, float]] = {}
     for row, strain in enumerate(STRAINS):
         if strain.endswith("-"):
             continue
@@ -122,8 +122,8 @@ def _monomials(measure: StrainMeasure) -> dict[str, dict[str, float]] | None:
             for i, j in zip(*Q.nonzero(), strict=True)
             if i <= j
         }
-        found[strain.rstrip("+")] = linear | pairs
-    return found
+        coefficients[strain.rstrip("+")] = linear | pairs
+    return coefficients
 
 
 def _lacking(whole: dict[str, float], own: dict[str, float]) -> Iterator[str]:

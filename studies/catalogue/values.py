@@ -41,14 +41,14 @@ def definition(scene: str, quantity: str) -> str:
     bare = quantity.removeprefix("limit_") if of_limit else quantity
     declared: Mapping[str, str] = getattr(SCENES[scene], "quantities", {})
     own = {**ALL, **declared}
-    said = next((text for name, text in own.items() if bare == name or bare.startswith(f"{name}_")), "see the scene")
-    return f"{said}, at the first limit point" if of_limit else said
+    meaning = next((text for name, text in own.items() if bare == name or bare.startswith(f"{name}_")), "see the scene")
+    return f"{meaning}, at the first limit point" if of_limit else meaning
 
 
 def unit(quantity: str) -> str:
     """The unit that a name ends in; 1 for a number without one."""
-    found = next((name for name in UNITS if quantity.endswith(f"_{name}")), "1")
-    return found.replace("_per_", "/")
+    suffix = next((name for name in UNITS if quantity.endswith(f"_{name}")), "1")
+    return suffix.replace("_per_", "/")
 
 
 def values(answers: Answers, convergence: pd.DataFrame) -> pd.DataFrame:
@@ -71,30 +71,35 @@ def _answered(cell: Cell, answers: Answers) -> dict[str, Any]:
     if answer is None:
         return {**known, "outcome": "not solved"}
     record, counters = answer.record, answer.record["counters"]
-    told = {name: record[name] for name in ("mesh", "measure", "model", "reason")}
+    fields = {name: record[name] for name in ("mesh", "measure", "model", "reason")}
     counts = {"unknowns": counters["dofs"], "iterations": counters["newton_iterations"]}
-    return {**known, **told, "outcome": record["class"], **counts}
+    return {**known, **fields, "outcome": record["class"], **counts}
 
 
 def _rows(scene: str, answers: Answers, convergence: pd.DataFrame) -> Iterator[dict[str, Any]]:
     cell = sheet_cell(scene)
     answer = answers.get(cell.label)
-    found = {} if answer is None or not answer.converged else _found(answer)
+    quantities = {} if answer is None or not answer.converged else _found(answer)
     known: list[Reference] = [] if answer is None else _holding(scene, answer)
     headlines = judged_of(SCENES[scene])
-    names = dict.fromkeys((*headlines, *found, *(each.quantity for each in known)))
+    names = dict.fromkeys((*headlines, *quantities, *(each.quantity for each in known)))
     for quantity in names:
         if quantity in (*LOADS, *NOT_LISTED):
             continue
         about: dict[str, Any] = {"scene": scene, "quantity": quantity, "definition": definition(scene, quantity)}
-        value = number(found.get(quantity))
+        value = number(quantities.get(quantity))
         about |= {"unit": unit(quantity), "headline": quantity in headlines, "value": value}
         about |= _limit(scene, quantity, cell, convergence)
         targets = [each for each in known if each.quantity == quantity]
         for each in targets:
             off = value / each.value - 1 if each.value else value - each.value
-            told = {"target": each.value, "uncertainty": each.uncertainty, "kind": each.kind, "source": each.source}
-            yield {**about, **told, "error": off}
+            reference = {
+                "target": each.value,
+                "uncertainty": each.uncertainty,
+                "kind": each.kind,
+                "source": each.source,
+            }
+            yield {**about, **reference, "error": off}
         if not targets:
             yield {**about, **_known_by_design(quantity, value)}
 
@@ -134,5 +139,5 @@ def _limit(scene: str, quantity: str, cell: Cell, convergence: pd.DataFrame) -> 
     ):
         return {}
     row = own.iloc[-1]
-    told = {"limit": row["limit"], "limit_uncertainty": row["uncertainty"] / (abs(row["limit"]) or 1.0)}
-    return {**told, "finest_mesh": row["mesh"], "verdict": row["verdict"]}
+    limit = {"limit": row["limit"], "limit_uncertainty": row["uncertainty"] / (abs(row["limit"]) or 1.0)}
+    return {**limit, "finest_mesh": row["mesh"], "verdict": row["verdict"]}

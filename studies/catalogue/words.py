@@ -43,20 +43,20 @@ def shape_of(surface: Surface) -> Shape:
         known = {"_straight": _straight, "elliptic_torus": _torus, "hyperboloid": _hyperboloid}.get(made_by)
         if known is not None:
             return known({name: float(value) for name, value in sizes.items()})
-    said = (inspect.getdoc(type(surface)) or type(surface).__name__).splitlines()[0]
-    return Shape(type(surface).__name__, said, ("", ""))
+    title = (inspect.getdoc(type(surface)) or type(surface).__name__).splitlines()[0]
+    return Shape(type(surface).__name__, title, ("", ""))
 
 
 def _straight(sizes: Values) -> Shape:
     r0, dr, dz = sizes["r0"], sizes["dr"], sizes["dz"]
     if dr == 0:
-        words = f"x = ({r0:.6g} cos a2, {r0:.6g} sin a2, a1), a1 [mm], a2 [rad]"
-        return Shape(f"circular cylinder of radius {r0:.6g} mm", words, ("mm", "rad"))
+        equation = f"x = ({r0:.6g} cos a2, {r0:.6g} sin a2, a1), a1 [mm], a2 [rad]"
+        return Shape(f"circular cylinder of radius {r0:.6g} mm", equation, ("mm", "rad"))
     if dz == 0:
         return Shape("plane in polar coordinates", "x = (a1 cos a2, a1 sin a2, 0), a1 [mm], a2 [rad]", ("mm", "rad"))
     angle = math.degrees(math.atan2(dr, dz))
-    words = f"r = {dr:.6g} a1, z = {dz:.6g} a1, a1 [mm], turned about z by a2 [rad]"
-    return Shape(f"circular cone of half angle {angle:.6g} deg", words, ("mm", "rad"))
+    equation = f"r = {dr:.6g} a1, z = {dz:.6g} a1, a1 [mm], turned about z by a2 [rad]"
+    return Shape(f"circular cone of half angle {angle:.6g} deg", equation, ("mm", "rad"))
 
 
 def _torus(sizes: Values) -> Shape:
@@ -85,19 +85,19 @@ def edges_of(shell: Discretisation) -> Iterator[tuple[str, int, np.ndarray]]:
 def supports(shell: Discretisation) -> Iterator[tuple[str, str]]:
     """Where, and what is held there."""
     held, middle = shell.map.held.reshape(-1, 3, 2), shell.map.held_middle
-    told, told_middle = np.zeros_like(held), np.zeros_like(middle)
+    covered, covered_middle = np.zeros_like(held), np.zeros_like(middle)
     for name, axis, nodes in edges_of(shell):
         own, own_middle = _of_edge(shell, axis, nodes)
-        told[nodes] |= own
-        told_middle[nodes] |= own_middle
+        covered[nodes] |= own
+        covered_middle[nodes] |= own_middle
         yield f"edge {name}", pattern(own, own_middle, axis)
     if shell.grid.periodic:
         yield "a2", "closed: the last line is the first"
-    told_middle |= told.all(axis=2)
-    more = np.flatnonzero(((held & ~told).any(axis=2) | (middle & ~told_middle)).any(axis=1))
+    covered_middle |= covered.all(axis=2)
+    more = np.flatnonzero(((held & ~covered).any(axis=2) | (middle & ~covered_middle)).any(axis=1))
     for node in more[:POINTS]:
         at = ", ".join(f"a{i + 1} = {value:.6g}" for i, value in enumerate(shell.grid.nodes[node]))
-        yield f"point {at}", components(held[node] & ~told[node], middle[node] & ~told_middle[node])
+        yield f"point {at}", components(held[node] & ~covered[node], middle[node] & ~covered_middle[node])
     if len(more) > POINTS:
         yield f"{len(more) - POINTS} more points", "as the ones before"
 
@@ -136,9 +136,9 @@ def pattern(held: np.ndarray, middle: np.ndarray, axis: int) -> str:
         (_only(across), _only(2)): f"hard diaphragm: neither face moves along {along}, the middle not along the normal",
         (_only(), _only(0, 1, 2)): "hinged: the middle does not move, the director turns",
     }
-    found = known.get((tuple(map(bool, both)), tuple(map(bool, half))))
+    known_name = known.get((tuple(map(bool, both)), tuple(map(bool, half))))
     alone = bool((held.any(axis=1) == both).all())
-    return found if found and alone else components(held, middle)
+    return known_name if known_name and alone else components(held, middle)
 
 
 def _only(*which: int) -> tuple[bool, ...]:
@@ -147,14 +147,14 @@ def _only(*which: int) -> tuple[bool, ...]:
 
 def components(held: np.ndarray, middle: np.ndarray) -> str:
     """What is held at a point, component by component."""
-    names, said = ("along a1", "along a2", "along the normal"), []
+    names, parts = ("along a1", "along a2", "along the normal"), []
     for i, name in enumerate(names):
         faces = [face for face, one in zip(FACES, held[i], strict=True) if one]
         if faces:
-            said.append(f"{' and '.join(faces)} face {name}")
+            parts.append(f"{' and '.join(faces)} face {name}")
         elif middle[i]:
-            said.append(f"middle {name}")
-    return "held: " + "; ".join(said)
+            parts.append(f"middle {name}")
+    return "held: " + "; ".join(parts)
 
 
 def solid_supports(solid: SolidDiscretisation) -> Iterator[tuple[str, str]]:
@@ -233,8 +233,8 @@ def loads(shell: ShellModel) -> Iterator[tuple[str, str]]:
     if shell.pressure is not None and shell.pressure.value:
         way = "follows the wall" if shell.pressure.follower else "keeps its direction"
         area = {"mid": "the middle surface", "face": "the inner face"}[shell.pressure.area]
-        said = f"{shell.pressure.value:.6g} MPa on the inner face, outwards, by the area of {area}; {way}"
-        yield "pressure", said
+        text = f"{shell.pressure.value:.6g} MPa on the inner face, outwards, by the area of {area}; {way}"
+        yield "pressure", text
     if shell.couples is not None:
         moment = float(np.abs(shell.couples.moments).sum())
         edge = _edge(body, shell.couples.nodes)
@@ -268,8 +268,8 @@ def _loaded(forces: np.ndarray) -> np.ndarray:
 
 def _edge(body: Discretisation, nodes: np.ndarray) -> str:
     """The name of the edge whose nodes these are, all of them; nothing for others."""
-    found = (name for name, _, own in edges_of(body) if len(nodes) > 1 and np.array_equal(np.sort(nodes), own))
-    return next(found, "")
+    names = (name for name, _, own in edges_of(body) if len(nodes) > 1 and np.array_equal(np.sort(nodes), own))
+    return next(names, "")
 
 
 def _vector(values: np.ndarray) -> str:

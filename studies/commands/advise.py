@@ -27,8 +27,8 @@ def add_advise(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene", help="of footprint list scenes")
     parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
     parser.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
-    told = f"of its cells; default {STORE} where it has the campaign, else the campaign {SHIPPED} as it is shipped"
-    parser.add_argument("--store", type=Path, metavar="DIR", help=told)
+    help_text = f"of its cells; default {STORE} where it has the campaign, else the campaign {SHIPPED} as it is shipped"
+    parser.add_argument("--store", type=Path, metavar="DIR", help=help_text)
     parser.add_argument("--campaign", default=SHIPPED, help="whose cells are asked")
     parser.add_argument("--cost", default="seconds", help="dofs, seconds or operations; default seconds")
     add_settings(parser)
@@ -48,9 +48,9 @@ def run_advise(options: argparse.Namespace) -> int:
         _say_limit(options, complete(options.scene, given)[1].settings, tolerance)
         raise UsageError(f"{error}; for your own scene: {_choose(options, given)}") from None
     _say_limit(options, Settings(question.values), tolerance)
-    found = advise(question, tolerance)
-    print("\n".join([*lines(found), *filter(None, [worth(store), *_beyond(options, question, given)])]))
-    return OK if found.best is not None else FAILED
+    advice = advise(question, tolerance)
+    print("\n".join([*lines(advice), *filter(None, [worth(store), *_beyond(options, question, given)])]))
+    return OK if advice.best is not None else FAILED
 
 
 def _store(options: argparse.Namespace) -> Path | None:

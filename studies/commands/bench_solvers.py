@@ -80,7 +80,7 @@ def _run(field: Field, options: argparse.Namespace, tell: Tell) -> Field:
     problems = None if options.problems is None else problems_in(options.problems)
     if options.results is not None:
         check_directory(options.results)
-        wanted = _of_collection(options.problems, problems or {})
+        collection = _of_collection(options.problems, problems or {})
     tables, shown = {}, field
     if problems is not None:
         tables["public"] = run(field, problems, options.out, **asked)
@@ -89,7 +89,7 @@ def _run(field: Field, options: argparse.Namespace, tell: Tell) -> Field:
         tables["held_out"] = run(drawn, held_out.problems(key), options.out, **asked)
         shown = field if problems is not None else drawn
     if options.results is not None:
-        _hand_in(options.results, tables, limit_s, wanted, "" if key is None else held_out.digest(key))
+        _hand_in(options.results, tables, limit_s, collection, "" if key is None else held_out.digest(key))
     return shown
 
 
@@ -108,31 +108,31 @@ def _of_collection(folder: Path | None, problems: Mapping[str, Any]) -> list[str
 
 
 def _hand_in(
-    folder: Path, tables: Mapping[str, pd.DataFrame], limit_s: float, wanted: Sequence[str], secret: str
+    folder: Path, tables: Mapping[str, pd.DataFrame], limit_s: float, collection: Sequence[str], secret: str
 ) -> None:
     from studies.arena.results import results_of
 
-    written = [result.write(folder) for result in results_of(tables, limit_s, wanted, secret)]
+    written = [result.write(folder) for result in results_of(tables, limit_s, collection, secret)]
     print(f"{len(written)} results: {folder}")
 
 
 def _tolerances(text: str) -> tuple[float, ...]:
     try:
-        found = tuple(float(word) for word in text.split(","))
+        tolerances = tuple(float(word) for word in text.split(","))
     except ValueError:
-        found = ()
-    if not found or not all(0 < each < 1 for each in found) or len(set(found)) < len(found):
+        tolerances = ()
+    if not tolerances or not all(0 < each < 1 for each in tolerances) or len(set(tolerances)) < len(tolerances):
         raise UsageError(f"--tolerance {text!r} must be different numbers in (0, 1), separated by commas")
-    return found
+    return tolerances
 
 
 def _solver_summary(field: Field, store: Path, limit_s: str) -> Iterator[str]:
     """A block a tolerance and kind of problem, all sizes together, best first."""
     import pandas as pd
 
-    found = pd.read_csv(field.path(store, "summary"))
+    summary = pd.read_csv(field.path(store, "summary"))
     yield f"failures at the limit of {float(limit_s):g} s; means of processor time, shifted by 0.01 s"
-    for (tolerance, kind), own in found[found["size"] == "all"].groupby(["tolerance", "kind"], sort=False):
+    for (tolerance, kind), own in summary[summary["size"] == "all"].groupby(["tolerance", "kind"], sort=False):
         none = own["refused"] == own["problems"]
         best_first = own.loc[~none, list(SUMMED)].sort_values("mean_s", kind="stable").rename(columns=SUMMED)
         table = best_first.to_string(index=False, float_format="{:.4g}".format)
@@ -141,17 +141,17 @@ def _solver_summary(field: Field, store: Path, limit_s: str) -> Iterator[str]:
             yield f"all {own['problems'].max()} refused by {'; '.join(own.loc[none, 'solver'])}"
 
 
-def _ranks_compared(found: pd.DataFrame) -> int:
+def _ranks_compared(ranks: pd.DataFrame) -> int:
     """Print the correlations of ranks; FAILED where one is below the bar."""
     import numpy as np
 
     from studies.arena.solver_run import REPEATED
 
-    none, broken = found["spearman"].isna(), found["spearman"] < REPEATED
-    said = np.select([none, broken], ["no ranks", "BROKEN"], "repeats")
+    none, broken = ranks["spearman"].isna(), ranks["spearman"] < REPEATED
+    verdicts = np.select([none, broken], ["no ranks", "BROKEN"], "repeats")
     print(f"\nranks of two runs, Spearman's at least {REPEATED:g}")
     columns = ["tolerance", "kind", "problems", "solvers", "spearman", "kendall"]
-    shown = found[columns].assign(tolerance=found["tolerance"].map("{:g}".format), bar=said)
+    shown = ranks[columns].assign(tolerance=ranks["tolerance"].map("{:g}".format), bar=verdicts)
     print(shown.to_string(index=False, float_format="{:.3f}".format))
     return FAILED if broken.any() else OK
 
@@ -172,11 +172,11 @@ def run_leaderboard(options: argparse.Namespace) -> int:
     from studies.arena.results import harness
 
     check_directory(options.out)
-    found = board(read_all(options.results))
-    counts = found.stale, found.secrets, (identity(), harness())
-    written = write_texts(options.out, leaderboard(found.tolerance, found.ranked, found.runs, found.machines, *counts))
-    for row in found.ranked:
+    ranks = board(read_all(options.results))
+    counts = ranks.stale, ranks.secrets, (identity(), harness())
+    written = write_texts(options.out, leaderboard(ranks.tolerance, ranks.ranked, ranks.runs, ranks.machines, *counts))
+    for row in ranks.ranked:
         print(f"{row['rank']}. {row['entry']}: {row['ok']} of {row['asked']} ok, {row['anomalous']} anomalous")
-    counted = f"{len(found.ranked)} entries, {len(found.runs)} results, {found.stale} stale"
+    counted = f"{len(ranks.ranked)} entries, {len(ranks.runs)} results, {ranks.stale} stale"
     print(f"{counted}: {', '.join(map(str, written))}")
     return OK

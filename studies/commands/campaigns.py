@@ -33,17 +33,17 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
     parser.add_argument("--fields", action="store_true", help="keep the fields of every cell, for footprint merge")
     usual, short = Limits(), fuzz.LIMITS
-    told = f"of one cell, default {usual.time_s:g}; of a random case {short.time_s:g}"
-    parser.add_argument("--time-limit", type=float, metavar="S", help=told)
-    told = f"of one cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
-    parser.add_argument("--memory-limit", type=float, metavar="MB", help=told)
+    help_text = f"of one cell, default {usual.time_s:g}; of a random case {short.time_s:g}"
+    parser.add_argument("--time-limit", type=float, metavar="S", help=help_text)
+    help_text = f"of one cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
+    parser.add_argument("--memory-limit", type=float, metavar="MB", help=help_text)
     seeds = f"of {fuzz.NAME}: its cases from A on, before B, by default {fuzz.SEEDS}"
     parser.add_argument("--seeds", metavar="A:B", default="", help=seeds)
     parser.add_argument("--kind", choices=list(KINDS), default="", help=f"of {fuzz.NAME}: of all its cases")
 
 
 def run_run(options: argparse.Namespace) -> int:
-    """Solve what is missing and print a line of what became of it."""
+    """Solve the missing cells and print a summary line."""
     from studies.fuzz.examine import NAME as FUZZ
     from studies.run.campaign import find
     from studies.run.running import run as run_campaign
@@ -71,8 +71,8 @@ def run_run(options: argparse.Namespace) -> int:
     if not summary.failed:
         return OK
     sys.stdout.flush()
-    told = ", ".join(summary.failed)
-    print(f"footprint: failed: {told}; footprint table {campaign.name} names the cells", file=sys.stderr)
+    failed = ", ".join(summary.failed)
+    print(f"footprint: failed: {failed}; footprint table {campaign.name} names the cells", file=sys.stderr)
     return FAILED
 
 

@@ -15,7 +15,7 @@ def add_extremes(parser: argparse.ArgumentParser) -> None:
 
 
 def run_extremes(options: argparse.Namespace) -> int:
-    """Print the maps, or what became of the point."""
+    """Print the list of maps, or the outcome at one point."""
     from studies.experiments import extremes
 
     if options.map is None:
@@ -26,12 +26,12 @@ def run_extremes(options: argparse.Namespace) -> int:
     if not x or not y:
         raise UsageError(f"--at {options.at!r} must be X,Y: {chart.x.label}, {chart.y.label}")
     cell = chart.point(x, y)
-    found = extremes.attempt(cell)
-    print(f"{found.kind}: {found.reason or cell.command}")
-    print(f"{found.iterations} newton iterations, {found.factorisations} factorisations")
-    if found.kind in (extremes.CONVERGED, extremes.UNTOUCHED, extremes.UNSTABLE):
+    result = extremes.attempt(cell)
+    print(f"{result.kind}: {result.reason or cell.command}")
+    print(f"{result.iterations} newton iterations, {result.factorisations} factorisations")
+    if result.kind in (extremes.CONVERGED, extremes.UNTOUCHED, extremes.UNSTABLE):
         return OK
-    return {extremes.WRONG: FAILED, extremes.REFUSED: WRONG_USE}.get(found.kind, NOT_CONVERGED)
+    return {extremes.WRONG: FAILED, extremes.REFUSED: WRONG_USE}.get(result.kind, NOT_CONVERGED)
 
 
 def add_fuzz(parser: argparse.ArgumentParser) -> None:

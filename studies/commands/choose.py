@@ -49,34 +49,35 @@ def run_choose(options: argparse.Namespace) -> int:
             np.errstate(over="ignore", invalid="ignore"),
             progress_line(budget) as tell,
         ):
-            found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **how)
+            choice = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **how)
     except KeyboardInterrupt:
         print("footprint: interrupted; nothing is written", file=sys.stderr)
         return INTERRUPTED
-    write_choice(found, options.out)
-    print("\n".join(lines(found)))
-    return OK if found.recommended is not None else NOT_CONVERGED
+    write_choice(choice, options.out)
+    print("\n".join(lines(choice)))
+    return OK if choice.recommended is not None else NOT_CONVERGED
 
 
-def lines(found: Choice) -> Iterator[str]:
+def lines(choice: Choice) -> Iterator[str]:
     """The answer for a terminal."""
-    percent = f"{100 * found.question.error:g} %"
-    truth = found.truth
+    percent = f"{100 * choice.question.error:g} %"
+    truth = choice.truth
     if truth is not None:
         known = f"{truth.limit:.6g} +- {_percent(truth.uncertainty)}"
-        wall = f" with surfaces={found.wall.name}" if found.wall.name else ""
-        yield f"{found.question.name}, {found.quantity} within {percent}; the exact measure{wall} in the limit: {known}"
-        yield from _table(found.variants, _variant)
-    if found.algorithms:
+        wall = f" with surfaces={choice.wall.name}" if choice.wall.name else ""
+        asked = f"{choice.question.name}, {choice.quantity} within {percent}"
+        yield f"{asked}; the exact measure{wall} in the limit: {known}"
+        yield from _table(choice.variants, _variant)
+    if choice.algorithms:
         yield "contact algorithms, each from rest and judged:"
-        yield from _table(found.trials, _trial)
-    for name, offer in (("recommended", found.recommended), ("runner-up", found.runner_up)):
+        yield from _table(choice.trials, _trial)
+    for name, offer in (("recommended", choice.recommended), ("runner-up", choice.runner_up)):
         if offer is not None:
             yield from _offer(name, offer)
-    yield from (f"uncertain: {sentence}" for sentence in found.uncertain)
-    yield f"{found.seconds:.3g} s of {found.budget:g} s"
-    if found.reason:
-        yield f"no recommendation: {found.reason}"
+    yield from (f"uncertain: {sentence}" for sentence in choice.uncertain)
+    yield f"{choice.seconds:.3g} s of {choice.budget:g} s"
+    if choice.reason:
+        yield f"no recommendation: {choice.reason}"
 
 
 def _offer(name: str, offer: Offer) -> Iterator[str]:
@@ -86,8 +87,8 @@ def _offer(name: str, offer: Offer) -> Iterator[str]:
 
 
 def _table(rows: Sequence[Mapping[str, Any]], shown: Any) -> Iterator[str]:
-    told = [shown(row) for row in rows]
-    yield from columns([list(told[0]), *(list(row.values()) for row in told)], "  ")
+    formatted = [shown(row) for row in rows]
+    yield from columns([list(formatted[0]), *(list(row.values()) for row in formatted)], "  ")
 
 
 def _variant(row: Mapping[str, Any]) -> dict[str, str]:

@@ -48,7 +48,7 @@ def run_compare(options: argparse.Namespace) -> int:
         bounds, times = read_bounds(HERE / TOLERANCES), _of_times(before, now, campaign)
         try:
             sides = collect(before, campaign), collect(now, campaign)
-            said = comment(campaign, *sides, bounds, times, stale(campaign, *sides))
+            text = comment(campaign, *sides, bounds, times, stale(campaign, *sides))
         except NothingComparedError as error:
             print(f"footprint: {error}", file=sys.stderr)
             return FAILED
@@ -57,9 +57,9 @@ def run_compare(options: argparse.Namespace) -> int:
             from reports.change import change_html  # with matplotlib, which a comment does without
             from reports.files import write_texts
 
-            page = change_html(said, values, before, now, campaign)
+            page = change_html(text, values, before, now, campaign)
             write_texts(options.out.parent, {options.out.name: page})
-    print(said, end="")
+    print(text, end="")
     return OK
 
 
@@ -72,11 +72,11 @@ def _campaign_of(*stores: Path) -> str:
 def values_of_both(before: pd.DataFrame, now: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Errors and operations of the cells that both have measured, with columns A and B."""
     both = before.merge(now, on=["label", "column"], suffixes=(" A", " B"))
-    found = {}
+    values = {}
     for name, start in {"relative error": ERROR, "operations": "c.operations"}.items():
         own = both[both["column"].str.startswith(start)]
-        found[name] = pd.DataFrame({side: own[f"value {side}"].astype(float) for side in "AB"})
-    return found
+        values[name] = pd.DataFrame({side: own[f"value {side}"].astype(float) for side in "AB"})
+    return values
 
 
 def _of_times(before: Path, now: Path, campaign: str) -> pd.DataFrame | str:
@@ -147,12 +147,12 @@ def _spent(before: pd.DataFrame, now: pd.DataFrame) -> str:
     """What the cells cost that both have solved, in counts, which are no machine's."""
     both = before.merge(now, on=["label", COMMAND], suffixes=(" A", " B"))
     both = both[both[f"{OUTCOME} A"].isin(SOLVED) & both[f"{OUTCOME} B"].isin(SOLVED)]
-    told = []
+    ratios = []
     for name in SPENT:
         if f"c.{name} A" in both and f"c.{name} B" in both and (a := both[f"c.{name} A"].sum()) > 0:
             b = both[f"c.{name} B"].sum()
-            told.append(f"{name.replace('_', ' ')} {a:.4g} → {b:.4g} ({b / a:.3f})")
-    return f"{len(both)} cells solved in both{': ' if told else ''}{', '.join(told)}."
+            ratios.append(f"{name.replace('_', ' ')} {a:.4g} → {b:.4g} ({b / a:.3f})")
+    return f"{len(both)} cells solved in both{': ' if ratios else ''}{', '.join(ratios)}."
 
 
 def _titled(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> str:

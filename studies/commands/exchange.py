@@ -87,13 +87,13 @@ def run_judge_field(options: argparse.Namespace) -> int:
 
     tolerance = parse_error(options.tolerance)
     problem = problem_asked(options)
-    found = read_results(options.results, problem)
+    results = read_results(options.results, problem)
     how = named(options, "measure", "model")
-    ours = our_solution(problem, [each.load for each in found], pairs(options.settings), options.ours, **how)
+    ours = our_solution(problem, [each.load for each in results], pairs(options.settings), options.ours, **how)
     if not ours.outcome.converged:
         print(f"footprint: our solution did not converge: {ours.reason}", file=sys.stderr)
         return NOT_CONVERGED
-    rows = compared(problem, found, ours, tolerance)
+    rows = compared(problem, results, ours, tolerance)
     if not rows:
         raise UsageError(f"{options.results} has no quantity of {options.scene}, no field of all its nodes, no balance")
     print("\n".join(columns([HEAD, *map(_words, rows)])))

@@ -42,10 +42,10 @@ def run_check(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace, table: pd.DataFrame, baseline: Path) -> int:
     """Print what is worse than the baseline."""
-    found = check(table, baseline)
-    wrong = failures(found)
+    findings = check(table, baseline)
+    wrong = failures(findings)
     print("\n".join(lines(wrong)), end="\n" if wrong else "")
-    better = f", {len(found) - len(wrong)} better" if len(found) > len(wrong) else ""
+    better = f", {len(findings) - len(wrong)} better" if len(findings) > len(wrong) else ""
     verdict = f"{len(wrong)} values are not what they were" if wrong else "nothing is worse"
     print(f"check: {len(table)} cells of {options.campaign} against {baseline}: {verdict}{better}")
     if wrong:
@@ -55,7 +55,7 @@ def _check(options: argparse.Namespace, table: pd.DataFrame, baseline: Path) -> 
 
 def _update(options: argparse.Namespace, table: pd.DataFrame, baseline: Path) -> int:
     """Replace the baseline, print what changed."""
-    found = update(table, baseline, options.owner, options.reason)
-    print("\n".join(lines(found)), end="\n" if found else "")
-    print(f"{baseline}: {len(table)} cells, {len(found)} values beyond the bounds of before")
+    findings = update(table, baseline, options.owner, options.reason)
+    print("\n".join(lines(findings)), end="\n" if findings else "")
+    print(f"{baseline}: {len(table)} cells, {len(findings)} values beyond the bounds of before")
     return OK

@@ -60,13 +60,13 @@ def look_ahead(options: argparse.Namespace, scene: Scene, request: Request) -> N
     ahead = foresee(scene, request)
     if ahead is None:
         return
-    said = f"{request.mesh_text}: {ahead}"
+    forecast = f"{request.mesh_text}: {ahead}"
     if ahead.memory_MB > memory_MB:
-        raise UsageError(f"{said}: more than --memory-limit {memory_MB:g}; a coarser mesh needs less")
+        raise UsageError(f"{forecast}: more than --memory-limit {memory_MB:g}; a coarser mesh needs less")
     if ahead.seconds is not None and ahead.seconds > TWICE * time_s:
-        raise UsageError(f"{said}: more than --time-limit {time_s:g}; a coarser mesh takes less")
+        raise UsageError(f"{forecast}: more than --time-limit {time_s:g}; a coarser mesh takes less")
     if large:
-        print(said, flush=True)
+        print(forecast, flush=True)
 
 
 def bound_of(options: argparse.Namespace) -> float:

@@ -106,8 +106,8 @@ def reading(store: Path) -> Iterator[None]:
     except UsageError:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        raise UsageError(f"{store}: its cells are not what a campaign leaves: {said}") from error
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise UsageError(f"{store}: its cells are not what a campaign leaves: {reason}") from error
 
 
 @contextmanager

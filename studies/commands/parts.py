@@ -79,10 +79,10 @@ def run_card(options: argparse.Namespace) -> int:
         print("\n".join(map(str, write_layout(options.template))))
         return OK
     asked = options.part
-    found = subjects(asked)
-    target = _target(options.out, found[0].name if len(found) == 1 else Path(asked).stem)
+    card_subjects = subjects(asked)
+    target = _target(options.out, card_subjects[0].name if len(card_subjects) == 1 else Path(asked).stem)
     with progress_bar("card") as bar:
-        cards = [card_of(subject, lambda label: bar(0, 0, label)) for subject in found]
+        cards = [card_of(subject, lambda label: bar(0, 0, label)) for subject in card_subjects]
     picture = _picture(cards[0], target)
     made = provenance()
     version = f"{made['version']} at {str(made['commit'])[:12]}" if made.get("commit") else str(made["version"])

@@ -166,9 +166,9 @@ def _import(options: argparse.Namespace) -> int:
 def _judge(options: argparse.Namespace) -> int:
     from studies.arena.replay import judge_files
 
-    found = judge_files(options.problem, options.answer, options.tolerance)
-    print("\n".join(found.lines()))
-    return OK if found.sound else FAILED
+    judgement = judge_files(options.problem, options.answer, options.tolerance)
+    print("\n".join(judgement.lines()))
+    return OK if judgement.sound else FAILED
 
 
 def add_resolve(parser: argparse.ArgumentParser) -> None:
@@ -185,8 +185,8 @@ def run_resolve(options: argparse.Namespace) -> int:
 
     algorithm, step = algorithm_of(options.contact), read_step(options.file)
     with blamed(options.contact):
-        found = resolve_step(step, algorithm, ask_oracle=options.oracle)
-    print("\n".join(found.lines()))
-    if not found.solution.outcome.converged:
+        replay = resolve_step(step, algorithm, ask_oracle=options.oracle)
+    print("\n".join(replay.lines()))
+    if not replay.solution.outcome.converged:
         return NOT_CONVERGED
-    return OK if found.sound else FAILED
+    return OK if replay.sound else FAILED

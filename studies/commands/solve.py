@@ -71,14 +71,14 @@ def run_solve(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    scene, request, wanted = _asked(options)
+    scene, request, error = _asked(options)
     _check_places(options, scene)
     derived = _derived(options, scene, request)
     look_ahead(options, scene, request)
     stop: BaseException | None = None
     with progress_line(bound_of(options)) as tell, limited(options):
         try:
-            result, enough = _solved(options, scene, request, wanted, tell)
+            result, enough = _solved(options, scene, request, error, tell)
         except Interrupted as stopped:
             result, enough, stop = stopped.result, False, stopped.__cause__
         except KeyboardInterrupt as stopped:
@@ -109,7 +109,7 @@ def _run(options: argparse.Namespace) -> int:
         result.name(options.out, [*files, *_drawn(options.out)])
     if not result.outcome.converged:
         return _say_why(result, stop)
-    if wanted is not None and "refinement" in result.tables:
+    if error is not None and "refinement" in result.tables:
         print_rounds(result)
     if stop is not None:
         return code_of(stop)
@@ -172,18 +172,18 @@ def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
     from studies.solving.refinement.error_control import parse_error
     from studies.solving.refinement.grids import first_grid
 
-    wanted, _ = parse_error(options.error), bound_of(options)  # refused before the first grid, which may be solved for
-    return *first_grid(options.scene, given, options.mesh, **how), wanted
+    error, _ = parse_error(options.error), bound_of(options)  # refused before the first grid, which may be solved for
+    return *first_grid(options.scene, given, options.mesh, **how), error
 
 
 def _solved(
-    options: argparse.Namespace, scene: Scene, request: Request, wanted: float | None, tell: Callable[[str], None]
+    options: argparse.Namespace, scene: Scene, request: Request, tolerance: float | None, tell: Callable[[str], None]
 ) -> tuple[Result, bool]:
     """The result, and whether its error is the one wanted, if any is."""
-    if wanted is not None:
+    if tolerance is not None:
         from studies.solving.refinement.cascade import answer, parse_budget
 
-        return answer(scene, request, wanted, options.of, tell, parse_budget(options.budget))
+        return answer(scene, request, tolerance, options.of, tell, parse_budget(options.budget))
     asked_for = not options.no_error
     return mesh_error.solve_with_error(scene, request, tell, start=options.start, error=asked_for), True
 
@@ -221,13 +221,13 @@ def _gradients(
         return []
     from studies.solving.derivatives import gradient  # loaded with derivatives alone
 
-    found = gradient.of_quantities(scene, result, derived, tell)
-    gradient.record(result, found)
-    said = [line for quantity, _ in derived for line in gradient.lines(found, quantity)]
+    gradients = gradient.of_quantities(scene, result, derived, tell)
+    gradient.record(result, gradients)
+    text_lines = [line for quantity, _ in derived for line in gradient.lines(gradients, quantity)]
     if options.check_gradient:
         from studies.solving.derivatives import taylor
 
-        checked = taylor.check(scene, result, found, tell)
+        checked = taylor.check(scene, result, gradients, tell)
         taylor.record(result, checked)
-        said += taylor.lines(checked)
-    return said
+        text_lines += taylor.lines(checked)
+    return text_lines

@@ -52,47 +52,47 @@ def run_sweep(options: argparse.Namespace) -> int:
         how = named(options, "measure", "contact", "newton", "model", "steps")
         given = pairs(options.settings)
         kept = options.out / MEMBERS
-        found = sweep(options.scene, given, over, error, options.of, kept, tell, options.mesh, **how)
+        result = sweep(options.scene, given, over, error, options.of, kept, tell, options.mesh, **how)
     from reports.figures.sweeps import draw_sweep
 
-    found.write(options.out, draw_sweep(options.out, *found.picture))
-    print("\n".join(lines(found)))
+    result.write(options.out, draw_sweep(options.out, *result.picture))
+    print("\n".join(lines(result)))
     sys.stdout.flush()
-    if any(member.verdict == WRONG for member in found.failed):
+    if any(member.verdict == WRONG for member in result.failed):
         return FAILED
-    return OK if (not found.failed and error is None) or found.within == len(found.members) else NOT_CONVERGED
+    return OK if (not result.failed and error is None) or result.within == len(result.members) else NOT_CONVERGED
 
 
 def ranges(words: Sequence[str]) -> dict[str, str]:
     """Texts A:B:N by setting, of ``--over``; raises UsageError."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for word in words:
         key, separator, text = word.partition("=")
-        if not separator or key in found:
+        if not separator or key in texts:
             raise UsageError(f"--over {word!r} must be KEY=A:B:N, a setting once")
-        found[key] = text
-    return found
+        texts[key] = text
+    return texts
 
 
-def lines(found: Sweep) -> Iterator[str]:
+def lines(result: Sweep) -> Iterator[str]:
     """The answer for a terminal."""
-    over = ", ".join(f"{each.key} {each.values[0]:g} to {each.values[-1]:g}" for each in found.ranges)
-    counts = " x ".join(str(len(each.values)) for each in found.ranges)
-    yield f"{found.name}, {counts} members on {found.middle.mesh_text}: {over}"
-    members, name, lost = list(found.members.values()), found.quantity, found.failed
+    over = ", ".join(f"{each.key} {each.values[0]:g} to {each.values[-1]:g}" for each in result.ranges)
+    counts = " x ".join(str(len(each.values)) for each in result.ranges)
+    yield f"{result.name}, {counts} members on {result.middle.mesh_text}: {over}"
+    members, name, lost = list(result.members.values()), result.quantity, result.failed
     valued = [(value, member) for member in members if (value := member.quantities.get(name)) is not None]
     if valued:
         ends = (end(valued, key=lambda each: each[0]) for end in (min, max))
         yield f"{name} from " + " to ".join(f"{value:.6g} at {_at(member)}" for value, member in ends)
     unstable = sum(member.verdict == UNSTABLE for member in members)
     yield f"{len(members) - len(lost)} solved, {unstable} of them unstable, {len(lost)} without an answer"
-    if found.error is not None:
+    if result.error is not None:
         errors = [error for member in members if (error := member.error(name)) is not None]
         most = f", the largest known is {100 * max(errors):.2g} %" if errors else ""
-        yield f"error of {name} within {100 * found.error:g} %: {found.within} of {len(members)}{most}"
-    cold = found.cold
-    price = f"; one from rest {cold:.3g} s, {len(members) * cold / found.seconds:.2g} for its price" if cold else ""
-    yield f"{found.seconds:.3g} CPU s{price}"
+        yield f"error of {name} within {100 * result.error:g} %: {result.within} of {len(members)}{most}"
+    cold = result.cold
+    price = f"; one from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} for its price" if cold else ""
+    yield f"{result.seconds:.3g} CPU s{price}"
     yield from (f"{each.verdict} at {_at(each)}: {each.reason}" for each in lost[:SHOWN])
     if len(lost) > SHOWN:
         yield f"and {len(lost) - SHOWN} more without an answer"

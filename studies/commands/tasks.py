@@ -26,8 +26,8 @@ TRUE = {True: "true", False: "false", None: "-"}
 
 def add_tasks(parser: argparse.ArgumentParser) -> None:
     """The submission, the secret, and where the grades go."""
-    told = "a table a task: claim = 'met' or 'cannot', and what is chosen; left out: the tasks"
-    parser.add_argument("submission", type=Path, nargs="?", metavar="FILE.toml", help=told)
+    help_text = "a table a task: claim = 'met' or 'cannot', and what is chosen; left out: the tasks"
+    parser.add_argument("submission", type=Path, nargs="?", metavar="FILE.toml", help=help_text)
     drawn = "grade on hidden configurations, too, drawn from the secret in a file, or in FOOTPRINT_ARENA_SECRET"
     parser.add_argument("--held-out", type=Path, nargs="?", const=ENVIRONMENT, metavar="FILE", help=drawn)
     limit = f"wall time of a task with all its configurations, default {LIMIT_S:g}"
@@ -52,25 +52,25 @@ def run_tasks(options: argparse.Namespace) -> int:
     claims, use = read_submission(options.submission), [str(Path(each).resolve()) for each in options.use or ()]
     try:
         with progress_bar("tasks") as tell:
-            found = grade(claims, key, limit_s=limit_s, tell=tell, use=use)
+            grades = grade(claims, key, limit_s=limit_s, tell=tell, use=use)
     except KeyboardInterrupt:
         print("footprint: interrupted; nothing is written", file=sys.stderr)
         return INTERRUPTED
-    print("\n".join(_lines(found)))
+    print("\n".join(_lines(grades)))
     if options.out is not None:
         about = {"submission": options.submission.name, "secret": "" if key is None else held_out.digest(key)}
-        about |= {"score": sum(each.score for each in found), "of": len(found), "limit_s": limit_s}
-        write_json(options.out, {**about, "tasks": list(map(asdict, found)), "provenance": provenance()})
-    return FAILED if any(each.score < 0 for each in found) else OK
+        about |= {"score": sum(each.score for each in grades), "of": len(grades), "limit_s": limit_s}
+        write_json(options.out, {**about, "tasks": list(map(asdict, grades)), "provenance": provenance()})
+    return FAILED if any(each.score < 0 for each in grades) else OK
 
 
-def _lines(found: Sequence[Grade]) -> Iterator[str]:
+def _lines(grades: Sequence[Grade]) -> Iterator[str]:
     """A row a task, and the sum."""
     rows = [("task", "claim", "score", "open", "hidden", "")]
-    for each in found:
+    for each in grades:
         hidden = "-" if each.hidden is None else f"{each.hidden} of {HIDDEN}"
         rows.append((each.task, each.claim or "-", str(each.score), TRUE[each.open], hidden, each.said))
     yield from columns(rows, right=range(2, 3))
-    counts = Counter(each.score for each in found)
-    told = f"{counts[1]} true, {counts[-1]} false, {counts[0]} without a claim"
-    yield f"score {counts[1] - counts[-1]} of {len(found)}: {told}"
+    counts = Counter(each.score for each in grades)
+    tally = f"{counts[1]} true, {counts[-1]} false, {counts[0]} without a claim"
+    yield f"score {counts[1] - counts[-1]} of {len(grades)}: {tally}"

@@ -45,10 +45,10 @@ def references(result: Result) -> Iterator[str]:
     """What is known of the quantities of the last load from elsewhere, and by how much they differ."""
     if not result.loads:
         return
-    request, seen = result.request, result.loads[-1].seen
-    there = {**request.settings, "measure": request.measure, **{key: seen[key] for key in STEP_KEYS if key in seen}}
-    for quantity, known in closest(request.scene, there, seen).items():
-        off = 100 * (seen[quantity] / known.value - 1)
+    request, values = result.request, result.loads[-1].seen
+    there = {**request.settings, "measure": request.measure, **{key: values[key] for key in STEP_KEYS if key in values}}
+    for quantity, known in closest(request.scene, there, values).items():
+        off = 100 * (values[quantity] / known.value - 1)
         where = f"{quantity} {known.value:.6g} +- {100 * known.uncertainty:.2g} % ({known.kind}: {known.source})"
         yield f"reference {where}; this value differs by {off:+.2g} %"
 
@@ -64,17 +64,17 @@ def _row(step: Step) -> dict[str, object]:
 
 def print_rounds(result: Result) -> None:
     """The rounds of refinement, the limit, and the error of the value on the last grid."""
-    seen, rounds = result.quantities, result.table("refinement")
+    quantities, rounds = result.quantities, result.table("refinement")
     _print_columns(rounds)
-    if "uncertainty" not in seen:
+    if "uncertainty" not in quantities:
         print(result.reason)
         return
     if "loads" in result.tables:
         _print_columns(result.table("loads"))
     name = str(rounds.columns["quantity"][0])
-    print(f"{name} = {seen[f'extrapolated_{name}']:.6g} +- {100 * seen['uncertainty']:.2g} %")
-    low, high = (100 * seen[key] for key in ("error_low", "error_high"))
-    print(f"on the last grid {seen[name]:.6g}, error {low:.2g} to {high:.2g} %")
+    print(f"{name} = {quantities[f'extrapolated_{name}']:.6g} +- {100 * quantities['uncertainty']:.2g} %")
+    low, high = (100 * quantities[key] for key in ("error_low", "error_high"))
+    print(f"on the last grid {quantities[name]:.6g}, error {low:.2g} to {high:.2g} %")
     if result.reason:
         print(result.reason)
 

@@ -71,8 +71,8 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
         return {"class": "", "text": DO[task.kind](task, folder)}
     except Exception as error:
         if _is_of_memory(error):
-            said = f": {error}" if str(error) else ""
-            return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB{said}"}
+            detail = f": {error}" if str(error) else ""
+            return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB{detail}"}
         if isinstance(error, OSError) and _is_of_store(error, folder):
             return {"class": "disk", "reason": error.strerror}
         if isinstance(error, PartError):

@@ -182,7 +182,7 @@ def plane_corners(problem: Problem, plane: Plane) -> np.ndarray:
 def _step(problem: Problem, step: LoadStep, forces: Sequence[tuple[int, int, float]]) -> Iterator[str]:
     """Each load changes linearly from its value in the step before; forces: node, component and value of all of them.
 
-    What is loaded in any step is told in every one, zeros included: to take loads away and put them on again would
+    What is loaded in any step is written in every one, zeros included: to take loads away and put them on again would
     let the program ramp them up from nothing.
     """
     bricks, plane = problem.bricks, problem.plane

@@ -1,8 +1,8 @@
-"""What another program has found, held against our solution, the references of the scene, and the balances of forces
+"""Results of another program, compared with our solution, the references of the scene, and the balances of forces
 and energy that it must keep by itself.
 
 Quantities are read from a field as the scene reads its own: the displacements of both faces at the nodes of the shell
-are put into the shell. Our solution is found at the very loads that come from outside.
+are put into the shell. Our solution is computed at the loads of the other program.
 """
 
 from __future__ import annotations
@@ -67,26 +67,26 @@ def our_solution(
     return solve(*complete(problem.request.scene, settings, size, **options))
 
 
-def compared(problem: Problem, found: Sequence[Found], ours: Result, tolerance: float) -> list[Comparison]:
+def compared(problem: Problem, results: Sequence[Found], ours: Result, tolerance: float) -> list[Comparison]:
     """All that can be compared."""
     read = _reader(problem)
     per_plane = _per_plane_force(problem, ours)
     rows: list[Comparison] = []
-    for each in found:
-        told = dict(each.quantities)
+    for each in results:
+        quantities = dict(each.quantities)
         if each.u is not None and read is not None:
-            told |= read(each.load, each.u)
-        if PLANE_FORCE in told:
-            told |= {name: factor * told[PLANE_FORCE] for name, factor in per_plane.items()}
-        rows += _against_ours(each.load, told, ours, tolerance)
-        rows += _against_references(problem, each.load, told, tolerance)
+            quantities |= read(each.load, each.u)
+        if PLANE_FORCE in quantities:
+            quantities |= {name: factor * quantities[PLANE_FORCE] for name, factor in per_plane.items()}
+        rows += _against_ours(each.load, quantities, ours, tolerance)
+        rows += _against_references(problem, each.load, quantities, tolerance)
         rows += _balances(problem, each, tolerance)
-    return rows + list(_energy(problem, found[-1], ours, tolerance))
+    return rows + list(_energy(problem, results[-1], ours, tolerance))
 
 
-def _against_ours(load: float, told: Mapping[str, float], ours: Result, tolerance: float) -> Iterator[Comparison]:
+def _against_ours(load: float, quantities: Mapping[str, float], ours: Result, tolerance: float) -> Iterator[Comparison]:
     known = {GROWTH: ours.quantities.get(GROWTH), **_at(ours, load)}
-    for name, value in told.items():
+    for name, value in quantities.items():
         if isinstance(known.get(name), int | float) and known[name] != 0:
             yield Comparison(load, name, value, OURS, float(known[name]), tolerance)
 
@@ -96,71 +96,71 @@ def _at(ours: Result, load: float) -> dict[str, Any]:
 
 
 def _against_references(
-    problem: Problem, load: float, told: Mapping[str, float], tolerance: float
+    problem: Problem, load: float, quantities: Mapping[str, float], tolerance: float
 ) -> Iterator[Comparison]:
     request = problem.request
     there = {**request.settings, "measure": request.measure, problem.key: load}
     for known in holding(request.scene, there):
         # what a reference of large displacements says of small ones is the error of the measure, not of a program
         fits = problem.nonlinear or known.at.get("measure") == request.measure
-        if fits and known.quantity in told:
+        if fits and known.quantity in quantities:
             allowed = tolerance + known.uncertainty
-            yield Comparison(load, known.quantity, told[known.quantity], known.source, known.value, allowed)
+            yield Comparison(load, known.quantity, quantities[known.quantity], known.source, known.value, allowed)
 
 
-def _balances(problem: Problem, found: Found, tolerance: float) -> Iterator[Comparison]:
-    step = problem.step_at(found.load)
+def _balances(problem: Problem, result: Found, tolerance: float) -> Iterator[Comparison]:
+    step = problem.step_at(result.load)
     if step is None and problem.touched is not None:  # its travel is that of the other program
-        step = min(problem.steps[1:], key=lambda each: abs((each.load or 0.0) - found.load))
+        step = min(problem.steps[1:], key=lambda each: abs((each.load or 0.0) - result.load))
     if step is None:
         return
-    forces = force_balance(problem, step, found)
+    forces = force_balance(problem, step, result)
     if forces is not None:
-        yield Comparison(found.load, "unbalanced_N", forces[0], NOTHING, 0.0, tolerance, scale=forces[1])
-    energies = energy_balance(problem, step, found)
+        yield Comparison(result.load, "unbalanced_N", forces[0], NOTHING, 0.0, tolerance, scale=forces[1])
+    energies = energy_balance(problem, step, result)
     if energies is not None:
-        yield Comparison(found.load, STRAIN_ENERGY, energies[0], WORK, energies[1], tolerance)
+        yield Comparison(result.load, STRAIN_ENERGY, energies[0], WORK, energies[1], tolerance)
 
 
-def force_balance(problem: Problem, step: LoadStep, found: Found) -> tuple[float, float] | None:
-    """What supports, plane and loads leave over, and the largest of the three [N]; None where one is not told.
+def force_balance(problem: Problem, step: LoadStep, result: Found) -> tuple[float, float] | None:
+    """What supports, plane and loads leave over, and the largest of the three [N]; None where one is not given.
 
     R + sum F + int p n dA - F_n n = 0 with the reactions R of the supports and the force F_n of the body on the plane.
     """
-    told = found.quantities
-    pressure = problem.pressure_forces(step, found.u)
-    if pressure is None or not set(REACTION) <= told.keys():
+    quantities = result.quantities
+    pressure = problem.pressure_forces(step, result.u)
+    if pressure is None or not set(REACTION) <= quantities.keys():
         return None
-    parts = [np.array([told[name] for name in REACTION]), step.forces.sum(axis=0), pressure.sum(axis=0)]
+    parts = [np.array([quantities[name] for name in REACTION]), step.forces.sum(axis=0), pressure.sum(axis=0)]
     if problem.plane is not None:
-        if PLANE_FORCE not in told:
+        if PLANE_FORCE not in quantities:
             return None
-        parts.append(-told[PLANE_FORCE] * problem.plane.normal)
+        parts.append(-quantities[PLANE_FORCE] * problem.plane.normal)
     size = max(np.linalg.norm(step.forces, axis=1).max(initial=0.0), *(float(np.linalg.norm(each)) for each in parts))
     return float(np.linalg.norm(np.sum(parts, axis=0))), float(size)
 
 
-def energy_balance(problem: Problem, step: LoadStep, found: Found) -> tuple[float, float] | None:
+def energy_balance(problem: Problem, step: LoadStep, result: Found) -> tuple[float, float] | None:
     """Strain energy and half of the work of the loads on the final displacements [N mm]: equal where all is linear.
 
-    None for large displacements, with a plane or a pressure, and where the displacement of a loaded node is not told.
+    None for large displacements, with a plane or a pressure, and where the displacement of a loaded node is not given.
     """
-    if problem.nonlinear or problem.plane is not None or step.pressure.any() or STRAIN_ENERGY not in found.quantities:
+    if problem.nonlinear or problem.plane is not None or step.pressure.any() or STRAIN_ENERGY not in result.quantities:
         return None
     loaded = step.forces.any(axis=1)
-    if found.u is None or not np.all(np.isfinite(found.u[loaded])):
+    if result.u is None or not np.all(np.isfinite(result.u[loaded])):
         return None
-    return found.quantities[STRAIN_ENERGY], 0.5 * float(np.sum(step.forces[loaded] * found.u[loaded]))
+    return result.quantities[STRAIN_ENERGY], 0.5 * float(np.sum(step.forces[loaded] * result.u[loaded]))
 
 
-def _energy(problem: Problem, found: Found, ours: Result, tolerance: float) -> Iterator[Comparison]:
+def _energy(problem: Problem, result: Found, ours: Result, tolerance: float) -> Iterator[Comparison]:
     """Strain energy at the last load, of the same part."""
     shell = getattr(ours.model, "shell", None)
     same = ours.request.model == problem.request.model and ours.outcome.converged
-    if STRAIN_ENERGY not in found.quantities or not isinstance(shell, ShellModel) or ours.last is None or not same:
+    if STRAIN_ENERGY not in result.quantities or not isinstance(shell, ShellModel) or ours.last is None or not same:
         return
     value = shell.scaled(0.0).energy(ours.last.u)
-    yield Comparison(found.load, STRAIN_ENERGY, found.quantities[STRAIN_ENERGY], OURS, value, tolerance)
+    yield Comparison(result.load, STRAIN_ENERGY, result.quantities[STRAIN_ENERGY], OURS, value, tolerance)
 
 
 def _reader(problem: Problem) -> Reader | None:

@@ -69,11 +69,11 @@ def _shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
     grid = tensor_grid(body)
     places = _places(grid, bricks.parameter)
     on_lines = np.all(places % 2 == 0, axis=1)
-    found = np.full((grid.n_nodes, 2), -1)
+    brick_nodes = np.full((grid.n_nodes, 2), -1)
     for side, level in enumerate((body.laminate.d_minus, body.laminate.d_plus)):
         nodes = np.flatnonzero(on_lines & np.isclose(bricks.parameter[:, 2], level))
-        found[np.ravel_multi_index(tuple(places[nodes].T // 2), grid.node_shape), side] = nodes
-    return found
+        brick_nodes[np.ravel_multi_index(tuple(places[nodes].T // 2), grid.node_shape), side] = nodes
+    return brick_nodes
 
 
 def _supports_of_shell(fine: Discretisation, body: Discretisation, bricks: Bricks) -> Supports:
@@ -164,10 +164,10 @@ def _places(grid: TensorGrid, parameter: np.ndarray) -> np.ndarray:
     Lines have even numbers, those midway odd ones; of a closed coordinate the last is the first.
     """
     along = (np.interp(parameter[:, i], line, np.arange(len(line))) for i, line in enumerate(grid.lines))
-    found = np.rint(2 * np.stack(list(along), axis=-1)).astype(int)
+    numbers = np.rint(2 * np.stack(list(along), axis=-1)).astype(int)
     if grid.periodic:
-        found[:, 1] %= 2 * (len(grid.lines[1]) - 1)
-    return found
+        numbers[:, 1] %= 2 * (len(grid.lines[1]) - 1)
+    return numbers
 
 
 def _cells(body: Discretisation, bricks: Bricks, elements: np.ndarray) -> np.ndarray:

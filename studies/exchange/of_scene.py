@@ -112,14 +112,14 @@ def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, thr
         body = of_solid(model.body.discretisation, checked_wall(request.settings)[0])
         loads = body.loads(model.body)
     normal = _plane(model.foundation).normal
-    told: dict[str, Any] = {"crown": int(np.argmax(body.bricks.x @ normal)), "copies": model.wall.part.copies}
+    fields: dict[str, Any] = {"crown": int(np.argmax(body.bricks.x @ normal)), "copies": model.wall.part.copies}
     if tuple(model.deltas) == (0.0,):
-        return _problem(scene, request, "delta_mm", body, [LoadStep("inflation", 0.0, *loads)], **told)
+        return _problem(scene, request, "delta_mm", body, [LoadStep("inflation", 0.0, *loads)], **fields)
     rest, touched = _first_touch(scene, request, model, normal)
     start = max(rest, touched) + CLEARANCE * abs(touched - rest)
     steps = [LoadStep("inflation", None, *loads, start)]
     steps += [LoadStep(f"delta_mm {delta:g}", delta, *loads, touched - delta) for delta in model.deltas]
-    return _problem(scene, request, "delta_mm", body, steps, Plane(normal, start), touched=touched, **told)
+    return _problem(scene, request, "delta_mm", body, steps, Plane(normal, start), touched=touched, **fields)
 
 
 def _ring(scene: Scene, request: Request, model: SolidRingModel) -> Problem:
@@ -139,11 +139,11 @@ def _problem(
     body: Body[Any],
     steps: Sequence[LoadStep],
     plane: Plane | None = None,
-    **told: Any,
+    **fields: Any,
 ) -> Problem:
     plies = materials(body.laminate)
     return Problem(
-        request, scene.title, key, body.bricks, plies, body.supports, tuple(steps), plane, body.shell, **told
+        request, scene.title, key, body.bricks, plies, body.supports, tuple(steps), plane, body.shell, **fields
     )
 
 

@@ -101,16 +101,16 @@ class Bricks:
         The middle of a face moves as the shape functions of its eight other nodes say. Raises ValueError for a force on
         a node that lies on neither face.
         """
-        found = np.zeros_like(self.x)
+        nodal = np.zeros_like(self.x)
         kept = np.flatnonzero(self.of_mesh >= 0)
-        np.add.at(found, self.of_mesh[kept], forces[kept])
+        np.add.at(nodal, self.of_mesh[kept], forces[kept])
         faces = np.concatenate([self.mesh.inner, self.mesh.outer])
         middle, ring = faces[:, len(RING) // 2], self.of_mesh[faces[:, RING]]
-        np.add.at(found, ring, CENTRE[:, None] * forces[middle][:, None, :])
+        np.add.at(nodal, ring, CENTRE[:, None] * forces[middle][:, None, :])
         lost = np.setdiff1d(np.flatnonzero((self.of_mesh < 0) & forces.any(axis=1)), middle)
         if len(lost):
             raise ValueError(f"forces on {len(lost)} nodes inside the body have no place on its bricks")
-        return found
+        return nodal
 
     def pressure_forces(self, pressure: np.ndarray, u: np.ndarray | None = None) -> np.ndarray:
         """Forces (N, 3) [N]: int N_r p n dA of pressures p (F,) [MPa] over the inner faces, displaced by u (N, 3)."""
@@ -167,16 +167,16 @@ class Supports:
     def cartesian(self) -> np.ndarray:
         """(k, 3) bool: the Cartesian components that are held; of the nodes that are not ``turned``."""
         along = np.abs(self.axes).argmax(axis=-1)
-        found = np.zeros_like(self.held)
+        held = np.zeros_like(self.held)
         for i in range(3):
-            found[np.arange(len(found)), along[:, i]] |= self.held[:, i]
-        return found | np.all(self.held, axis=1, keepdims=True)
+            held[np.arange(len(held)), along[:, i]] |= self.held[:, i]
+        return held | np.all(self.held, axis=1, keepdims=True)
 
     def along_axes(self, vectors: np.ndarray) -> np.ndarray:
         """Vectors (N, 3) at all nodes, those at ``turned`` ones along their axes."""
-        nodes, found = self.nodes[self.turned], vectors.copy()
-        found[nodes] = np.einsum("kix,kx->ki", self.axes[self.turned], vectors[nodes])
-        return found
+        nodes, components = self.nodes[self.turned], vectors.copy()
+        components[nodes] = np.einsum("kix,kx->ki", self.axes[self.turned], vectors[nodes])
+        return components
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""What another program has found, step by step: read from CSV, or from the printed output of CalculiX.
+"""Results of another program, step by step: read from CSV, or from the printed output of CalculiX.
 
 CSV has one header and numbers; its first column is the key of the problem, ``load_fraction`` or ``delta_mm``:
 
@@ -38,7 +38,7 @@ _BLOCK = re.compile(r"^ *(\w.*?)(?: \(.*\))? for set (\w+) and time +(\S+)", re.
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """At one load: quantities by name, and displacements (N, 3) [mm] of the nodes, NaN where none is told."""
+    """At one load: quantities by name, and displacements (N, 3) [mm] of the nodes, NaN where none is given."""
 
     load: float
     quantities: Mapping[str, float] = field(default_factory=dict)
@@ -51,12 +51,12 @@ def read_results(path: Path, problem: Problem) -> list[Found]:
         text = read_bytes(path).decode("utf-8", "replace")
     except ValueError as error:
         raise UsageError(f"{path} has no results: {error}") from None
-    found = _printed(text, problem) if path.suffix == PRINTED else list(_csv(path, text, problem))
-    if not 0 < len(found) <= MOST_LOADS:
+    entries = _printed(text, problem) if path.suffix == PRINTED else list(_csv(path, text, problem))
+    if not 0 < len(entries) <= MOST_LOADS:
         raise UsageError(
-            f"{path} has {f'results at {len(found)} loads, more than {MOST_LOADS}' if found else 'no results'}"
+            f"{path} has {f'results at {len(entries)} loads, more than {MOST_LOADS}' if entries else 'no results'}"
         )
-    return sorted(found, key=lambda each: each.load)
+    return sorted(entries, key=lambda each: each.load)
 
 
 def _csv(path: Path, text: str, problem: Problem) -> Iterator[Found]:
@@ -78,8 +78,8 @@ def _csv(path: Path, text: str, problem: Problem) -> Iterator[Found]:
         elif len(rows) > 1:
             raise UsageError(f"{path} has {len(rows)} rows with {problem.key} = {load}; a curve has one")
         else:
-            told = {str(name): float(rows[name].iloc[0]) for name in rows if name != problem.key}
-            yield Found(float(str(load)), {name: value for name, value in told.items() if np.isfinite(value)})
+            quantities = {str(name): float(rows[name].iloc[0]) for name in rows if name != problem.key}
+            yield Found(float(str(load)), {name: value for name, value in quantities.items() if np.isfinite(value)})
 
 
 def _field(path: Path, rows: pd.DataFrame, problem: Problem) -> np.ndarray:
@@ -112,9 +112,9 @@ def _printed(text: str, problem: Problem) -> list[Found]:
         if not len(values) or values.ndim != 2 or values.shape[1] != WIDTHS[head[1]]:
             raise UsageError(f"the printed output ends or breaks within {head[1]} for set {head[2]}")
         blocks.setdefault(round(time) - 1, {})[f"{head[1]} {head[2]}"] = values
-    steps = {i: told for i, told in blocks.items() if 0 <= i < len(problem.steps)}
+    steps = {i: tables for i, tables in blocks.items() if 0 <= i < len(problem.steps)}
     touched = _touched(steps, problem)
-    return [_of_step(problem, i, told, touched) for i, told in steps.items() if problem.steps[i].load is not None]
+    return [_of_step(problem, i, tables, touched) for i, tables in steps.items() if problem.steps[i].load is not None]
 
 
 def _numeric(line: str) -> bool:
@@ -129,7 +129,7 @@ def _touched(steps: Mapping[int, Mapping[str, np.ndarray]], problem: Problem) ->
     return float((problem.bricks.x + u)[problem.crown] @ problem.plane.normal)
 
 
-def _of_step(problem: Problem, i: int, told: Mapping[str, np.ndarray], touched: float | None) -> Found:
+def _of_step(problem: Problem, i: int, tables: Mapping[str, np.ndarray], touched: float | None) -> Found:
     """Forces on held nodes are printed with the loads that stand there.
 
     Strain energy is taken of linear steps alone: in others it comes to twice the work of the loads (CalculiX 2.20),
@@ -140,24 +140,24 @@ def _of_step(problem: Problem, i: int, told: Mapping[str, np.ndarray], touched: 
     load, quantities = step.load, {}
     if touched is not None and step.offset is not None:
         load = touched - step.offset
-    u = _displacements(told, problem)
-    if "total internal energy BODY" in told and not problem.nonlinear and problem.plane is None:
-        quantities[STRAIN_ENERGY] = float(told["total internal energy BODY"][0, 0])
+    u = _displacements(tables, problem)
+    if "total internal energy BODY" in tables and not problem.nonlinear and problem.plane is None:
+        quantities[STRAIN_ENERGY] = float(tables["total internal energy BODY"][0, 0])
     pressure = problem.pressure_forces(step, u)
-    if "total force HELD" in told and pressure is not None:
+    if "total force HELD" in tables and pressure is not None:
         standing = (step.forces + pressure)[problem.supports.nodes].sum(axis=0)
-        quantities |= dict(zip(REACTION, map(float, told["total force HELD"][0] - standing), strict=True))
-    if "total force PLANE" in told and problem.plane is not None:
-        quantities[PLANE_FORCE] = -float(told["total force PLANE"][0] @ problem.plane.normal)
+        quantities |= dict(zip(REACTION, map(float, tables["total force HELD"][0] - standing), strict=True))
+    if "total force PLANE" in tables and problem.plane is not None:
+        quantities[PLANE_FORCE] = -float(tables["total force PLANE"][0] @ problem.plane.normal)
     if problem.crown is not None and problem.plane is None:
         outwards = problem.bricks.x[problem.crown]
         quantities[GROWTH] = float(u[problem.crown] @ outwards / np.linalg.norm(outwards))
     return Found(load, quantities, u)
 
 
-def _displacements(told: Mapping[str, np.ndarray], problem: Problem) -> np.ndarray:
+def _displacements(tables: Mapping[str, np.ndarray], problem: Problem) -> np.ndarray:
     u = np.full_like(problem.bricks.x, np.nan)
-    rows = told.get("displacements BODY")
+    rows = tables.get("displacements BODY")
     if rows is not None:
         nodes = rows[:, 0]
         if nodes.min() < 1 or nodes.max() > len(u):

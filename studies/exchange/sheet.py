@@ -67,8 +67,8 @@ def sheet(problem: Problem) -> dict[str, Any]:
 def _ply(ply: Ply) -> dict[str, Any]:
     names = ("11", "22", "33"), ("12", "13", "23"), ("12", "13", "23")
     values = zip(("E", "nu", "G"), names, (ply.moduli, ply.poisson, ply.shears), strict=True)
-    told = {f"{kind}_{ij}": value for kind, own, each in values for ij, value in zip(own, each, strict=True)}
-    return {**told, "angle": ply.angle, "thickness_mm": ply.thickness, "isotropic": isotropic(ply)}
+    constants = {f"{kind}_{ij}": value for kind, own, each in values for ij, value in zip(own, each, strict=True)}
+    return {**constants, "angle": ply.angle, "thickness_mm": ply.thickness, "isotropic": isotropic(ply)}
 
 
 def _step(problem: Problem, step: LoadStep) -> dict[str, Any]:

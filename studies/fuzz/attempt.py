@@ -128,8 +128,10 @@ def watched_scene(scene: Scene) -> Any:
             problem_at, start = stage.begin(previous)
             return lambda t: watched(problem_at(t), left), start
 
-        found = replace(stage, begin=begin)
-        return replace(found, linearise=_counted(found.linearise, left)) if isinstance(found, ArcStage) else found
+        limited = replace(stage, begin=begin)
+        return (
+            replace(limited, linearise=_counted(limited.linearise, left)) if isinstance(limited, ArcStage) else limited
+        )
 
     return SimpleNamespace(name=scene.name, build=lambda request: _Model(scene.build(request), changed))
 
@@ -240,8 +242,8 @@ def _failed(result: Result) -> str:
     failed = {name for step in result.loads for name in step.certificate["failures"]}
     if not failed:
         return result.reason
-    told = next(step.certificate for step in result.loads if step.certificate["failures"])
-    numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
+    certificate = next(step.certificate for step in result.loads if step.certificate["failures"])
+    numbers = {**certificate["kkt"], **certificate["balances"], "rounding": certificate["rounding"]}
     return f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
 
 

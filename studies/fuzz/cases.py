@@ -101,19 +101,19 @@ def first_asked(seed: int, kind: str) -> tuple[Asked, int]:
 def _friction(name: str, scene: Scene, seed: int) -> dict[str, str]:
     """Settings of friction: always a coefficient, drags and turns where the scene takes them."""
     mu = _coefficient(seed)
-    found = {MU.key: mu}
+    settings = {MU.key: mu}
     if name in PRESSED:
-        found["delta_mm"] = f"{10 ** generator(seed, 'press').uniform(*PRESSED[name]):.3g}"
+        settings["delta_mm"] = f"{10 ** generator(seed, 'press').uniform(*PRESSED[name]):.3g}"
     if mu == "0" or not isinstance(scene, SlidingScene):
-        return found
+        return settings
     rng = generator(seed, "slides")
     if rng.random() < DRAGGED:
-        found[DRAG.key] = _stops(DRAG.key, LARGER.get(name, 0.0), seed)
+        settings[DRAG.key] = _stops(DRAG.key, LARGER.get(name, 0.0), seed)
         if rng.random() < ASLANT:
-            found[WAY.key] = str(int(rng.integers(-180, 181)))
+            settings[WAY.key] = str(int(rng.integers(-180, 181)))
     if rng.random() < TURNED:
-        found[TURN.key] = _stops(TURN.key, 0.0, seed)
-    return found
+        settings[TURN.key] = _stops(TURN.key, 0.0, seed)
+    return settings
 
 
 def _coefficient(seed: int) -> str:
@@ -193,13 +193,13 @@ def _repaired(asked: Asked, seed: int, kept: int) -> Asked:
 
 def _fewer(asked: Asked, kept: int) -> list[Asked]:
     """The request, and with less and less of it."""
-    found, settings = [asked], dict(asked.settings)
+    requests, settings = [asked], dict(asked.settings)
     while len(settings) > kept:
         settings.popitem()
-        found.append(replace(asked, settings=dict(settings)))
+        requests.append(replace(asked, settings=dict(settings)))
     bare = {key: value for key, value in asked.options.items() if key in ("mesh", "contact")}
     plain = Asked(asked.scene, {"mesh": asked.options["mesh"]})
-    return [*found, replace(asked, options=bare, settings=settings), replace(plain, settings=settings), plain]
+    return [*requests, replace(asked, options=bare, settings=settings), replace(plain, settings=settings), plain]
 
 
 # --- near hard requests -----------------------------------------------------------------------------------------------
@@ -221,8 +221,8 @@ def request_of(seed: int, kind: str) -> Asked:
 
 def parsed(command: str) -> Asked:
     """The request of a command: scene, --OPTION VALUE and --set KEY=VALUE."""
-    scene, *words = shlex.split(command)
-    pairs = list(zip(words[::2], words[1::2], strict=True))
+    scene, *arguments = shlex.split(command)
+    pairs = list(zip(arguments[::2], arguments[1::2], strict=True))
     options = {word.removeprefix("--"): value for word, value in pairs if word != "--set"}
     settings = dict(value.split("=", 1) for word, value in pairs if word == "--set")
     return Asked(scene, options, settings)
@@ -288,7 +288,7 @@ def _less(asked: Asked, seed: int, rng: np.random.Generator) -> Asked:
 def _numbers(text: str) -> list[float]:
     """Of a value; none where it is a word, or infinite."""
     try:
-        found = [float(part) for part in text.split(",")]
+        numbers = [float(part) for part in text.split(",")]
     except ValueError:
         return []
-    return found if np.all(np.isfinite(found)) else []
+    return numbers if np.all(np.isfinite(numbers)) else []

@@ -90,8 +90,8 @@ def _left(answer: Answer) -> float:
     """How far its own algorithm moves a state with friction to a tight tolerance; 0 where its own is as tight."""
     if answer.tight is None:
         return 0.0
-    found = answer.tight.solve(answer.problem, _again(answer.state))
-    return difference(answer, replace(answer, state=found)) if found.outcome.converged else 0.0
+    solution = answer.tight.solve(answer.problem, _again(answer.state))
+    return difference(answer, replace(answer, state=solution)) if solution.outcome.converged else 0.0
 
 
 def _again(state: ContactSolution) -> ContactSolution:
@@ -185,8 +185,10 @@ def confirms(answer: Answer, state: ContactSolution) -> bool:
 
     With friction it counts the slip from where the other state has.
     """
-    found = answer.algorithm.solve(answer.problem, _again(state))
-    return found.outcome.converged and difference(replace(answer, state=found), replace(answer, state=state)) <= ALIKE
+    solution = answer.algorithm.solve(answer.problem, _again(state))
+    if not solution.outcome.converged:
+        return False
+    return difference(replace(answer, state=solution), replace(answer, state=state)) <= ALIKE
 
 
 def _pull(answer: Answer) -> np.ndarray:

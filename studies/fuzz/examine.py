@@ -77,10 +77,10 @@ def examine(seed: int, kind: str = "", *, smaller: bool = False) -> Report:
         return _report(seed, kind, about(seed), lambda: check(seed))
     with quiet():
         asked = request_of(seed, kind)
-    found = _report(seed, kind, asked.command, lambda: scenes.check(seed, asked))
-    if smaller and found.verdict == BROKEN:
-        return replace(found, about=minimised(seed, asked, found.law).command)
-    return found
+    report = _report(seed, kind, asked.command, lambda: scenes.check(seed, asked))
+    if smaller and report.verdict == BROKEN:
+        return replace(report, about=minimised(seed, asked, report.law).command)
+    return report
 
 
 def _report(seed: int, kind: str, about: str, check: Callable[[], Passed]) -> Report:
@@ -139,9 +139,9 @@ def record_of(name: str) -> str:
     """Examine the case of a name; the text of its record, which has what every record of the store has."""
     _, kind, seed = name.rsplit("-", 2)
     report = examine(int(seed), kind, smaller=True)
-    told = {"schema": SCHEMA, "id": name, "class": WRONG if report.verdict == BROKEN else CONVERGED}
+    header = {"schema": SCHEMA, "id": name, "class": WRONG if report.verdict == BROKEN else CONVERGED}
     empty: dict[str, Any] = {"settings": {}, "quantities": {}, "steps": [], "counters": {}, "timing_s": {}, "files": []}
-    return as_text({**told, **empty, "scene": report.kind, "reason": report.said, "case": report.row})
+    return as_text({**header, **empty, "scene": report.kind, "reason": report.said, "case": report.row})
 
 
 SEEDS, MOST = "0:5000", 1_000_000
@@ -168,18 +168,18 @@ class Summary:
     def line(self) -> str:
         """One line."""
         counts = Counter(row["verdict"] for row in self.rows)
-        told = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if counts[name])
-        return f"{len(self.rows)} cases: {told or 'none'}; {self.solved} solved now"
+        verdicts = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if counts[name])
+        return f"{len(self.rows)} cases: {verdicts or 'none'}; {self.solved} solved now"
 
     @property
     def lines(self) -> list[str]:
         """What the cases came to, and how many broke each of the laws that nothing may break."""
         words = Counter(row["word"] for row in self.rows if row["word"])
         laws = Counter(row["law"] for row in self.rows if row["verdict"] == BROKEN)
-        found = dict.fromkeys(WORST, 0) | dict(laws.most_common())
+        broken = dict.fromkeys(WORST, 0) | dict(laws.most_common())
         return [
             "came to: " + (", ".join(f"{count} {word}" for word, count in words.most_common()) or "nothing"),
-            "broken: " + ", ".join(f"{count} {WORST.get(law, law)}" for law, count in found.items()),
+            "broken: " + ", ".join(f"{count} {WORST.get(law, law)}" for law, count in broken.items()),
         ]
 
 

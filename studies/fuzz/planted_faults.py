@@ -67,25 +67,25 @@ def left_out(own: Semismooth, problem: ContactProblem, start: ContactSolution) -
 @algorithm("tension is allowed at one node")
 def glued(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """The nearest open node is closed, too, and may pull."""
-    found = right(own, problem, start)
-    open_nodes = np.flatnonzero(~found.active)
-    if not found.outcome.converged or not len(open_nodes) or not found.active.any():
-        return found
-    nearest = open_nodes[np.argmin(problem.gap(found.u)[open_nodes])]
-    u, p, active = found.u, found.pressure, found.active | (np.arange(len(found.active)) == nearest)
+    solution = right(own, problem, start)
+    open_nodes = np.flatnonzero(~solution.active)
+    if not solution.outcome.converged or not len(open_nodes) or not solution.active.any():
+        return solution
+    nearest = open_nodes[np.argmin(problem.gap(solution.u)[open_nodes])]
+    u, p, active = solution.u, solution.pressure, solution.active | (np.arange(len(solution.active)) == nearest)
     run = own.run(problem)
     for _ in range(8):
         du, p = run.step(problem.linearise(u, None), u, p, active)
         u = u + du
-    return replace(found, u=u, pressure=p, active=active)
+    return replace(solution, u=u, pressure=p, active=active)
 
 
 @algorithm("pressures are those of the step before")
 def stale(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """Where there were any."""
-    found = right(own, problem, start)
-    before = found.pressure * (1 - 1e-4) if not start.pressure.any() else start.pressure
-    return replace(found, pressure=before)
+    solution = right(own, problem, start)
+    before = solution.pressure * (1 - 1e-4) if not start.pressure.any() else start.pressure
+    return replace(solution, pressure=before)
 
 
 @algorithm("areas are a tenth too large")
@@ -104,25 +104,25 @@ def loose(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> C
 @algorithm("the iteration limit is called converged")
 def at_the_limit(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """After two iterations."""
-    found = right(own, problem, start, max_iterations=2)
-    return replace(found, outcome=Outcome.CONVERGED, pressure=np.maximum(found.pressure, 0.0))
+    solution = right(own, problem, start, max_iterations=2)
+    return replace(solution, outcome=Outcome.CONVERGED, pressure=np.maximum(solution.pressure, 0.0))
 
 
 @algorithm("it never ends once nodes touch")
 def endless(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """Evaluates for ever."""
-    found = right(own, problem, start)
-    while found.active.sum() > 1:
-        problem.linearise(found.u, None)
-    return found
+    solution = right(own, problem, start)
+    while solution.active.sum() > 1:
+        problem.linearise(solution.u, None)
+    return solution
 
 
 @algorithm("it raises with four nodes in contact")
 def raises(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """An index out of range."""
-    found = right(own, problem, start)
-    np.zeros(4)[int(found.active.sum())]
-    return found
+    solution = right(own, problem, start)
+    np.zeros(4)[int(solution.active.sum())]
+    return solution
 
 
 @algorithm("a finite epsilon is taken for infinite")
@@ -141,18 +141,18 @@ def last_ignored(own: Semismooth, problem: ContactProblem, start: ContactSolutio
 
 @algorithm("it returns what is no number")
 def no_number(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-    """Displacements of NaN, and says that it has converged."""
-    found = right(own, problem, start)
-    return replace(found, u=np.full_like(found.u, np.nan))
+    """NaN displacements, reported as converged."""
+    solution = right(own, problem, start)
+    return replace(solution, u=np.full_like(solution.u, np.nan))
 
 
 @algorithm("an end has no reason")
 def silent(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-    """A refusal without a word."""
-    found = right(own, problem, start)
-    if found.active.sum() < 3:
-        return found
-    return replace(found, outcome=Outcome.REFUSED, history=({},))
+    """A refusal without a reason."""
+    solution = right(own, problem, start)
+    if solution.active.sum() < 3:
+        return solution
+    return replace(solution, outcome=Outcome.REFUSED, history=({},))
 
 
 # --- models -----------------------------------------------------------------------------------------------------------
@@ -194,16 +194,16 @@ def stiffened(sound: Callable[..., Any], *arguments: Any) -> Any:
 @fault("two negative eigenvalues too many are counted", certificate, "stability")
 def two_too_many(sound: Callable[..., Any], *arguments: Any) -> Any:
     """Where any are."""
-    found = sound(*arguments)
-    return found if found.negative is None else replace(found, negative=found.negative + 2)
+    inertia = sound(*arguments)
+    return inertia if inertia.negative is None else replace(inertia, negative=inertia.negative + 2)
 
 
 @fault("modes of elements are counted as those of the body", stability, "_apart", SCENE)
 def with_the_body(
-    sound: Callable[..., Any], problem: Any, state: Any, K: Any, epsilon: Any, found: Any, overlooked: Any
+    sound: Callable[..., Any], problem: Any, state: Any, K: Any, epsilon: Any, inertia: Any, overlooked: Any
 ) -> Any:
     """None is set apart."""
-    return found
+    return inertia
 
 
 FAULTS = (

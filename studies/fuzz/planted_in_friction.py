@@ -29,15 +29,15 @@ Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 
 
 def answer(name: str) -> Callable[[Change], Fault]:
-    """A fault of every converged answer with friction; change(found, start)."""
+    """A fault of every converged answer with friction; change(solution, start)."""
 
     def named(change: Change) -> Fault:
         @fault(name, FrictionalRun, "finish", FRICTION)
         def changed(
             sound: Callable[..., ContactSolution], run: FrictionalRun, at: Point, outcome: Outcome
         ) -> ContactSolution:
-            found = sound(run, at, outcome)
-            return change(found, run.begun) if outcome.converged else found
+            solution = sound(run, at, outcome)
+            return change(solution, run.begun) if outcome.converged else solution
 
         return changed
 
@@ -45,25 +45,25 @@ def answer(name: str) -> Callable[[Change], Fault]:
 
 
 @answer("friction keeps its direction when a drag reverses")
-def kept(found: ContactSolution, start: ContactSolution) -> ContactSolution:
-    """Who slips on keeps the direction of its friction, whichever way it slips now."""
-    assert found.friction is not None
+def kept(solution: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """A node that slips on keeps the direction of its friction, whichever way it slips now."""
+    assert solution.friction is not None
     if start.friction is None:
-        return found
-    slips = (found.friction.state == State.SLIP) & (start.friction.state == State.SLIP)
-    now, before = (np.linalg.norm(each.friction.force, axis=1)[:, None] for each in (found, start) if each.friction)
-    old = np.divide(start.friction.force, before, out=np.zeros_like(found.friction.force), where=before > 0)
-    force = np.where(slips[:, None], now * old, found.friction.force)
-    return replace(found, friction=replace(found.friction, force=force))
+        return solution
+    slips = (solution.friction.state == State.SLIP) & (start.friction.state == State.SLIP)
+    now, before = (np.linalg.norm(each.friction.force, axis=1)[:, None] for each in (solution, start) if each.friction)
+    old = np.divide(start.friction.force, before, out=np.zeros_like(solution.friction.force), where=before > 0)
+    force = np.where(slips[:, None], now * old, solution.friction.force)
+    return replace(solution, friction=replace(solution.friction, force=force))
 
 
 @answer("friction along the slip")
-def along(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+def along(solution: ContactSolution, start: ContactSolution) -> ContactSolution:
     """And not against it."""
-    assert found.friction is not None
-    slips = (found.friction.state == State.SLIP)[:, None]
-    force = np.where(slips, -found.friction.force, found.friction.force)
-    return replace(found, friction=replace(found.friction, force=force))
+    assert solution.friction is not None
+    slips = (solution.friction.state == State.SLIP)[:, None]
+    force = np.where(slips, -solution.friction.force, solution.friction.force)
+    return replace(solution, friction=replace(solution.friction, force=force))
 
 
 @contextmanager
@@ -78,20 +78,20 @@ def _unjudged() -> Iterator[None]:
 
 
 @answer("what friction loses is gained")
-def gained(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+def gained(solution: ContactSolution, start: ContactSolution) -> ContactSolution:
     """Of a step."""
-    assert found.friction is not None
+    assert solution.friction is not None
     before = 0.0 if start.friction is None else start.friction.dissipation
-    lost = 2 * before - found.friction.dissipation
-    return replace(found, friction=replace(found.friction, dissipation=lost))
+    lost = 2 * before - solution.friction.dissipation
+    return replace(solution, friction=replace(solution.friction, dissipation=lost))
 
 
 @fault("a drag is taken in the unit of length of the problem", Stages, "_stops", FRICTION)
 def in_own_units(sound: Callable[..., tuple[float, ...]], stages: Stages, setting: Any) -> tuple[float, ...]:
     """And not in mm."""
-    found = sound(stages, setting)
+    stops = sound(stages, setting)
     unit = stages._settings.number("length_unit") if "length_unit" in stages._settings else 1.0
-    return tuple(stop / unit for stop in found) if setting is DRAG else found
+    return tuple(stop / unit for stop in stops) if setting is DRAG else stops
 
 
 @fault("anchors are a thousandth off", Slip, "left", FRICTION)
@@ -106,8 +106,8 @@ def _settings_dropped() -> Iterator[None]:
     sound = settings.configured
 
     def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
-        found = sound(contact, settings)
-        return type(found)(epsilon=found.epsilon) if MU.key in settings else found
+        algorithm = sound(contact, settings)
+        return type(algorithm)(epsilon=algorithm.epsilon) if MU.key in settings else algorithm
 
     with patch.object(solving, "configured", configured), patch.object(state_laws, "configured", configured):
         yield

@@ -93,28 +93,28 @@ def check_matrices(seed: int) -> Passed:
     if refused is not None:
         return Passed(REFUSED, said=one_line(refused))
     with no_traceback():
-        found = algorithm.solve(watched(problem), ContactSolution.at_rest(len(answer.u), len(answer.pressure)))
+        solution = algorithm.solve(watched(problem), ContactSolution.at_rest(len(answer.u), len(answer.pressure)))
     with quiet():
-        return _compared_with(algorithm, problem, found, answer)
+        return _compared_with(algorithm, problem, solution, answer)
 
 
 def _compared_with(
-    algorithm: ContactAlgorithm, problem: ContactProblem, found: ContactSolution, answer: ContactSolution
+    algorithm: ContactAlgorithm, problem: ContactProblem, solution: ContactSolution, answer: ContactSolution
 ) -> Passed:
-    if found.outcome is Outcome.REFUSED:
-        return Passed(REFUSED, said=one_line(str(found.history[-1].get("event", ""))))
-    if not found.outcome.converged:
-        return Passed(f"{ENDED}: {found.outcome.word}")
+    if solution.outcome is Outcome.REFUSED:
+        return Passed(REFUSED, said=one_line(str(solution.history[-1].get("event", ""))))
+    if not solution.outcome.converged:
+        return Passed(f"{ENDED}: {solution.outcome.word}")
     tolerance = float(getattr(algorithm, "tolerance", RESIDUAL_TOLERANCE))
-    verdict = judge(problem, found.u, found.pressure, epsilon=algorithm.epsilon)
-    failures = verdict.failures(**claim(tolerance, len(found.u)))
+    verdict = judge(problem, solution.u, solution.pressure, epsilon=algorithm.epsilon)
+    failures = verdict.failures(**claim(tolerance, len(solution.u)))
     if failures:
-        told = ", ".join(f"{name} {value:.2e}" for name, value in {**verdict.kkt, **verdict.balances}.items())
-        raise Broken("certified", f"{', '.join(failures)}: {told}")
-    said = compared(*(Answer(problem, state, algorithm) for state in (answer, found)))
-    if not said or said.startswith("two"):  # K is definite: there is one answer
+        values = ", ".join(f"{name} {value:.2e}" for name, value in {**verdict.kkt, **verdict.balances}.items())
+        raise Broken("certified", f"{', '.join(failures)}: {values}")
+    difference = compared(*(Answer(problem, state, algorithm) for state in (answer, solution)))
+    if not difference or difference.startswith("two"):  # K is definite: there is one answer
         raise Broken("the made answer", "converged to another state")
-    return Passed(CONVERGED, "the made answer", said)
+    return Passed(CONVERGED, "the made answer", difference)
 
 
 SCALES = 9.0  # powers of ten of the units of a panel
@@ -230,9 +230,9 @@ def _said(
         return "agrees"
     one = Answer(problem, state, algorithm)
     if case.how == "load steps":
-        said = compared(one, Answer(problem, first.solved(algorithm, case.steps)[0], algorithm))
-        if said:
-            return said
+        difference = compared(one, Answer(problem, first.solved(algorithm, case.steps)[0], algorithm))
+        if difference:
+            return difference
     second = Answer(other.problem_at(1.0), other.solved(algorithm)[0], other.algorithm(algorithm))
     counts = [unstable(each) for each in (one, second)]
     if any(counts):

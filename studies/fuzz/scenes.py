@@ -48,31 +48,31 @@ def check(seed: int, asked: Asked) -> Passed:
     # a draw that stays the same where other laws come or go
     law = max(laws, key=lambda name: generator(seed, f"law: {name}").random() ** (1 / OFTEN.get(name, 1)))
     try:
-        said = laws[law](one, seed)
+        outcome = laws[law](one, seed)
     except _NotComparedError as error:
-        said = str(error)
-    return Passed(one.word, law, said, hardness(one.result))
+        outcome = str(error)
+    return Passed(one.word, law, outcome, hardness(one.result))
 
 
 def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
     """Those that apply, by name."""
-    found: dict[str, Callable[[Attempt, int], str]] = {}
+    laws: dict[str, Callable[[Attempt, int], str]] = {}
     if has_contact(SCENES[asked.scene]):
-        found["another algorithm"] = _algorithms
+        laws["another algorithm"] = _algorithms
     if float(asked.settings.get(MU.key, 0)) > 0:
-        found["friction fades"] = _fades
+        laws["friction fades"] = _fades
     if asked.scene not in PLAIN:
-        found["the other newton"] = _newton
-    found["another solver"] = _solver
+        laws["the other newton"] = _newton
+    laws["another solver"] = _solver
     if asked.settings.get("until") != "limit":  # of which every step size finds another point
-        found["more steps"] = _steps
+        laws["more steps"] = _steps
     if asked.scene in PARTS and asked.options.get("model", "auto") in PARTS[asked.scene]:
-        found["part = whole"] = _whole
+        laws["part = whole"] = _whole
     if asked.scene == "panel":
-        found["units"] = _panel_units
+        laws["units"] = _panel_units
     if asked.scene in SCALED:
-        found["units"] = _scaled
-    return found
+        laws["units"] = _scaled
+    return laws
 
 
 class _NotComparedError(Exception):
@@ -129,21 +129,21 @@ def _steps(one: Attempt, seed: int) -> str:
 def _same(one: Attempt, asked: Asked, seed: int) -> str:
     """What a comparison of last states says; raises Broken where nothing explains the difference."""
     other = _solved(asked, seed)
-    said = compared(_answer(one), _answer(other))
-    if not said:
+    difference = compared(_answer(one), _answer(other))
+    if not difference:
         raise Broken("one answer", f"unlike {asked.command}")
-    return said
+    return difference
 
 
 def _answer(one: Attempt) -> Answer:
     """The last state."""
     end = one.found.end
     assert end is not None
-    request, found = one.found.request, one.found
+    request, result = one.found.request, one.found
     algorithm = configured(request.contact, request.settings)
     loose = request.number("tolerance") > LOOSE
     tight = configured(request.contact, {**request.settings, "tolerance": TIGHT}) if loose else None
-    return Answer(end.problem, end.point.solution, algorithm, found.ways, not found.on_the_way, tight)
+    return Answer(end.problem, end.point.solution, algorithm, result.ways, not result.on_the_way, tight)
 
 
 # --- another problem with the same answer -----------------------------------------------------------------------------
@@ -244,13 +244,13 @@ class Reported:
         return float(np.abs(one - other) / size) if 0 < size < np.inf else 0.0
 
 
-def _facts(found: Result) -> Facts:
+def _facts(result: Result) -> Facts:
     """What may explain why another answer differs."""
-    quantities = found.loads[-1].quantities
+    quantities = result.loads[-1].quantities
     return Facts(
-        friction=rubbing(found.request.settings),
-        steps=found.ways,
+        friction=rubbing(result.request.settings),
+        steps=result.ways,
         stable=True,
-        model=found.request.model,
+        model=result.request.model,
         asymmetry=tuple(float(quantities.get(f"{name}_asymmetry", 0.0)) for name in ASYMMETRIES),
     )

@@ -77,8 +77,8 @@ def mismatches(problem: ContactProblem, u: np.ndarray, p: np.ndarray, rng: np.ra
             checks["gap curvature"] = Difference(
                 lambda x: problem.gap_jacobian(x).T @ force, bent, pushed * 1e-3, eps * pushed
             )
-    found = {name: check.excess(u, v) for name, check in checks.items()}
-    return {name: value for name, value in found.items() if not value <= BOUND}
+    excesses = {name: check.excess(u, v) for name, check in checks.items()}
+    return {name: value for name, value in excesses.items() if not value <= BOUND}
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,25 +101,25 @@ class Difference:
 # --- stability --------------------------------------------------------------------------------------------------------
 
 
-def _stability(found: Result, answer: Answer) -> None:
+def _stability(result: Result, answer: Answer) -> None:
     """Raises Broken where the certificate counts other negative eigenvalues than dense algebra does.
 
     Of an unsymmetric tangent they are not counted by its symmetric part, and a traced curve ends elsewhere.
     """
-    told = found.loads[-1].certificate.get("stability", {}) if found.loads else {}
+    counts = result.loads[-1].certificate.get("stability", {}) if result.loads else {}
     K = answer.problem.linearise(answer.state.u, None).tangent
     if (
-        told.get("negative") is None
+        counts.get("negative") is None
         or K.shape[0] > DENSE
         or not symmetric(K)
-        or found.end is None
-        or found.end.trace is not None
+        or result.end is None
+        or result.end.trace is not None
     ):
         return
     with quiet():
         negative, unsigned = signs(answer, answer.state.active)
-    least = told["negative"] + told["element_modes"]
-    most = least + told["rounding"]
+    least = counts["negative"] + counts["element_modes"]
+    most = least + counts["rounding"]
     if negative > most or negative + unsigned < least:
         raise Broken(
             "stability", f"told {least} negative eigenvalues, {most - least} unsigned; dense {negative}, {unsigned}"

@@ -2,7 +2,7 @@
 
 Rules: a residual may be claimed larger than it is, never smaller by more than rounding; a quantity agrees to AGREE, or
 to what other last digits of the field make of it; one of a stage that was solved again to RESOLVED. Counters, times,
-and loads before the last one cannot be told from a field: they stay claims, and are listed.
+and loads before the last one cannot be recomputed from a field: they stay claims, and are listed.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ def claims_success(record: Mapping[str, Any]) -> bool:
 
 def check_request(record: Mapping[str, Any], request: Request) -> None:
     """Raise ClaimError unless the record is of this request."""
-    wanted = {name: getattr(request, name) for name in ASKED}
-    wanted["mesh"] = "x".join(map(str, request.mesh))
+    expected = {name: getattr(request, name) for name in ASKED}
+    expected["mesh"] = "x".join(map(str, request.mesh))
     settings = {**request.settings, "steps": request.steps}
-    for told, asked in ((record, wanted), (record["settings"], plain(settings))):
+    for claimed, asked in ((record, expected), (record["settings"], plain(settings))):
         for name, value in asked.items():
-            if told.get(name) != value:
-                raise ClaimError("request", f"{name} claimed {told.get(name)!r}, the plan asks for {value!r}")
+            if claimed.get(name) != value:
+                raise ClaimError("request", f"{name} claimed {claimed.get(name)!r}, the plan asks for {value!r}")
     for name in sorted(record["settings"].keys() - settings.keys()):
         raise ClaimError("request", f"{name} is no setting of {request.scene}")
 
@@ -59,17 +59,17 @@ def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> tup
     load = _load(steps, opened)
     own, arrays = as_written(opened.model, ContactSolution.at_rest(opened.model.n_unknowns, 0))
     largest = 65536 + 2 * len(own) + 4 * sum(values.nbytes for values in arrays.values())
-    told = arrays_of(foreign.beside(record["id"], FIELDS, largest), arrays)
-    found = opened.at(load, told, steps[-1].get("contact_nodes"))
-    _steps(steps, load, found, opened)
-    _residuals(steps[-1], found)
-    _verdict(record, found, opened)
+    fields = arrays_of(foreign.beside(record["id"], FIELDS, largest), arrays)
+    recomputed = opened.at(load, fields, steps[-1].get("contact_nodes"))
+    _steps(steps, load, recomputed, opened)
+    _residuals(steps[-1], recomputed)
+    _verdict(record, recomputed, opened)
     claimed = [*ALWAYS_CLAIMED, *(["loads before the last"] if len(steps) > 1 else [])]
-    claimed += _quantities(record, found, opened)
+    claimed += _quantities(record, recomputed, opened)
     _counters(record, opened)
-    for name, table in found.seen.tables().items():
+    for name, table in recomputed.seen.tables().items():
         check_table(name, table, foreign.table(record["id"], f"{name}.csv"))
-    return as_written(moved(opened.model, load), found.state)[0], claimed
+    return as_written(moved(opened.model, load), recomputed.state)[0], claimed
 
 
 def _load(steps: Sequence[Mapping[str, Any]], opened: Opened) -> float:
@@ -84,7 +84,7 @@ def _load(steps: Sequence[Mapping[str, Any]], opened: Opened) -> float:
     return load
 
 
-def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, opened: Opened) -> None:
+def _steps(steps: Sequence[Mapping[str, Any]], load: float, recomputed: Recomputed, opened: Opened) -> None:
     """There must be one a load, each at its own."""
     stage = opened.stage
     if isinstance(stage, CurveStage):
@@ -92,45 +92,45 @@ def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, o
         if not until and load < (1 - AGREE) * stage.targets[-1]:
             raise ClaimError("load", f"claimed converged at {load:g}, the request goes to {stage.targets[-1]:g}")
         return
-    wanted = opened.recorded + len(stage.targets)
-    if len(steps) != wanted:
-        raise ClaimError("outcome", f"claimed converged with {len(steps)} loads of {wanted}")
-    key, value = next(iter((found.seen.step or {"": None}).items()))
+    expected = opened.recorded + len(stage.targets)
+    if len(steps) != expected:
+        raise ClaimError("outcome", f"claimed converged with {len(steps)} loads of {expected}")
+    key, value = next(iter((recomputed.seen.step or {"": None}).items()))
     for step, target in zip(steps[opened.recorded :], stage.targets, strict=True):
         asked = target if value == load else value
-        if not _close(told := _number(step.get(key), key), float(asked), AGREE):
-            raise ClaimError("load", f"{key} claimed {told!r}, the request asks for {asked:g}")
+        if not _close(claimed := _number(step.get(key), key), float(asked), AGREE):
+            raise ClaimError("load", f"{key} claimed {claimed!r}, the request asks for {asked:g}")
 
 
-def _residuals(step: Mapping[str, Any], found: Recomputed) -> None:
+def _residuals(step: Mapping[str, Any], recomputed: Recomputed) -> None:
     """None may be smaller than it is."""
-    verdict, gap = found.verdict, found.verdict.gap_bound(max(found.gap_share, 2e-12))
+    verdict, gap = recomputed.verdict, recomputed.verdict.gap_bound(max(recomputed.gap_share, 2e-12))
     rounding = {
         "equilibrium": verdict.rounding,
         "penetration": gap,
         "tension": 0.0,
         "complementarity": gap * verdict.pressure,
     }
-    told = step.get("kkt", {})
-    for name, value in found.kkt.items():
-        claimed = _number(told.get(name), name)
+    residuals = step.get("kkt", {})
+    for name, value in recomputed.kkt.items():
+        claimed = _number(residuals.get(name), name)
         if not value <= (1 + RESOLVED) * claimed + rounding[name]:
             raise ClaimError(name, f"claimed {claimed:.3g}, found {value:.3g}")
 
 
-def _verdict(record: Mapping[str, Any], found: Recomputed, opened: Opened) -> None:
+def _verdict(record: Mapping[str, Any], recomputed: Recomputed, opened: Opened) -> None:
     """The class must follow from the failures and the stability of all loads, those of the last one as found."""
     steps, last = record["steps"], record["steps"][-1]
-    told = last.get("failures")
-    if told is None or not {*found.failures} <= {*told}:
-        worst = found.failures[0]
-        has = {**found.kkt, **found.verdict.balances}[worst]
-        raise ClaimError("failures", f"claimed {told or 'none'}, the judge finds {worst} = {has:.3g}")
+    failures = last.get("failures")
+    if failures is None or not {*recomputed.failures} <= {*failures}:
+        worst = recomputed.failures[0]
+        has = {**recomputed.kkt, **recomputed.verdict.balances}[worst]
+        raise ClaimError("failures", f"claimed {failures or 'none'}, the judge finds {worst} = {has:.3g}")
     if any(step.keys() != last.keys() for step in steps):
         raise ClaimError("steps", "do not claim the same of every load")
     words = [_word(step) for step in steps]
-    if words[-1] != found.stable:
-        raise ClaimError("stability", f"claimed {words[-1]!r}, found {found.stable!r}")
+    if words[-1] != recomputed.stable:
+        raise ClaimError("stability", f"claimed {words[-1]!r}, found {recomputed.stable!r}")
     failed, unstable = any(step.get("failures") for step in steps), UNSTABLE_WORD in words and not opened.curve
     follows = WRONG if failed else UNSTABLE if unstable else CONVERGED
     if record["class"] != follows:
@@ -143,32 +143,36 @@ def _word(step: Mapping[str, Any]) -> str:
     return str(step["stability"]["word"])
 
 
-def _quantities(record: Mapping[str, Any], found: Recomputed, opened: Opened) -> Iterator[str]:
+def _quantities(record: Mapping[str, Any], recomputed: Recomputed, opened: Opened) -> Iterator[str]:
     """The headline ones and those of the last load; those that a whole curve alone can tell are yielded."""
-    told = record["quantities"]
+    quantities = record["quantities"]
     last = seen_in(record["steps"][-1], record["counters"])
-    seen, shaken = dict(found.seen.step or {}), dict(found.shaken.step or {})
-    for each, ours, others in ((last, seen, shaken), (told, found.seen.quantities, found.shaken.quantities)):
+    own, shaken = recomputed.seen, recomputed.shaken
+    observed = dict(own.step or {})
+    for each, ours, others in (
+        (last, observed, dict(shaken.step or {})),
+        (quantities, own.quantities, shaken.quantities),
+    ):
         for name, value in plain(ours).items():
             _agrees(name, each.get(name), value, AGREE, plain(others)[name])
     for name, value in opened.before.items():
-        if name not in found.seen.quantities:
-            _agrees(name, told.get(name), value, RESOLVED, value)
-    if last.keys() != seen.keys():
-        raise ClaimError("quantities", f"{', '.join(sorted(last.keys() ^ seen.keys()))} is not what the scene reads")
-    for name in told.keys() - found.seen.quantities.keys() - opened.before.keys():
+        if name not in own.quantities:
+            _agrees(name, quantities.get(name), value, RESOLVED, value)
+    if different := sorted(last.keys() ^ observed.keys()):
+        raise ClaimError("quantities", f"{', '.join(different)} is not what the scene reads")
+    for name in quantities.keys() - own.quantities.keys() - opened.before.keys():
         if not opened.curve:
             raise ClaimError("quantities", f"the scene reads no {name}")
         yield name
 
 
-def _agrees(name: str, told: Any, ours: Any, share: float, shaken: Any) -> None:
+def _agrees(name: str, claim: Any, ours: Any, share: float, shaken: Any) -> None:
     """The same but for rounding; what is no number is the same word."""
     if not isinstance(ours, int | float) or isinstance(ours, bool):
-        if told != ours:
-            raise ClaimError(name, f"claimed {told!r}, found {ours!r}")
+        if claim != ours:
+            raise ClaimError(name, f"claimed {claim!r}, found {ours!r}")
         return
-    claimed = _number(told, name)
+    claimed = _number(claim, name)
     moved = abs(float(shaken) - float(ours)) if isinstance(shaken, int | float) else 0.0
     if not _close(claimed, float(ours), share, SHAKEN * moved):
         off = f"{abs(claimed - ours) / abs(ours):.3g} of it" if ours else f"{abs(claimed):.3g}"
@@ -186,15 +190,15 @@ def _counters(record: Mapping[str, Any], opened: Opened) -> None:
 
 def check_table(name: str, ours: Table, rows: Sequence[Sequence[str]]) -> None:
     """The last rows of a table beside the record are those of its last load."""
-    head, told = rows[0], rows[1:][-len(ours) :] if len(ours) else []
-    if len(told) != len(ours) or not {*ours.columns} <= {*head}:
-        said = f"has {len(told)} rows of {', '.join(head)}; {len(ours)} belong to its last load"
-        raise ClaimError(f"{name}.csv", said)
+    head, last_rows = rows[0], rows[1:][-len(ours) :] if len(ours) else []
+    if len(last_rows) != len(ours) or not {*ours.columns} <= {*head}:
+        message = f"has {len(last_rows)} rows of {', '.join(head)}; {len(ours)} belong to its last load"
+        raise ClaimError(f"{name}.csv", message)
     for column, values in ours.columns.items():
         at = head.index(column)
         numbers = [abs(value) for value in values if isinstance(value, int | float) and math.isfinite(value)]
         allowed = RESOLVED * max(numbers, default=0.0)
-        for row, value in zip(told, values, strict=True):
+        for row, value in zip(last_rows, values, strict=True):
             if not _cell_agrees(row[at], value, allowed):
                 raise ClaimError(f"{name}.csv", f"{column} claimed {row[at] or 'nothing'!r}, found {value!r}")
 
@@ -219,5 +223,5 @@ def _number(value: Any, name: str) -> float:
     return float(value)
 
 
-def _close(told: float, ours: float, share: float, moved: float = 0.0) -> bool:
-    return told == ours or abs(told - ours) <= share * max(abs(told), abs(ours)) + moved
+def _close(claimed: float, ours: float, share: float, moved: float = 0.0) -> bool:
+    return claimed == ours or abs(claimed - ours) <= share * max(abs(claimed), abs(ours)) + moved

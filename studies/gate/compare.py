@@ -94,18 +94,18 @@ def compared(before: pd.DataFrame, now: pd.DataFrame, bounds: tuple[Bound, ...])
     if not set(before["label"]) & set(now["label"]):
         raise NothingComparedError("zero cells compared: the campaign and the baseline have none in common")
     old, new = (_by_cell(each) for each in (before, now))
-    found: list[Finding] = []
+    findings: list[Finding] = []
     for label in dict.fromkeys([*old, *new]):
         if label not in new:
-            found.append(Finding(label, "", "missing", old[label][OUTCOME], ""))
+            findings.append(Finding(label, "", "missing", old[label][OUTCOME], ""))
         elif label not in old:
-            found.append(Finding(label, "", "new", "", new[label][OUTCOME]))
+            findings.append(Finding(label, "", "new", "", new[label][OUTCOME]))
         elif old[label][OUTCOME] != new[label][OUTCOME]:
             what = "worse" if old[label][OUTCOME] == CONVERGED else "changed"
-            found.append(Finding(label, OUTCOME, what, old[label][OUTCOME], new[label][OUTCOME], "the same"))
+            findings.append(Finding(label, OUTCOME, what, old[label][OUTCOME], new[label][OUTCOME], "the same"))
         else:
-            found += _compare_cell(label, old[label], new[label], bounds)
-    return found
+            findings += _compare_cell(label, old[label], new[label], bounds)
+    return findings
 
 
 def _by_cell(values: pd.DataFrame) -> dict[str, dict[str, str]]:
@@ -172,12 +172,12 @@ def update(table: pd.DataFrame, baseline: Path, owner: str, reason: str) -> list
             bound_of(bounds, str(row.label), str(row.column))
     before = read_baseline(baseline) if baseline.exists() else now.iloc[:0]
     shared = set(before["label"]) & set(now["label"])
-    found = compared(before, now, bounds) if shared else []
-    counts = pd.Series([finding.what for finding in found], dtype=str).value_counts()
+    findings = compared(before, now, bounds) if shared else []
+    counts = pd.Series([finding.what for finding in findings], dtype=str).value_counts()
     changed = ", ".join(f"{n} {what}" for what, n in counts.items()) if shared else "first baseline"
     write_table(baseline, now)
     record_update(baseline, owner, reason, now, changed or "nothing beyond the bounds")
-    return found
+    return findings
 
 
 def lines(findings: list[Finding], most: int = 40) -> Iterator[str]:

@@ -49,7 +49,7 @@ class Foreign:
     def planned(self, campaign: str) -> list[tuple[Cell, str | None]]:
         """Cells of a campaign with the identities that they claim; raises ClaimError.
 
-        What is resolved, and how it is named, is found here anew.
+        What is resolved, and how it is named, is determined here anew.
         """
         archive = Archive(self.root)
         self._refuse_links(archive.index_path(campaign))

@@ -58,8 +58,8 @@ class Summary:
     @property
     def line(self) -> str:
         """One line."""
-        told = [f"{count} {what}" for what, count in self.counts.items()]
-        return ", ".join([*told, *([f"{len(self.refused)} refused"] if self.refused else [])]) or "no cell"
+        parts = [f"{count} {what}" for what, count in self.counts.items()]
+        return ", ".join([*parts, *([f"{len(self.refused)} refused"] if self.refused else [])]) or "no cell"
 
 
 def merge(
@@ -70,7 +70,7 @@ def merge(
 ) -> Summary:
     """Take what holds; raises UsageError for a source that is no store, or is the store itself.
 
-    say: is told each refusal as it comes.
+    say: called with each refusal as it comes.
     """
     foreign, archive, summary = Foreign(source), Archive(store), Summary(say)
     if source.resolve() == store.resolve():
@@ -123,8 +123,8 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: 
     if claimed is None:
         return NOT_SOLVED
     if claimed != cell_id:
-        said = f"claimed {claimed}, here it is {cell_id}: other sources, or another request"
-        raise ClaimError("identity", said)
+        message = f"claimed {claimed}, here it is {cell_id}: other sources, or another request"
+        raise ClaimError("identity", message)
     record = foreign.record(cell_id)
     if record is None:
         return NOT_SOLVED
@@ -177,10 +177,10 @@ def _is_here(archive: Archive, cell_id: str, record: Mapping[str, Any]) -> bool:
     if there[0] != here[0]:
         raise ClaimError("class", f"claimed {there[0]!r}, the cell here has {here[0]!r} and stays")
     for name, value in here[1].items():
-        told = there[1].get(name)
-        numbers = isinstance(told, int | float) and isinstance(value, int | float)
-        if told != value and not (numbers and abs(told - value) <= VALUES * abs(value)):
-            raise ClaimError(name, f"claimed {told}, the cell here has {value} and stays")
+        claimed = there[1].get(name)
+        numbers = isinstance(claimed, int | float) and isinstance(value, int | float)
+        if claimed != value and not (numbers and abs(claimed - value) <= VALUES * abs(value)):
+            raise ClaimError(name, f"claimed {claimed}, the cell here has {value} and stays")
     return True
 
 

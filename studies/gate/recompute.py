@@ -49,22 +49,22 @@ def as_written(model: SceneModel, state: ContactSolution) -> tuple[bytes, Arrays
     return text, {name: packed.values.ravel() for name, packed in packed_arrays(text).items()}
 
 
-def arrays_of(text: bytes, wanted: Arrays) -> dict[str, np.ndarray]:
+def arrays_of(text: bytes, expected: Arrays) -> dict[str, np.ndarray]:
     """The arrays by name, each with the type and as many values as in ``wanted``; raises ClaimError."""
     there = packed_arrays(text)
-    if there.keys() != wanted.keys():
-        raise ClaimError("field", f"has the arrays {', '.join(there) or 'of nothing'}, not {', '.join(wanted)}")
-    return {name: _unpacked(there[name], wanted[name], name) for name in wanted}
+    if there.keys() != expected.keys():
+        raise ClaimError("field", f"has the arrays {', '.join(there) or 'of nothing'}, not {', '.join(expected)}")
+    return {name: _unpacked(there[name], expected[name], name) for name in expected}
 
 
-def _unpacked(packed: PackedArray, wanted: np.ndarray, name: str) -> np.ndarray:
+def _unpacked(packed: PackedArray, expected: np.ndarray, name: str) -> np.ndarray:
     """One array (k,), unpacked no further than wanted: what says that it is small may be huge."""
-    most = wanted.nbytes
+    most = expected.nbytes
     try:
         data = packed.unpacked(most + 1)
     except ValueError as error:
         raise ClaimError("field", f"{name} cannot be unpacked: {error}") from None
-    if len(data) != most or wanted.dtype != packed.dtype:
+    if len(data) != most or expected.dtype != packed.dtype:
         has = f"more than {most}" if len(data) > most else str(len(data))
         raise ClaimError("field", f"{name} has {has} bytes, {most} belong to this mesh")
     return np.frombuffer(data, packed.dtype)
@@ -101,10 +101,10 @@ def state_of(model: SceneModel, arrays: Arrays, m: int) -> ContactSolution:
     return state
 
 
-def _agree(name: str, told: np.ndarray, ours: np.ndarray, share: float, arrays: Arrays) -> None:
+def _agree(name: str, claimed: np.ndarray, ours: np.ndarray, share: float, arrays: Arrays) -> None:
     alike = [each for each in arrays if each[:2] == name[:2]] if name.startswith(DERIVED) else [name]
     size = max(float(np.max(np.abs(arrays[each]), initial=0.0)) for each in alike)
-    off = float(np.max(np.abs(told - ours), initial=0.0))
+    off = float(np.max(np.abs(claimed - ours), initial=0.0))
     if off > share * size:
         of = {"Points": "the mesh of the request", "displacement": "its supports", "pressure": "its candidates"}
         belongs = of.get(name, "its displacements")
@@ -115,11 +115,11 @@ def _body(model: SceneModel) -> tuple[Discretisation | SolidDiscretisation, np.n
     """What the unknowns are of, and the candidate of each node; raises ClaimError where no field can be read back."""
     if isinstance(model, ShellSceneModel):
         return model.shell.discretisation, model.candidate_of_node
-    told: Any = model
-    body = getattr(getattr(told, "body", None), "discretisation", None)
+    solid: Any = model
+    body = getattr(getattr(solid, "body", None), "discretisation", None)
     if not isinstance(body, SolidDiscretisation):
         raise ClaimError("field", "of this scene cannot be read back")
-    return body, candidates_at(told.nodes, len(body.mesh.x))
+    return body, candidates_at(solid.nodes, len(body.mesh.x))
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +172,9 @@ class Opened:
         for visited in walk(earlier, algorithm, request.steps):
             if not visited.converged:
                 raise ClaimError("outcome", f"the stage {visited.stage.name!r} does not converge here")
-            seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
-            before |= seen.quantities
-            recorded += seen.step is not None
+            observation = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
+            before |= observation.quantities
+            recorded += observation.step is not None
             previous = visited.state
         try:
             begun = stage.begin(previous)
@@ -190,7 +190,7 @@ class Opened:
     def at(self, load: float, arrays: Arrays, touching: int | None) -> Recomputed:
         """Judge and read a field at a load of the last stage; raises ClaimError for one that the model cannot have.
 
-        touching: how many nodes are told to be in contact; what has no pressure and no gap counts where that fits.
+        touching: how many nodes are claimed to be in contact; what has no pressure and no gap counts where that fits.
         """
         problem = self.begun[0](load)
         if self.curve:
@@ -201,7 +201,7 @@ class Opened:
         shares = {"penetration": BEFORE, "complementarity": BEFORE} if not self.first else {}
         bounds = claim(self.request.number("tolerance"), n) | shares
         read = partial(self._read, problem, load, verdict, touching)
-        seen, used = read(state)
+        observation, used = read(state)
         return Recomputed(
             state=used,
             verdict=verdict,
@@ -209,7 +209,7 @@ class Opened:
             kkt=verdict.kkt | gap_residuals(problem, state.u, state.pressure, np.inf),
             gap_share=shares.get("penetration", 0.0),
             stable=stability(problem, used, epsilon).word,
-            seen=seen,
+            seen=observation,
             shaken=read(_shaken(used))[0],
         )
 
@@ -219,15 +219,15 @@ class Opened:
         """What the scene reads, and the state with the contact set that it was read with."""
         pressed = state.pressure > 0
         near = pressed | (problem.gap(state.u) <= verdict.gap_bound(BEFORE))
-        found = []
+        observations = []
         for active in (pressed, near):
             used = replace(state, active=active)
             try:
-                found.append((self.stage.observe(problem, used, load), used))
+                observations.append((self.stage.observe(problem, used, load), used))
             except UsageError as error:
                 raise ClaimError("scene", str(error)) from None
-        fitting = (each for each in found if (each[0].step or {}).get("contact_nodes") == touching)
-        return next(fitting, found[0])
+        fitting = (each for each in observations if (each[0].step or {}).get("contact_nodes") == touching)
+        return next(fitting, observations[0])
 
 
 def _shaken(state: ContactSolution) -> ContactSolution:

@@ -32,9 +32,9 @@ def samples_of_both(before: Path, now: Path, campaign: str) -> tuple[pd.DataFram
 
     Raises UsageError without any, and when the canary of one store runs at another speed than the other's.
     """
-    told = [read_times(store, campaign) for store in (before, now)]
-    sides = tuple(_samples(store, each) for store, each in zip((before, now), told, strict=True))
-    quiet = [median(pair[0] for pair in each["canaries"] if pair[2]) for each in told]
+    times = [read_times(store, campaign) for store in (before, now)]
+    sides = tuple(_samples(store, each) for store, each in zip((before, now), times, strict=True))
+    quiet = [median(pair[0] for pair in each["canaries"] if pair[2]) for each in times]
     if not abs(quiet[1] / quiet[0] - 1) <= DRIFT:
         raise UsageError(
             f"the canary takes {quiet[1] / quiet[0]:.2f} times what it took: another machine, or another state of it"
@@ -42,8 +42,8 @@ def samples_of_both(before: Path, now: Path, campaign: str) -> tuple[pd.DataFram
     return sides[0], sides[1]
 
 
-def _samples(store: Path, told: dict[str, Any]) -> pd.DataFrame:
-    rounds, cells = told["rounds"], told["cells"]
+def _samples(store: Path, times: dict[str, Any]) -> pd.DataFrame:
+    rounds, cells = times["rounds"], times["cells"]
     rows = [(cell["label"], seconds, i // rounds) for cell in cells for i, seconds in enumerate(cell["warm"])]
     if not rows:
         raise UsageError(f"{store}: every block of times was discarded, the machine was not quiet")
@@ -90,11 +90,11 @@ def compare_times(before: pd.DataFrame, now: pd.DataFrame, worse: str = "slower"
 def _row(label: str, before: pd.DataFrame, now: pd.DataFrame, worse: str) -> list[object]:
     a, b = before["seconds"].to_numpy(float), now["seconds"].to_numpy(float)
     n = min(len(a), len(b))
-    found = [label, n, np.median(a), np.median(b)]
+    row = [label, n, np.median(a), np.median(b)]
     if n < FEWEST:
-        return [*found, np.nan, np.nan, np.nan]
+        return [*row, np.nan, np.nan, np.nan]
     floor = max(
         floor_of(s, side["block"].to_numpy() if "block" in side else None) for s, side in ((a, before), (b, now))
     )
     p = mannwhitneyu(b, a, alternative="greater" if worse == "slower" else "less").pvalue
-    return [*found, np.median(b) / np.median(a) - 1, floor, float(p)]
+    return [*row, np.median(b) / np.median(a) - 1, floor, float(p)]

@@ -95,8 +95,8 @@ def forget(directory: Path, record: str, kept: Iterable[str]) -> None:
 def _named(record: Path) -> set[str]:
     """None elsewhere, whatever it says."""
     try:
-        told = json.loads(record.read_text(encoding="utf-8"))["files"]
-        return {name for name in told if OWN.fullmatch(name)}
+        files = json.loads(record.read_text(encoding="utf-8"))["files"]
+        return {name for name in files if OWN.fullmatch(name)}
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return set()
 

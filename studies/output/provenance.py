@@ -34,12 +34,12 @@ def provenance() -> dict[str, Any]:
 
 @cache
 def _steady() -> dict[str, Any]:
-    told = _git_status()
+    status = _git_status()
     versions = {name: _version(name) for name in PACKAGES}
     return {
         "version": _version(DISTRIBUTION),
-        "commit": next((line.split()[-1] for line in told or () if line.startswith("# branch.oid ")), "unknown"),
-        "modified": None if told is None else any(not line.startswith("#") for line in told),
+        "commit": next((line.split()[-1] for line in status or () if line.startswith("# branch.oid ")), "unknown"),
+        "modified": None if status is None else any(not line.startswith("#") for line in status),
         "packages": {name: version for name, version in versions.items() if version},
         "blas": {**{each.__name__: _blas(each) for each in (np, scipy)}, "threads": _threads()},
         "machine": _machine(),
@@ -61,8 +61,8 @@ def _machine() -> dict[str, Any]:
 
 def _blas(package: Any) -> str:
     """Name and version of the BLAS that a package was built with."""
-    told = package.show_config(mode="dicts")["Build Dependencies"]["blas"]
-    return " ".join(str(told[key]) for key in ("name", "version") if told.get(key))
+    library = package.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    return " ".join(str(library[key]) for key in ("name", "version") if library.get(key))
 
 
 def _threads() -> str:
@@ -75,21 +75,22 @@ def _git_status() -> list[str] | None:
     here = Path(__file__).parent
     if not any((folder / ".git").exists() for folder in here.parents):  # installed: no process is started
         return None
-    words = ("git", "--no-optional-locks", "status", "--porcelain=v2", "--branch", "--no-ahead-behind")
+    options = ("--porcelain=v2", "--branch", "--no-ahead-behind", "--untracked-files=no")
     try:
-        said = subprocess.run([*words, "--untracked-files=no"], cwd=here, capture_output=True, text=True, check=False)
+        command = ("git", "--no-optional-locks", "status", *options)
+        process = subprocess.run(command, cwd=here, capture_output=True, text=True, check=False)
     except OSError:
         return None
-    return None if said.returncode else said.stdout.splitlines()
+    return None if process.returncode else process.stdout.splitlines()
 
 
 def _version(package: str) -> str | None:
     """From the head of the metadata; to parse them whole takes longer than all the rest here."""
     try:
-        told = importlib.metadata.distribution(package).read_text("METADATA") or ""
+        metadata = importlib.metadata.distribution(package).read_text("METADATA") or ""
     except importlib.metadata.PackageNotFoundError:
         return None
-    return next((line[9:].strip() for line in told.splitlines() if line.startswith("Version: ")), None)
+    return next((line[9:].strip() for line in metadata.splitlines() if line.startswith("Version: ")), None)
 
 
 def _cpu() -> str:
@@ -98,7 +99,7 @@ def _cpu() -> str:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         lines = []
-    told = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)}
-    numbers = ", ".join(f"{key.split()[-1]} {told[key]}" for key in ("cpu family", "model") if key in told)
-    name = told.get("model name") or platform.processor()  # which starts a process to ask
+    fields = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)}
+    numbers = ", ".join(f"{key.split()[-1]} {fields[key]}" for key in ("cpu family", "model") if key in fields)
+    name = fields.get("model name") or platform.processor()  # which starts a process to ask
     return f"{name} ({numbers})" if name and numbers else name

@@ -36,5 +36,5 @@ class Shown(ABC):
 
         with option_context("display.max_colwidth", None):  # meanings are whole sentences
             rows = table.to_html(max_rows=MOST, index=False, float_format=lambda x: f"{x:.6g}", border=0)
-        said = "".join(f"<p>{escape(each)}</p>" for each in remarks)
-        return f"<p><strong>{escape(self.line)}</strong></p>{rows}{said}"
+        paragraphs = "".join(f"<p>{escape(each)}</p>" for each in remarks)
+        return f"<p><strong>{escape(self.line)}</strong></p>{rows}{paragraphs}"

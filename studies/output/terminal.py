@@ -17,16 +17,16 @@ def columns(rows: Sequence[Sequence[str]], indent: str = "", *, right: range = r
     """Each column as wide as its longest word, those in ``right`` flush right; the last one takes what it needs."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
-        words = (
+        padded = (
             f"{word:{'>' if i in right else '<'}{width}s}"
             for i, (word, width) in enumerate(zip(row, widths, strict=True))
         )
-        yield (indent + "  ".join(words)).rstrip()
+        yield (indent + "  ".join(padded)).rstrip()
 
 
 def printable(text: str) -> str:
     """A text without control characters: each as it is written in Python."""
-    return CONTROL.sub(lambda found: _escaped(found[0]), text)
+    return CONTROL.sub(lambda match: _escaped(match[0]), text)
 
 
 def _escaped(letter: str) -> str:
@@ -55,5 +55,5 @@ class Escaping:
 
 def behind(stream: Any) -> TextIO:
     """The stream that draws, behind the one that escapes."""
-    found: TextIO = getattr(stream, "stream", stream)
-    return found
+    underlying: TextIO = getattr(stream, "stream", stream)
+    return underlying

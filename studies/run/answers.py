@@ -88,8 +88,8 @@ class Answers:
 
     def those(self, cells: Iterable[Cell]) -> list[Answer]:
         """The answers of cells that are planned and have one."""
-        found = (self.get(cell.label) for cell in cells)
-        return [answer for answer in found if answer is not None]
+        answers = (self.get(cell.label) for cell in cells)
+        return [answer for answer in answers if answer is not None]
 
 
 def number(value: Any) -> float:

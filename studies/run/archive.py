@@ -75,13 +75,13 @@ class Archive:
         """The plan of a campaign; raises UsageError when it has none, or another schema's."""
         path = self.index_path(campaign)
         try:
-            found = read_file(path, ("schema", "campaign", "cells"), plan_fault)
+            plan = read_file(path, ("schema", "campaign", "cells"), plan_fault)
         except DamagedError as error:
             raise UsageError(str(error)) from None
-        if found is None:
+        if plan is None:
             there = ", ".join(self.campaigns()) or "none"
             raise UsageError(f"{self.root} has no campaign {campaign!r}; it has {there}")
-        return found
+        return plan
 
     def campaigns(self) -> list[str]:
         """Names of the campaigns that were begun here."""
@@ -92,9 +92,9 @@ class Archive:
         write_text(self.record_path(cell_id), text)
         self.failure_path(cell_id).unlink(missing_ok=True)
 
-    def note_failure(self, cell_id: str, found: Mapping[str, Any]) -> None:
+    def note_failure(self, cell_id: str, failure: Mapping[str, Any]) -> None:
         """Put how an attempt has ended."""
-        write_json(self.failure_path(cell_id), {"schema": SCHEMA, "id": cell_id, **found})
+        write_json(self.failure_path(cell_id), {"schema": SCHEMA, "id": cell_id, **failure})
 
     def has(self, cell_id: str, *, files: bool) -> bool:
         """True when the record is there, with its files if they are wanted; raises DamagedError."""
@@ -131,8 +131,8 @@ class Archive:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                said = f"{self.root} is in use by another run; wait for it or choose another --store"
-                raise UsageError(said) from None
+                message = f"{self.root} is in use by another run; wait for it or choose another --store"
+                raise UsageError(message) from None
             for part in self.root.rglob(f"{PART}*"):
                 part.unlink(missing_ok=True)
             yield

@@ -155,8 +155,8 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
             chosen = dict(zip(axes, values, strict=True))
             options = {key: value for key, value in chosen.items() if key in OPTIONS.values()}
             settings = {key: value for key, value in chosen.items() if key not in options}
-            words = [*options.values(), *(f"{key}={value}" for key, value in settings.items())]
-            label = " ".join([str(cross.get("name", "cross")), scene, *words])
+            parts = [*options.values(), *(f"{key}={value}" for key, value in settings.items())]
+            label = " ".join([str(cross.get("name", "cross")), scene, *parts])
             given = {key: text_of(value) for key, value in constant.items()} | settings
             yield Cell(label, scene, {**options, **steps}, given, artefacts=False)
 
@@ -192,8 +192,8 @@ def _known(path: Path, data: Mapping[str, Any], kind: str) -> None:
 
 def _without_repeats(path: Path, cells: list[Cell]) -> tuple[Cell, ...]:
     """The cells; the same one of two lists counts once. Raises UsageError for one label of two cells."""
-    found: dict[str, Cell] = {}
+    by_label: dict[str, Cell] = {}
     for cell in cells:
-        if found.setdefault(cell.label, cell) != cell:
+        if by_label.setdefault(cell.label, cell) != cell:
             raise UsageError(f"campaign {path}: two cells have the label {cell.label!r}")
-    return tuple(found.values())
+    return tuple(by_label.values())

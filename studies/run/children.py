@@ -43,8 +43,8 @@ def keeping_what_is_finished(store: Path) -> Iterator[None]:
     try:
         yield
     except StoreFullError as error:
-        said = f"{store} takes no more: {error}; what is finished is kept, run again to go on"
-        raise StoreFullError(said) from None
+        message = f"{store} takes no more: {error}; what is finished is kept, run again to go on"
+        raise StoreFullError(message) from None
 
 
 @dataclass(frozen=True, eq=False)

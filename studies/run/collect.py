@@ -76,27 +76,27 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
     if answer is None:
         failure = answers.archive.failure(planned["id"]) or {"class": MISSING, "reason": ""}
         return {**row, "outcome": failure["class"], "reason": failure["reason"]}
-    found = answer.record
-    last = found["steps"][-1] if found["steps"] else {}
-    numbers = {key: value for key, value in seen_in(last, found["counters"]).items() if _is_number(value)}
+    record = answer.record
+    last = record["steps"][-1] if record["steps"] else {}
+    numbers = {key: value for key, value in seen_in(last, record["counters"]).items() if _is_number(value)}
     return {
         **row,
-        **{"outcome": found["class"], "reason": found["reason"]},
-        **of_record(found),
-        **_end(found.get("path_end") or {}),
-        **{f"q.{key}": number(value) for key, value in {**numbers, **found["quantities"]}.items()},
-        **{f"c.{key}": value for key, value in found["counters"].items()},
-        **{f"w.{key}": value for key, value in found.get("work", {}).items()},
-        "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
-        **{f"t.{key}": value for key, value in found["timing_s"].items()},
-        **_seconds(found["timing_s"]),
+        **{"outcome": record["class"], "reason": record["reason"]},
+        **of_record(record),
+        **_end(record.get("path_end") or {}),
+        **{f"q.{key}": number(value) for key, value in {**numbers, **record["quantities"]}.items()},
+        **{f"c.{key}": value for key, value in record["counters"].items()},
+        **{f"w.{key}": value for key, value in record.get("work", {}).items()},
+        "c.substeps": sum(step.get("substeps", 1) for step in record["steps"]),
+        **{f"t.{key}": value for key, value in record["timing_s"].items()},
+        **_seconds(record["timing_s"]),
         **{f"k.{key}": number(value) for key, value in last.get("kkt", {}).items()},
     }
 
 
-def _end(found: Mapping[str, Any]) -> dict[str, Any]:
-    at = number(found.get("parameter"))
-    return {"path_end": found.get("kind", ""), "path_end_at": at, "path_end_by": found.get("found_by", "")}
+def _end(path_end: Mapping[str, Any]) -> dict[str, Any]:
+    at = number(path_end.get("parameter"))
+    return {"path_end": path_end.get("kind", ""), "path_end_at": at, "path_end_by": path_end.get("found_by", "")}
 
 
 def _seconds(timing: Mapping[str, float]) -> dict[str, float]:
@@ -178,19 +178,19 @@ COUNTED = ("machine", "cells", *STATUSES, "seconds")
 
 def machine_of(origin: Mapping[str, Any]) -> str:
     """What decides a time, of a record's provenance: processor, cores, system, BLAS and its threads."""
-    told, blas = origin.get("machine") or {}, origin.get("blas") or {}
-    cores = f"{told['cores']} cores" if told.get("cores") else ""
+    machine, blas = origin.get("machine") or {}, origin.get("blas") or {}
+    cores = f"{machine['cores']} cores" if machine.get("cores") else ""
     brought = ", ".join(dict.fromkeys(str(version) for name, version in blas.items() if name != "threads"))
     threads = f"threads {blas['threads']}" if "threads" in blas else ""
-    names = (told.get("cpu"), cores, told.get("system"), told.get("processor"), brought, threads)
+    names = (machine.get("cpu"), cores, machine.get("system"), machine.get("processor"), brought, threads)
     return ", ".join(str(name) for name in names if name) or UNKNOWN
 
 
 def of_record(record: Mapping[str, Any]) -> dict[str, Any]:
     """machine; merged: how far the cell was verified, nothing where it was solved here; seconds_there: as claimed."""
     mark = record.get("merged") or {}
-    found = {"machine": machine_of(record.get("provenance") or {}), "merged": mark.get("status", "")}
-    return {**found, "seconds_there": mark.get("timing_s", {}).get("cpu", np.nan)} if mark else found
+    columns = {"machine": machine_of(record.get("provenance") or {}), "merged": mark.get("status", "")}
+    return {**columns, "seconds_there": mark.get("timing_s", {}).get("cpu", np.nan)} if mark else columns
 
 
 def home_of(table: pd.DataFrame, timed_on: str = "") -> str:

@@ -21,7 +21,7 @@ _PAPER = {"element": "paper"}
 
 
 def enforcements(default: float) -> tuple[tuple[str, str], ...]:
-    """The exact condition, which all algorithms must agree on, and what an algorithm does if not told otherwise."""
+    """The exact condition, which all algorithms must agree on, and what an algorithm does by default."""
     return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", text_of(default)))
 
 
@@ -32,10 +32,10 @@ ONE_BY_ONE = tomllib.loads(Path(__file__).with_name("cells.toml").read_text(enco
 def _cells(part: str) -> Iterator[Cell]:
     """Those of a part of cells.toml."""
     for label, own in ONE_BY_ONE[part]["cells"].items():
-        told = {**ONE_BY_ONE[part]["shared"], **own}
-        scene, expected, group = (told.pop(name, "") for name in ("scene", "expected", "group"))
-        options = {name: told.pop(name) for name in list(told) if name in OF_A_CELL}
-        yield Cell(label, scene, options, told, expected=expected, group=group)
+        settings = {**ONE_BY_ONE[part]["shared"], **own}
+        scene, expected, group = (settings.pop(name, "") for name in ("scene", "expected", "group"))
+        options = {name: settings.pop(name) for name in list(settings) if name in OF_A_CELL}
+        yield Cell(label, scene, options, settings, expected=expected, group=group)
 
 
 PARTS = ("tyre", "readings", "solid", "robustness", "models")

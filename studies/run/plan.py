@@ -41,11 +41,11 @@ class Row:
     def as_json(self) -> dict[str, Any]:
         """The row of the index."""
         cell = self.cell
-        told = {"label": cell.label, "id": self.id, "scene": cell.scene, "command": cell.command}
+        identity = {"label": cell.label, "id": self.id, "scene": cell.scene, "command": cell.command}
         asked = {"options": cell.options, "settings": cell.settings, "files": cell.artefacts}
         known = {name: value for name in ("expected", "group") if (value := getattr(cell, name))}
         request = None if self.request is None else plain(self.request.data)
-        return {**told, **asked, **known, "request": request, "reason": self.reason}
+        return {**identity, **asked, **known, "request": request, "reason": self.reason}
 
     def task(self, use: tuple[str, ...] = (), *, artefacts: bool = False) -> Task:
         """What a process is asked that solves it; its files are kept where ``artefacts`` says so."""
@@ -110,8 +110,8 @@ _NO_MECHANICS = without_contact(_no_mechanics, 0)
 
 def solved_rows(rows: list[Row]) -> Iterator[tuple[str, Row]]:
     """Rows that are solved, by id: one where several ask for the same, with its files if any of them wants them."""
-    found: dict[str, Row] = {}
+    by_id: dict[str, Row] = {}
     for row in rows:
-        if row.id is not None and (row.id not in found or row.cell.artefacts):
-            found[row.id] = row
-    yield from found.items()
+        if row.id is not None and (row.id not in by_id or row.cell.artefacts):
+            by_id[row.id] = row
+    yield from by_id.items()

@@ -13,12 +13,12 @@ from studies.solving.solve import solve
 
 
 def record_of(cell_id: str, request: Request, directory: Path | None) -> str:
-    """Solve a request and tell; a scene that refuses to be built is a record, too. Raises what solving raises."""
+    """The record of a solved request; a scene that refuses to be built is a record, too. Raises what solving raises."""
     try:
         result = solve(SCENES[request.scene], request)
     except UsageError as error:
         result = Result(request, unsupported=str(error))
     files = [] if directory is None or result.unsupported else result.write_artefacts(directory)
-    told = result.as_json()
-    told["reason"] = as_line(told["reason"])
-    return as_text({"schema": SCHEMA, "id": cell_id, **told, "files": files})
+    record = result.as_json()
+    record["reason"] = as_line(record["reason"])
+    return as_text({"schema": SCHEMA, "id": cell_id, **record, "files": files})

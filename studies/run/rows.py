@@ -81,12 +81,12 @@ def reference_rows(table: pd.DataFrame) -> pd.DataFrame:
     Of several references that hold where the cell was solved, the least uncertain is taken; none that is zero, because
     errors are relative.
     """
-    found = [
+    references = [
         (row["label"], quantity, each.value, each.uncertainty, each.kind, each.source)
         for row in table[table["outcome"].isin(SOLVED)].to_dict("records")
         for quantity, each in _applicable(row).items()
     ]
-    rows = pd.DataFrame(found, columns=["label", "quantity", "value", "uncertainty", "kind", "source"])
+    rows = pd.DataFrame(references, columns=["label", "quantity", "value", "uncertainty", "kind", "source"])
     return rows.astype({"value": float, "uncertainty": float})
 
 
@@ -135,9 +135,9 @@ def published(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
 def _answers(table: pd.DataFrame, numbered: pd.DataFrame) -> pd.DataFrame:
     own = answers(table)[["label", "quantity", "value"]]
     known = reference_rows(table).rename(columns={"value": "reference"})
-    found = own.merge(known, how="left", on=["label", "quantity"]).merge(numbered[["label", "cell"]], on="label")
-    found["error"] = found["value"] / found["reference"] - 1
-    return found.sort_values("cell", kind="stable")[ANSWERS]
+    joined = own.merge(known, how="left", on=["label", "quantity"]).merge(numbered[["label", "cell"]], on="label")
+    joined["error"] = joined["value"] / joined["reference"] - 1
+    return joined.sort_values("cell", kind="stable")[ANSWERS]
 
 
 def _renamed(kind: str, name: str) -> str:

@@ -54,8 +54,8 @@ class Summary:
     def line(self) -> str:
         """One line."""
         counts = ", ".join(f"{self.classes[name]} {name}" for name in CLASSES if self.classes[name])
-        told = f"{self.planned} cells: {counts or 'none'}; {self.solved} solved now"
-        return told + (f"; tables not made: {', '.join(self.tables)}" if self.tables else "")
+        summary = f"{self.planned} cells: {counts or 'none'}; {self.solved} solved now"
+        return summary + (f"; tables not made: {', '.join(self.tables)}" if self.tables else "")
 
 
 def run(
@@ -94,14 +94,14 @@ def run(
 
 def classes(archive: Archive, rows: list[Row]) -> Counter[str]:
     """How many cells have ended how."""
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for row in rows:
         if row.id is None:
-            found[UNSUPPORTED] += 1
+            counts[UNSUPPORTED] += 1
             continue
         ended = archive.record(row.id) or archive.failure(row.id)
-        found[ended["class"] if ended else "missing"] += 1
-    return found
+        counts[ended["class"] if ended else "missing"] += 1
+    return counts
 
 
 def _begun(
@@ -125,9 +125,9 @@ def write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
     for table in sorted(DATA.glob("*.csv")):
         write_text(archive.root / "references" / table.name, table.read_text(encoding="utf-8"))
     write_json(archive.root / "references.json", {"schema": SCHEMA, "references": references})
-    told = {"schema": SCHEMA, "campaign": campaign.name, "title": campaign.title, "pages": campaign.pages}
+    header = {"schema": SCHEMA, "campaign": campaign.name, "title": campaign.title, "pages": campaign.pages}
     cells = [row.as_json() for row in rows]
-    write_json(archive.index_path(campaign.name), {**told, "tables": campaign.tables, "cells": cells})
+    write_json(archive.index_path(campaign.name), {**header, "tables": campaign.tables, "cells": cells})
 
 
 def _missing(

@@ -131,17 +131,17 @@ WAYS: dict[str, Callable[[Kind], Each | Named | Maybe]] = {"each": Each, "named"
 
 def _read() -> dict[str, Kind]:
     """The kinds of kinds.toml by name, each made of those before it."""
-    found: dict[str, Kind] = {kind.__name__: kind for kind in (*PLAIN, *LISTED)}
+    kinds: dict[str, Kind] = {kind.__name__: kind for kind in (*PLAIN, *LISTED)}
 
-    def made(told: Any) -> Kind:
-        if isinstance(told, dict):
-            return {key: made(inside) for keys, inside in told.items() for key in keys.split()}
-        way, _, name = told.rpartition(" ")
-        return WAYS[way](found[name]) if way else found[name]
+    def made(declared: Any) -> Kind:
+        if isinstance(declared, dict):
+            return {key: made(inside) for keys, inside in declared.items() for key in keys.split()}
+        way, _, name = declared.rpartition(" ")
+        return WAYS[way](kinds[name]) if way else kinds[name]
 
-    for name, told in tomllib.loads(Path(__file__).with_name("kinds.toml").read_text(encoding="utf-8")).items():
-        found[name] = made(told)
-    return found
+    for name, declaration in tomllib.loads(Path(__file__).with_name("kinds.toml").read_text(encoding="utf-8")).items():
+        kinds[name] = made(declaration)
+    return kinds
 
 
 KINDS = _read()
@@ -155,15 +155,15 @@ def fault(value: Any, kind: Kind, at: str = "") -> str:
 
 def plan_fault(data: Mapping[str, Any]) -> str:
     """The first fault of a plan, or of a row that lacks something."""
-    found = fault(data, PLAN)
-    for i, row in enumerate(() if found else data["cells"]):
+    message = fault(data, PLAN)
+    for i, row in enumerate(() if message else data["cells"]):
         lacks = [key for key in ROW_KEYS if key not in row]
         lacks += [
             f"request.{key}" for key in REQUEST_KEYS if row.get("request") is not None and key not in row["request"]
         ]
         if lacks:
             return f"cells[{i}] lacks {', '.join(lacks)}"
-    return found
+    return message
 
 
 def _faults(value: Any, kind: Kind, at: str) -> Iterator[str]:

@@ -66,15 +66,15 @@ def _digest(modules: frozenset[str], root: Path, without: tuple[str, ...]) -> st
 
 def hashed(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> dict[str, str]:
     """Those of the closure that have statements, sorted by name: the hash of these, and of the data beside them."""
-    found = {}
+    hashes = {}
     for name in sorted(closure(modules, root, without=without)):
         path = _path_of(name, root)
         assert path is not None
         source = _read(path.read_bytes(), "")
         if source.statements:
             data = (place.read_bytes() for file in source.beside if (place := path.with_name(file)).is_file())
-            found[name] = " ".join((source.statements, *(hashlib.sha256(each).hexdigest() for each in data)))
-    return found
+            hashes[name] = " ".join((source.statements, *(hashlib.sha256(each).hexdigest() for each in data)))
+    return hashes
 
 
 def closure(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> set[str]:
@@ -82,14 +82,14 @@ def closure(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ..
 
     A module outside our packages counts when it is named (a part of a user's own), and what it imports from its folder.
     """
-    found: set[str] = set()
+    names: set[str] = set()
     ahead = [name for name in modules if _path_of(name, root) is not None]
     while ahead:
         name = ahead.pop()
-        if name not in found and not any(fnmatchcase(name, each) for each in without):
-            found.add(name)
+        if name not in names and not any(fnmatchcase(name, each) for each in without):
+            names.add(name)
             ahead += () if name in PACKAGES else _imports(name, root)  # those re-export what a notebook calls
-    return found
+    return names
 
 
 def data_of(name: str, root: Path = ROOT) -> list[Path]:
@@ -152,8 +152,8 @@ def _read(source: bytes, package: str) -> _Source:
     for node in nodes:
         if isinstance(node, documented) and ast.get_docstring(node):
             node.body[:1] = [] if len(node.body) > 1 or isinstance(node, ast.Module) else [ast.Pass()]
-    said = ast.unparse(tree).removeprefix("from __future__ import annotations")
-    return _Source(hashlib.sha256(said.encode()).hexdigest() if said.strip() else "", named, beside)
+    code = ast.unparse(tree).removeprefix("from __future__ import annotations")
+    return _Source(hashlib.sha256(code.encode()).hexdigest() if code.strip() else "", named, beside)
 
 
 def _data(nodes: Sequence[ast.AST]) -> Iterator[str]:

@@ -92,7 +92,7 @@ def _settle_libraries() -> None:
 def status_MB(key: str) -> float:
     """Memory of this process as the kernel counts it: VmData what is private, VmRSS, VmHWM; NaN where it does not."""
     try:
-        told = Path("/proc/self/status").read_text(encoding="ascii")
+        status = Path("/proc/self/status").read_text(encoding="ascii")
     except OSError:
         return math.nan
-    return float(told.partition(f"{key}:")[2].split()[0]) / 1024
+    return float(status.partition(f"{key}:")[2].split()[0]) / 1024

@@ -31,12 +31,12 @@ def times_path(store: Path, campaign: str) -> Path:
 def read_times(store: Path, campaign: str) -> dict[str, Any]:
     """What was kept of a campaign: canaries, rounds of a block, samples, provenance; raises UsageError."""
     try:
-        found = read_file(times_path(store, campaign), ("canaries", "rounds", "cells"), lambda told: fault(told, TIMES))
+        times = read_file(times_path(store, campaign), ("canaries", "rounds", "cells"), lambda data: fault(data, TIMES))
     except DamagedError as error:
         raise UsageError(str(error)) from None
-    if found is None:
+    if times is None:
         raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them")
-    return {"provenance": {}, **found}
+    return {"provenance": {}, **times}
 
 
 def interval(samples: Sequence[float]) -> tuple[float, float, float]:
@@ -47,8 +47,8 @@ def interval(samples: Sequence[float]) -> tuple[float, float, float]:
         return samples[0], samples[0], samples[0]
     from scipy.stats import bootstrap  # takes as long to load as all else here
 
-    found = bootstrap((np.array(samples),), np.median, confidence_level=CONFIDENCE, method="percentile", rng=2004)
-    low, high = found.confidence_interval
+    resampled = bootstrap((np.array(samples),), np.median, confidence_level=CONFIDENCE, method="percentile", rng=2004)
+    low, high = resampled.confidence_interval
     return statistics.median(samples), float(low), float(high)
 
 

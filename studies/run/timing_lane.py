@@ -48,15 +48,15 @@ class Stopwatch:
 
 def shares(seconds: Mapping[str, float]) -> list[list[str]]:
     """Cells in their order, with what share a block: at most SHARE of these seconds, or a cell alone."""
-    found: list[list[str]] = []
+    blocks: list[list[str]] = []
     spent = math.inf
     for label, own in seconds.items():
         if spent + own > SHARE:
-            found.append([])
+            blocks.append([])
             spent = 0.0
-        found[-1].append(label)
+        blocks[-1].append(label)
         spent += own
-    return found
+    return blocks
 
 
 def sample(
@@ -70,7 +70,7 @@ def sample(
 
     Returns the samples of each cell, and the canaries before and after each block with whether it counts.
     """
-    found: Samples = {label: {"warm": [], "cold": [], "discarded": []} for labels in shared for label in labels}
+    samples: Samples = {label: {"warm": [], "cold": [], "discarded": []} for labels in shared for label in labels}
     canaries, quiet = list[tuple[float, float, bool]](), math.inf
     planned = [(f"block {block + 1}", labels) for block in range(blocks) for labels in shared]
     for done, (name, labels) in enumerate(planned):
@@ -88,12 +88,12 @@ def sample(
             counts = max(before, after) <= (1 + DRIFT) * quiet
             canaries.append((before, after, counts))
             for label in labels:
-                found[label]["cold"].append(cold[label])
-                found[label]["warm" if counts else "discarded"] += warm[label]
+                samples[label]["cold"].append(cold[label])
+                samples[label]["warm" if counts else "discarded"] += warm[label]
             if counts:
                 break
     progress(len(planned) * rounds, len(planned) * rounds, "done")
-    return found, canaries
+    return samples, canaries
 
 
 def time_campaign(
@@ -107,8 +107,8 @@ def time_campaign(
     Raises UsageError when there is none, and when a cell does not end as it did.
     """
     archive = Archive(store)
-    wanted = [row for row in plan(campaign) if only(row.cell.label)]
-    rows = {row.cell.label: (cell_id, row) for cell_id, row in solved_rows(wanted)}
+    selected = [row for row in plan(campaign) if only(row.cell.label)]
+    rows = {row.cell.label: (cell_id, row) for cell_id, row in solved_rows(selected)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
     if not right:
@@ -122,19 +122,19 @@ def time_campaign(
         return dict(json.loads(answer["text"]))
 
     def cell(label: str) -> float:
-        told = ask(rows[label][1].task((*used(), *campaign.use)))
-        return float(told["timing_s"]["cpu"])
+        record = ask(rows[label][1].task((*used(), *campaign.use)))
+        return float(record["timing_s"]["cpu"])
 
     try:
         watch = Stopwatch(child.end, lambda: float(ask(Task("canary", "canary"))["seconds"]), cell)
         shared = shares({label: _spent(record) for label, record in right.items()})
-        found, canaries = sample(shared, watch, BLOCKS, ROUNDS, progress)
+        samples, canaries = sample(shared, watch, BLOCKS, ROUNDS, progress)
     finally:
         child.end()
     with archive.claimed():
-        told = {"schema": SCHEMA, "campaign": campaign.name, "provenance": provenance(), "canaries": canaries}
-        cells = [{"label": label, "id": rows[label][0], **found[label]} for label in right]
-        write_json(times_path(store, campaign.name), {**told, "rounds": ROUNDS, "cells": cells})
+        header = {"schema": SCHEMA, "campaign": campaign.name, "provenance": provenance(), "canaries": canaries}
+        cells = [{"label": label, "id": rows[label][0], **samples[label]} for label in right]
+        write_json(times_path(store, campaign.name), {**header, "rounds": ROUNDS, "cells": cells})
     return summary(store, campaign.name)
 
 
