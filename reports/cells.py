@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -44,8 +42,7 @@ class Cell:
     """One request of a campaign, and what became of it: ``ended`` is one of CLASSES.
 
     result: result.json, empty where there is none; the tables beside it are read when asked for. asked: the request, as
-    far as it went. group: the list of the campaign that it is
-    of. shown: is it one of the cells behind the pages?
+    far as it went. shown: is it one of the cells behind the pages?
     """
 
     label: str
@@ -56,18 +53,12 @@ class Cell:
     ended: str
     reason: str
     asked: Mapping[str, Any] = field(default_factory=dict)
-    group: str = ""
     shown: bool = False
 
     @property
     def converged(self) -> bool:
         """True when every requested load was reached."""
         return bool(self.result["outcome"] == "converged")
-
-    @property
-    def unsupported(self) -> bool:
-        """True when the algorithm refused the problem; the reason says why."""
-        return bool(self.result["outcome"] == "unsupported")
 
     @property
     def settings(self) -> Mapping[str, Any]:
@@ -107,19 +98,6 @@ class Cell:
         """Those that were read: the reference of a comparison is asked for by each that is compared with it."""
         return {}
 
-    def matches(self, wanted: Mapping[str, Any]) -> bool:
-        """Has the resolved request all these values? A number matches a path of one value, "8x4" a mesh."""
-        return all(_same(self._known.get(key), value) for key, value in wanted.items())
-
-    @cached_property
-    def request(self) -> str:
-        """What was asked, the same for cells that ask for the same."""
-        return json.dumps(self.asked, sort_keys=True)
-
-    @cached_property
-    def _known(self) -> Mapping[str, Any]:
-        return {"group": self.group, **self.asked.get("settings", {}), **self.asked}
-
 
 def planned_cell(path: Path, row: Mapping[str, Any]) -> Cell:
     """A row of the index with its record, its failure, or neither; raises StoreError for what cannot be read."""
@@ -136,10 +114,8 @@ def planned_cell(path: Path, row: Mapping[str, Any]) -> Cell:
     elif failure.exists():
         ending = read_versioned(failure, ("schema", "id", *ENDING_KEYS))
     asked = dict(row["request"] or {**row["options"], "settings": row["settings"]})
-    asked.pop("model_reason", None)  # of older stores, whose requests say why a model was chosen: it decides nothing
-    about = {"group": row.get("group", ""), "shown": bool(row["files"])}
     named = (row["label"], row["scene"], row["command"], path / "cells" / str(row["id"]))
-    return Cell(*named, result, ending["class"], ending["reason"], asked, **about)
+    return Cell(*named, result, ending["class"], ending["reason"], asked, bool(row["files"]))
 
 
 def load_cell(directory: Path) -> Cell:
@@ -152,12 +128,3 @@ def load_cell(directory: Path) -> Cell:
 def _require_steps(result: Mapping[str, Any], path: Path) -> None:
     for step in result["steps"]:
         require(step, TYRE_STEP_KEYS if result["scene"] in TYRES else STEP_KEYS, path)
-
-
-def _same(there: Any, wanted: Any) -> bool:
-    """Are two values of a request the same? As written in JSON, infinity being a word and a path a list."""
-    if isinstance(there, list):
-        if isinstance(wanted, str):
-            return "x".join(map(str, there)) == wanted
-        return there == (list(wanted) if isinstance(wanted, list | tuple) else [wanted])
-    return bool(there == ("inf" if wanted == math.inf else wanted))

@@ -71,31 +71,6 @@ def on_page_content(html: str, page: Any, config: Any, files: Any) -> str:
     return FORMULA.sub(drawn, html)
 
 
-def on_post_build(config: Any) -> None:
-    """Every public name of every module has its place, or the build is no strict one."""
-    for module, path in modules().items():
-        html = (Path(config.site_dir) / "api" / f"{room_of(module)}.html").read_text(encoding="utf-8")
-        for name in public_names(path):
-            if f'id="{module}.{name}"' not in html:
-                logging.getLogger("mkdocs").warning("%s.%s: not in the API", module, name)
-
-
-def public_names(path: Path) -> Iterator[str]:
-    """Functions, classes and constants of a module without an underscore."""
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            yield from ([] if node.name.startswith("_") else [node.name])
-        elif isinstance(node, ast.Assign | ast.AnnAssign):
-            yield from constants(node)
-
-
-def constants(node: ast.Assign | ast.AnnAssign) -> list[str]:
-    """Public names that an assignment gives a value."""
-    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-    parts = [part for each in targets for part in (each.elts if isinstance(each, ast.Tuple) else [each])]
-    return [part.id for part in parts if isinstance(part, ast.Name) and not part.id.startswith("_")]
-
-
 def site_name(path: str) -> str | None:
     """Where a file of the tree is on the site: itself, the page that it became, its room of the API; None elsewhere."""
     if path in MOUNTED:
@@ -147,14 +122,8 @@ def users_names() -> Iterator[str]:
 
 
 def _directive(module: str) -> str:
-    """What is read from a module; constants that get their values together, which it does not show, as they stand."""
-    source = modules()[module].read_text(encoding="utf-8")
-    lines = [f"## {module}", "", f"::: {module}", "    options:", "      show_root_heading: false", ""]
-    for node in ast.parse(source).body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple) and (names := constants(node)):
-            anchors = "".join(f'<a id="{module}.{name}"></a>' for name in names)
-            lines += [anchors, "", "```python", ast.get_source_segment(source, node) or "", "```", ""]
-    return "\n".join(lines)
+    """What is read from a module."""
+    return "\n".join([f"## {module}", "", f"::: {module}", "    options:", "      show_root_heading: false", ""])
 
 
 def _summary(path: Path) -> str:

@@ -5,23 +5,19 @@ Nothing is computed here beyond looking things up. Whatever is wrong with a stor
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from reports.cells import CELL_KEYS, Cell, planned_cell
-from reports.reading import SCHEMA, StoreError, read_table, read_versioned, require
+from reports.reading import StoreError, read_table, read_versioned, require
 
-SHEETS = "sheets"  # the group of the cells that are drawn, which no other page means
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
-REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
 # columns of tables that may be empty; what is not there is an empty word
-OF_A_REQUEST = "label command scene measure contact newton element model configuration settings quantity mesh"
+OF_A_REQUEST = "label command scene measure contact way newton element model configuration settings quantity mesh"
 OF_A_LADDER = "ladder family at against largest"
 OF_A_COMPARISON = "flag removed flips ranking ended path_end found_by why advised best runner_up verdict said"
 OF_A_FINDING = "cause causes refusals worst_scene error_scene load_key regime name axis"
@@ -35,14 +31,10 @@ PROSE: Mapping[str, tuple[str, ...]] = {  # columns of whole sentences
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """A campaign of a store: ``planned`` is everything it asks for, in order.
-
-    references: as written by the scenes.  pages: which of them the campaign is made for.
-    """
+    """A campaign of a store: ``planned`` is everything it asks for, in order; pages: which the campaign is made for."""
 
     path: Path
     campaign: str
-    references: tuple[Mapping[str, Any], ...]
     planned: tuple[Cell, ...] = ()
     title: str = ""
     pages: str = ""
@@ -52,50 +44,15 @@ class Store:
         """The cells behind the pages, those that have records."""
         return [each for each in self.planned if each.shown and each.result]
 
-    def select(self, **wanted: Any) -> list[Cell]:
-        """The cells behind the pages whose resolved request has all these values, in the order of the campaign.
-
-        wanted: scene, measure, contact, newton, mesh, model, steps, any setting, or the group. Of equal requests the
-        first one; none that was refused before it was solved, and none of a sheet unless by its group. Raises
-        StoreError for another cell without a record.
-        """
-        unique: dict[str, Cell] = {}
-        for each in self._by_scene[wanted["scene"]] if "scene" in wanted else self.planned:
-            apart = each.group == SHEETS and "group" not in wanted
-            if each.shown and not apart and (each.result or each.ended != "unsupported") and each.matches(wanted):
-                unique.setdefault(each.request, each)
-        for each in unique.values():
-            if not each.result:
-                lacks = f"no record of cell {each.label!r} ({each.ended}: {each.reason})"
-                raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
-        return list(unique.values())
-
-    @cached_property
-    def _by_scene(self) -> Mapping[str, list[Cell]]:
-        found: dict[str, list[Cell]] = defaultdict(list)
-        for each in self.planned:
-            found[each.scene].append(each)
+    def cell(self, label: str) -> Cell:
+        """The cell of a label that the pages need; raises StoreError when it is not planned, or has no record."""
+        found = next((each for each in self.planned if each.label == label), None)
+        if found is None:
+            raise StoreError(f"{self.path}: campaign {self.campaign!r} has no cell {label!r}, which the pages need")
+        if not found.result:
+            lacks = f"no record of cell {label!r} ({found.ended}: {found.reason})"
+            raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
         return found
-
-    def find(self, **wanted: Any) -> Cell:
-        """The one cell of ``select``; raises StoreError when there is none, or more than one."""
-        found = self.select(**wanted)
-        if len(found) != 1:
-            asked = ", ".join(f"{key} {value}" for key, value in wanted.items())
-            names = ", ".join([repr(cell.label) for cell in found[:3]] + ["..."] * (len(found) > 3))
-            has = f"{len(found)} cells ({names})" if found else "no cell"
-            raise StoreError(f"{self.path}: campaign {self.campaign!r} has {has} with {asked}; the pages need one")
-        return found[0]
-
-    def reference(self, scene: str, quantity: str, kind: str, **at: float) -> Mapping[str, Any]:
-        """The first reference of a quantity, at a load where one is given; raises StoreError when there is none."""
-        wanted = {"scene": scene, "quantity": quantity, "kind": kind}
-        known = [row for row in self.references if all(row[key] == value for key, value in wanted.items())]
-        found = [row for row in known if all(row["at"].get(key) == value for key, value in at.items())]
-        if not found:
-            where = f" at {at}" if known else ""
-            raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene}{where}")
-        return found[0]
 
     def has(self, name: str) -> bool:
         """Is there a table that is of this campaign, or of none?"""
@@ -146,13 +103,10 @@ def load_store(path: Path, campaign: str | None = None) -> Store:
         raise StoreError(f"{path}: no such directory")
     index_path = path / "campaigns" / f"{campaign or _only(path)}.json"
     index = read_versioned(index_path, INDEX_KEYS)
-    references = read_versioned(path / "references.json", ("schema", "references"))["references"]
-    for row in references:
-        require(row, REFERENCE_KEYS, path / "references.json")
     for row in index["cells"]:
         require(row, CELL_KEYS, index_path)
     planned = tuple(planned_cell(path, row) for row in index["cells"])
-    return Store(path, index["campaign"], tuple(references), planned, index["title"], index["pages"])
+    return Store(path, index["campaign"], planned, index["title"], index["pages"])
 
 
 def _only(path: Path) -> str:
@@ -161,7 +115,5 @@ def _only(path: Path) -> str:
     if len(names) > 1:
         raise StoreError(f"{path}: has the campaigns {', '.join(names)}; choose one by --campaign")
     if not names:
-        old = path / "campaign.json"
-        lacks = f"{old}: schema 1, but this program reads {SCHEMA}" if old.exists() else f"{path}: no campaign"
-        raise StoreError(lacks)
+        raise StoreError(f"{path}: no campaign")
     return names[0]

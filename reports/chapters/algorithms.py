@@ -29,6 +29,10 @@ PANELS = (  # column, words, what is drawn of it
 )
 ALONE = "alone"  # in the name of a solver that is taken at its word
 USUAL, CONVERGED = "semismooth", "converged"
+NEEDS = (
+    *("algorithm_agreement", "cycles", "false_success", "epsilon", "epsilon_laws"),
+    *("membrane", "greco_plate", CHOICES),
+)
 NOT_SOLVED = ("refused", "not tried")  # verdicts without seconds of their own
 
 
@@ -115,26 +119,19 @@ def when_not_table() -> Part:
 
 
 def _known(store: Store) -> Part:
-    """Contact of other bodies than shells, with known answers; older stores have none."""
-    parts = {name: part(store) for name, part in (("membrane", _membrane), ("plate", _plate))}
-    return TEXT("known", **parts) if any(map(str, parts.values())) else Part()
+    """Contact of other bodies than shells, with known answers."""
+    return TEXT("known", membrane=_membrane(store.table("membrane")), plate=_plate(store.table("greco_plate")))
 
 
-def _membrane(store: Store) -> Part:
+def _membrane(data: pd.DataFrame) -> Part:
     """A membrane over a sphere, whose contact radius is known."""
-    if not store.has("membrane"):
-        return Part()
-    data = store.table("membrane")
     finest = data[data["level"] == data.groupby(["element", "algorithm"])["level"].transform("max")]
     counts = {"algorithms": data["algorithm"].nunique(), "apart": data["apart"].max()}
     return TEXT("membrane", **counts, finest=finest[finest["algorithm"] == USUAL])
 
 
-def _plate(store: Store) -> Part:
+def _plate(data: pd.DataFrame) -> Part:
     """The GRECO plate without friction."""
-    if not store.has("greco_plate"):
-        return Part()
-    data = store.table("greco_plate")
     largest = {"error": data["pressure_error"].max(), "apart": data["apart"].max()}
     return TEXT("plate", algorithms=data["algorithm"].nunique(), **largest)
 
@@ -199,8 +196,6 @@ def draw_penalty(data: pd.DataFrame, laws: pd.DataFrame) -> Figure:
 def costs_part(store: Store) -> Part:
     """What they cost, under its heading."""
     data = _solves(store)
-    if data.empty:
-        return Part()
     errors = " and of ".join(share(error, 0) for error in sorted(data["asked"].unique(), reverse=True))
     names = sorted(dict.fromkeys(data["name"]), key=lambda name: name != USUAL)
     meshes = (((problem(first), first["mesh"]), tried) for first, tried in _meshes(data))
@@ -212,15 +207,12 @@ def costs_part(store: Store) -> Part:
 def costs_picture(store: Store) -> Part:
     """Who solves what at which cost."""
     data = _solves(store)
-    if data.empty:
-        return Part()
     return TEXT("costs-picture", {"index-algorithms.svg": seconds_by_algorithm(data)}, rules=store.rules())
 
 
 def _solves(store: Store) -> pd.DataFrame:
-    data = store.rows(CHOICES)
-    own = data[data["row"] == "algorithm"] if len(data) else data
-    return own.drop_duplicates([*PROBLEM, "mesh", "name"], keep="last") if len(own) else own
+    data = store.table(CHOICES)
+    return data[data["row"] == "algorithm"].drop_duplicates([*PROBLEM, "mesh", "name"], keep="last")
 
 
 def _meshes(data: pd.DataFrame) -> Iterator[tuple[dict, pd.DataFrame]]:
@@ -268,4 +260,4 @@ def seconds_by_algorithm(data: pd.DataFrame) -> Figure:
     return figure
 
 
-CHAPTER = chapter(TEXT, algorithms_page, needs=("cycles", "false_success", "epsilon", "epsilon_laws"), always=True)
+CHAPTER = chapter(TEXT, algorithms_page, needs=NEEDS, always=True)

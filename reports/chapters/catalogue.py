@@ -36,8 +36,7 @@ class Catalogue:
         """Of a store, read once."""
         tables = {name: store.table(f"sheet_{name}") for name in TABLES}
         quads = dict(iter(tables["quads"].groupby("label", sort=False)))
-        parts = tables["parts"]
-        seen = parts[parts["kind"] == "scene"] if "up" in parts else parts.iloc[:0]  # older stores have no views
+        seen = tables["parts"][tables["parts"]["kind"] == "scene"]
         views = {
             each["part"]: View.of(each["up"], each["azimuth_deg"], each["elevation_deg"])
             for each in seen.to_dict("records")

@@ -24,11 +24,7 @@ DEFAULT = "refined"  # the element of the page
 KINDS = ("exact", "computed", "printed", "read")  # of references; the first there is stands in the table
 SHARES = ("projected", "balanced", "nodal")  # of the thickness strain that is taken from the nodes: none, half, all
 EQUILIBRIUM = 1e-8  # relative residual that passes without a look at rounding
-HEMISPHERE = {
-    **{"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible", "lines": "even"},
-    **{"interpolation": "curvilinear", "thickness_strain": "projected"},
-}
-STEPS = 20  # of plain Newton
+HEMISPHERE = {"mixed": "hemisphere one step mixed", "plain": "hemisphere twenty steps plain"}  # labels of cells
 COMMANDS = ("footprint run truth", "footprint solve manufactured --measure sanders --mesh 32x32")
 NORMS = ("displacement", "resultants", "mean_resultants", "energy")
 OF_MEASURES = {"exact": "exact", "linear": "linear"}  # kinds; the others are nonlinear approximations
@@ -58,17 +54,10 @@ def sequences(store: Store) -> pd.DataFrame:
     return data[(data["element"] == DEFAULT) & (data["ladder"] != "")]
 
 
-def comparisons(store: Store, data: pd.DataFrame) -> pd.DataFrame:
-    """One row a sequence and reference that holds for it: errors of the finest mesh, and what they are made of."""
-    errors = store.table("convergence_errors")
-    named = data.drop_duplicates("sequence")[["sequence", "ladder", "quantity", "asymptotic"]]
-    return named.merge(errors.drop_duplicates(["sequence", "reference"], keep="last"), on="sequence")
-
-
 def _families(store: Store, data: pd.DataFrame) -> dict[str, Any]:
     """A table a family of scenes, and what does not agree."""
-    found = comparisons(store, data)
-    other = found[found["kind"].isin(KINDS)]
+    found = store.table("convergence_errors")
+    other = found[found["sequence"].isin(data["sequence"]) & found["kind"].isin(KINDS)]
     ranked = other.assign(rank=other["kind"].map(KINDS.index)).sort_values(["rank", "uncertainty"], kind="stable")
     by = {row["sequence"]: row for row in ranked.drop_duplicates("sequence").to_dict("records")}
     finest = data.drop_duplicates("sequence", keep="last")
@@ -104,13 +93,12 @@ def _unsteady(data: pd.DataFrame) -> dict[str, Any]:
 def elements_part(store: Store) -> Part:
     """Which option of the element, over all scenes, as advice."""
     found, shares = store.table("element_choice"), store.table("thickness_share")
-    errors = {f"{name}_error": found[name].str.split().str[0].astype(float) for name in ("paper", "default")}
-    nearer = int((errors["default_error"].abs() < errors["paper_error"].abs()).sum())
+    nearer = int((found["default"].abs() < found["paper"].abs()).sum())
     counts = found["verdict"].value_counts()
     better, equal, larger = (counts.get(verdict, 0) for verdict in ("better", "equal", "worse"))
     told = {"count": len(found), "better": better, "equal": equal, "larger": larger, "nearer": nearer}
     rows = {
-        "worse": found.assign(**errors)[found["verdict"] == "worse"],
+        "worse": found[found["verdict"] == "worse"],
         "shares": [counted(shares, n) for n in SHARES],
     }
     return TEXT("elements", rules=store.rules(), scenes=shares["ladder"].nunique(), **told, **rows)
@@ -144,10 +132,10 @@ def _certificates(store: Store) -> dict[str, Any]:
 def _newton(store: Store) -> dict[str, Any]:
     """Iterations to the hemisphere's whole load by mixed Newton in one step, and by plain Newton in twenty."""
     found = {}
-    for newton, steps in (("mixed", 1), ("plain", STEPS)):
-        cell = store.find(**HEMISPHERE, newton=newton, steps=steps)
+    for newton, label in HEMISPHERE.items():
+        cell = store.cell(label)
         found[newton] = cell.result["counters"]["newton_iterations"] if cell.converged else NOTHING
-    return {**found, "steps": STEPS}
+    return {**found, "steps": cell.settings["steps"]}
 
 
 def manufactured_part(store: Store) -> Part:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter
 
 from reports.chapter import chapter
-from reports.chapters.tyre import DELTA, PLIES
+from reports.chapters.tyre import DELTA
 from reports.figures.drawing import BLACK, BLUE, VERMILION, canvas, legend_above, looks, svg, ticks
 from reports.formats import bound, scientific, share
 from reports.markdown import Part, Template, commands
@@ -43,10 +43,7 @@ def _models(store: Store) -> dict[str, Any]:
         return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)
 
     found = found.assign(**{name: found[name].map(off) for name in ("force_off", "pressure_off")})
-    records = []
-    for row in found.to_dict("records"):
-        result = store.find(group="models", plies=PLIES[row["plies"]], model=row["model"], mesh=row["mesh"]).result
-        records.append({**row, **result["counters"]})
+    records = [{**row, **store.cell(row["label"]).result["counters"]} for row in found.to_dict("records")]
     parts = found[found["model"] != "full"]
     counts = {"parts": len(parts), "same": parts["same"].sum(), "mesh": found["mesh"].iloc[0]}
     return {"models": records, **counts, "commands": commands(found["command"])}

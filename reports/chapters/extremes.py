@@ -112,7 +112,7 @@ def _maps(store: Store) -> dict[str, Any]:
     """Counts and causes of every map, and the pictures of those with most failures."""
     points, maps, check = (store.table(name) for name in ("extremes", "extremes_maps", "extremes_check"))
     asked = points[points["asked"]]
-    spent, lost = int((~points.groupby("map")["complete"].all()).sum()), int(np.isinf(check["distance"]).sum())
+    lost = int(np.isinf(check["distance"]).sum())
     away = f", with whole boundaries on {lost} maps" if lost else ""
     missed = {"missed": int(check["unlike"].sum()), "points": int(check["points"].sum())}
     shown, examples = _counted(asked, maps)
@@ -124,7 +124,6 @@ def _maps(store: Store) -> dict[str, Any]:
         "points": len(points),
         "asked_share": len(asked) / len(points),
         "faults": ", ".join(f"{count} {kind}" for kind, count in faults(store).items()) or "none",
-        "budget": TEXT("budget", maps=spent) if spent else "",
         "passed": TEXT("passed", maps=len(check), **missed, away=away),
         "pictures": picture("extremes.svg", words, outcome_maps(points, chosen)),
         "table": shown,

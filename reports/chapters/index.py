@@ -7,10 +7,10 @@ from typing import Any
 from reports.cells import Cell
 from reports.chapter import INDEX_TITLE, by_machine, statements
 from reports.chapters.algorithms import costs_picture, when_not_table
-from reports.chapters.catalogue import NEEDS, Catalogue
+from reports.chapters.catalogue import Catalogue
 from reports.chapters.gallery import filmstrip_of
 from reports.chapters.measures import decision_part, limits_part, measures_picture
-from reports.chapters.tyre import model_table, patch_picture
+from reports.chapters.tyre import model_table
 from reports.markdown import Part, Template
 from reports.origin import completeness, origin, refusals
 from reports.store import Store
@@ -38,7 +38,7 @@ def index_page(store: Store, contents: str) -> Part:
         "force": _section("What is the tyre's force worth?", store, FORCE, model_table(store)),
         "sure": _section("How sure is this?", store, SURE, TEXT("others")),
         "limitations": limitations(store),
-        "tyre": _tyre(store),
+        "tyre": filmstrip_of(Catalogue.of(store)),
     }
     counts = {"requests": len(store.planned), "scenes": len({cell.scene for cell in store.planned})}
     return TEXT("page", title=INDEX_TITLE, **counts, **sections, contents=contents, origin=origin(store))
@@ -57,12 +57,6 @@ def limitations(store: Store) -> Part:
     return TEXT("limitations", **by_machine(found))
 
 
-def _tyre(store: Store) -> Part:
-    """In space at growing travel; its patch, where no cell of the sheets was solved."""
-    strip = filmstrip_of(Catalogue.of(store)) if all(map(store.has, NEEDS)) else Part()
-    return strip if strip.text else patch_picture(store)
-
-
 def campaign_page(store: Store, contents: str) -> Part:
     """The whole page; contents: the list of the other pages. Times are those of its last block."""
     parts = {"origin": origin(store), "refusals": refusals(store), "completeness": completeness(store)}
@@ -78,7 +72,7 @@ def _sequences(store: Store) -> Part:
     own = store.rows("convergence", ladder="")
     if own.empty:
         return Part("No request was solved and analysed on 3 meshes or more.")
-    known = store.table("convergence_errors").drop_duplicates(["sequence", "reference"], keep="last")
+    known = store.table("convergence_errors")
     known = known.assign(known=known["value"])[["sequence", "known", "kind", "error", "model_part"]]
     meshes = own.groupby("sequence")["mesh"].agg(", ".join).rename("meshes")
     finest = own.drop_duplicates("sequence", keep="last").join(meshes, on="sequence")

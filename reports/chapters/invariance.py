@@ -73,9 +73,7 @@ def _power(row: dict | None) -> str:
 
 def _panel(store: Store) -> Part:
     """What the element adds, as its own rotations one after another show; nothing where they were not made."""
-    wanted = {"measure": "exact", "body": "free", "path": "back"}
-    there = store.rows("rotations", **wanted)
-    left = filled("{strain:size} ({interpolation})", there[there["leg"] == 3], size=_size) if len(there) else []
+    left = filled("{strain:size} ({interpolation})", store.rows("rotations"), size=_size)
     return TEXT("panel", left=", ".join(left)) if left else Part()
 
 

@@ -20,8 +20,7 @@ from reports.markdown import Part, Template, by_name, commands, filled, table
 from reports.store import Store
 
 TEXT = Template("measures")
-WHOLE = {"scene": "hemisphere", "measure": "exact", "newton": "mixed", "steps": 1, "load_fraction": 1, "lines": "even"}
-OPTIONS, MESHES = ("interpolation", "thickness_strain", "membrane"), ("8x8", "16x16", "32x32")
+LABEL, SIDES = "hemisphere {n} {options}", (8, 16, 32)  # of the cells of an option of the element, and its meshes
 CHOICES, EXACT = "choices", "exact"
 PROBLEM = ["scene", "settings"]
 NO_OFFER = {**dict.fromkeys(("measure", "element", "contact", "spent"), ""), "error_at_most": None}
@@ -32,15 +31,16 @@ LEAST = 0.001  # relative, below which an error is not told
 
 def measures_page(store: Store) -> Part:
     """The whole page: the limits, and the hemisphere on three meshes by the options of the element."""
-    reference = float(store.reference("hemisphere", "inward_mm", "read", load_fraction=1.0)["value"])
-    rows, lines = [], []
-    for first in store.select(**WHOLE, mesh=MESHES[0]):
-        options = {name: first.settings[name] for name in OPTIONS}
-        cells = [store.find(**WHOLE, **options, mesh=mesh) for mesh in MESHES]
+    known = store.table("convergence_errors")
+    known = known[(known["ladder"] == "hemisphere") & (known["quantity"] == "inward_mm") & (known["kind"] == "read")]
+    reference = float(known["value"].iloc[0])
+    rows, lines, start = [], [], LABEL.format(n=SIDES[0], options="")
+    for options in (each.label.removeprefix(start) for each in store.planned if each.label.startswith(start)):
+        cells = [store.cell(LABEL.format(n=n, options=options)) for n in SIDES]
         values = [cell.value("inward_mm", load_fraction=1.0) for cell in cells]
-        rows.append([*options.values(), *(f"{fixed(v, 3)} ({percent(v / reference - 1)})" for v in values)])
+        rows.append([*options.split(), *(f"{fixed(v, 3)} ({percent(v / reference - 1)})" for v in values)])
         lines += [cell.command for cell in cells]
-    header = ["interpolation", "thickness strain", "membrane", *MESHES]
+    header = ["interpolation", "thickness strain", "membrane", *(f"{n}x{n}" for n in SIDES)]
     options_table = table("Inward displacement of the hemisphere", header, rows, words=3)
     shown = {"limits": limits_part(store), "options": options_table, "commands": commands(lines)}
     return TEXT("page", reference=reference, **shown)
@@ -53,9 +53,7 @@ def smallest(rows: pd.DataFrame) -> pd.DataFrame:
 
 def decision_part(store: Store) -> Part:
     """A line a problem and error: what is recommended, and what it takes."""
-    data = store.rows(CHOICES)
-    if data.empty:
-        return Part()
+    data = store.table(CHOICES)
     offers = data[data["row"] == "offer"].drop_duplicates([*PROBLEM, "asked"])
     records = [{**row, **_offer(row)} for row in offers.to_dict("records")]
     lost = offers[(offers["mesh"] == "") & (offers["said"] != "")]
@@ -87,10 +85,10 @@ def problem(row: dict) -> str:
 
 def limits_part(store: Store) -> Part:
     """The error of each measure in the limit of the meshes, with its interval."""
-    own = store.rows("measure_limits")
+    own = store.table("measure_limits")
     two_faces = own[own["name"] == EXACT]["formulation_error"].abs() >= LEAST
     without = "" if two_faces.any() else EXACT  # which is in error where two faces are
-    return TEXT("limits", table=by_problem(FORMULATION, own, limit_error, without)) if len(own) else Part()
+    return TEXT("limits", table=by_problem(FORMULATION, own, limit_error, without))
 
 
 def by_problem(title: str, own: pd.DataFrame, entry: Callable[[dict], str], without: str = "") -> str:
@@ -116,8 +114,7 @@ def limit_error(row: dict) -> str:
 
 def measures_picture(store: Store) -> Part:
     """The error of measures over seconds, a panel a problem."""
-    data = store.rows(CHOICES)
-    return TEXT("measures", {"index-measures.svg": errors_over_seconds(data)}) if len(data) else Part()
+    return TEXT("measures", {"index-measures.svg": errors_over_seconds(store.table(CHOICES))})
 
 
 @svg
@@ -159,8 +156,8 @@ def _shown(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 def options_part(store: Store) -> Part:
     """Options of the element: what the cheapest mesh of each takes, folded."""
-    data = store.rows(CHOICES)
-    own = data[(data["row"] == "variant") & (data["axis"] == "element")] if len(data) else data
+    data = store.table(CHOICES)
+    own = data[(data["row"] == "variant") & (data["axis"] == "element")]
     if own.empty:
         return Part()
     own = own[own["asked"] == own["asked"].min()]
@@ -172,4 +169,4 @@ def _mesh(row: dict) -> str:
     return f"{row['mesh']} ({digits(row['seconds'], 2)} s)" if row["mesh"] else row["verdict"]
 
 
-CHAPTER = chapter(TEXT, measures_page, always=True)
+CHAPTER = chapter(TEXT, measures_page, needs=("convergence_errors", CHOICES, "measure_limits"), always=True)

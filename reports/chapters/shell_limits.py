@@ -86,7 +86,7 @@ def _boundary(at: float, row: dict) -> str:
 
 def _options(headline: pd.DataFrame) -> str:
     """The same boundary with other options of the shell."""
-    own = headline[~headline["variant"].str.startswith(("solid", SURFACES))]
+    own = headline[~headline["variant"].str.startswith(SURFACES)]
     variants = [name for name in dict.fromkeys(own["variant"]) if name != DEFAULT]
     cases = (((case,), of_case) for case, of_case in own.groupby("case", sort=False))
     rows = by_name(cases, (DEFAULT, *variants), lambda row: _boundary(row["boundary_1"], row), "variant")

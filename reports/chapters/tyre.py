@@ -18,30 +18,23 @@ from reports.store import Store
 TEXT = Template("tyre")
 PRINTED_DIGIT = 0.001  # MPa, one unit of its last digit
 HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
-PENALTY = 20.0  # MPa/mm, NGSolve's
 WORDS = {
     "follower": "pressure that follows the inner face, over dead pressure on the mid-surface",
     "full-3d": "full three-dimensional law (`full-3d`), over constant S33",
     "nonsymmetric": "`nonsymmetric`, over constant S33",
 }
-Asked = dict[str, Any]
 DELTA = 20.0  # mm, the travel of the printed table
 CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page
-TO_DELTA = (5, 10, 15, DELTA)
-ELEMENT: Asked = {"scene": "tyre", "membrane": "compatible", "thickness_strain": "projected"}  # the paper's
-USUAL: Asked = {"contact": "semismooth", "newton": "mixed", "epsilon": math.inf}  # the other algorithms' yardstick
-WHOLE: Asked = {**ELEMENT, "model": "full", "plies": 4, "section": "constant-s33"}
-PAPER: Asked = {**WHOLE, **USUAL, "mesh": "42x40", "measure": "exact", "delta_mm": (5, 10, 15, *range(20, 28))}
-ISOTROPIC_FINE: Asked = {**ELEMENT, "mesh": "84x80", "model": "full", "plies": 1, "delta_mm": TO_DELTA}
-PLIES = {"angle plies": 4, "isotropic": 1}  # by their words in the table tyre_models
+PAPER = "paper"  # labels of cells
+BODIES = {"tyre": "solid 56x72", "shell": "isotropic fine", "soft": "solid penalty"}  # soft: the plane is NGSolve's
 
 
 def tyre_page(store: Store) -> Part:
     """The whole page."""
-    cell = store.find(**PAPER)
+    cell = store.cell(PAPER)
     for delta in CURVES:  # without these travels there is no page
         cell.step(delta_mm=delta)
-    crown = cell.result["quantities"].get("inflated_equator_outer_mm")
+    crown = cell.result["quantities"]["inflated_equator_outer_mm"]
     own = {"tyre": cell.settings, "mesh": cell.result["mesh"], "crown": crown, "steps": cell.steps}
     parts = {"budget": _budget(store), "printed": _printed(store), "solid": solid_part(store)}
     shown = {"patch": patch_picture(store), "commands": commands([cell.command])}
@@ -50,7 +43,7 @@ def tyre_page(store: Store) -> Part:
 
 def patch_picture(store: Store) -> Part:
     """The contact pressure of the paper's tyre over the patch, in millimetres."""
-    cell = store.find(**PAPER)
+    cell = store.cell(PAPER)
     pressures = pressures_of(at_delta(cell.table("contact"), DELTA))
     drawn = pressure_map(pressures, Developed.of(cell.table("profile")))
     return TEXT("patch", {"tyre-pressure-map.svg": drawn})
@@ -92,7 +85,7 @@ def _change(row: Mapping[Any, Any] | None) -> str:
 
 def _printed(store: Store) -> Part:
     """What the printed table can mean, and which readings need no table."""
-    cell, compared = store.find(**PAPER), store.table("tyre_comparison")
+    cell, compared = store.cell(PAPER), store.table("tyre_comparison")
     readings = _at_delta_and_best(store.table("tyre_readings"))
     first, literal = (
         compared[(compared["delta_mm"] == DELTA) & (compared["phi_per_label"] == per_label)].to_dict("records")[0]
@@ -115,9 +108,7 @@ def _crown(cell: Cell) -> dict[str, Any]:
     profile = cell.table("profile")
     crown = float(profile.loc[profile["state"] == "inflated", "outer_radial_mm"].max())
     reach = math.degrees(math.acos(1.0 - DELTA / crown))
-    moved = cell.result["quantities"].get("inflated_equator_outer_mm")
-    if moved is None:
-        return {"crown": crown, "reach": reach, "origin": ""}
+    moved = cell.result["quantities"]["inflated_equator_outer_mm"]
     whither = "farther from" if moved < 0 else "nearer to"
     origin = TEXT("origin", moved=moved, delta=DELTA, travel=DELTA + moved, whither=whither)
     return {"crown": crown, "reach": reach, "origin": origin}
@@ -140,11 +131,7 @@ def solid_part(store: Store) -> Part:
     data = store.table("solid_shell")
     forces, growth = data[data["quantity"] == "force_N"], data[data["quantity"].str.startswith("inflated")]
     order = data["body"].map({"solid": 0, "shell": 2}).fillna(1).argsort(kind="stable")  # the soft plane between them
-    cells = {
-        "tyre": store.find(scene="tyre-solid", mesh="56x72", epsilon=math.inf).settings,
-        "shell": store.find(**ISOTROPIC_FINE).settings,
-        "soft": store.find(scene="tyre-solid", epsilon=PENALTY).result,
-    }
+    cells = {name: store.cell(label).result for name, label in BODIES.items()}
     told = {
         "rules": store.rules(),
         "finest": forces["mesh"].iloc[-1],

@@ -84,13 +84,6 @@ def along_meridian(contact: pd.DataFrame) -> pd.Series:
     return pressures_of(contact)[0.0].fillna(0.0)
 
 
-def different_nodes(a: pd.DataFrame, b: pd.DataFrame) -> int | None:
-    """How many nodes are in contact in only one of two tables of one travel; None on different meshes."""
-    if len(a) != len(b) or not np.allclose(a[["psi_deg", "phi_deg"]], b[["psi_deg", "phi_deg"]], atol=1e-9):
-        return None
-    return int(np.sum(a["active"].to_numpy() != b["active"].to_numpy()))
-
-
 @svg
 def pressure_map(pressures: pd.DataFrame, developed: Developed) -> Figure:
     """Pressure over the patch with its outline, and its difference from its mirror image, in mm of the outer face.

@@ -25,14 +25,13 @@ from studies.solving.result import CONVERGED, SOLVED, unit_of
 
 APART = 1e-6  # of the largest in a unit: more than certificates at the default tolerance leave
 HOW = sorted({"contact", "newton", "solver", "tolerance", "model", "steps", *own_keys()})  # ways to one answer
-PAIR = ("label", "contact", "model", "steps", "substeps", "outcome", "value", "cells", "command")
-COLUMNS = ("scene", "mesh", "quantity", "difference", "why", *PAIR, *(f"other_{name}" for name in PAIR))
+COLUMNS = ("scene", "mesh", "quantity", "difference", "why", "label", "command", "other_label", "other_command")
 
 
 def disagreements(table: pd.DataFrame) -> pd.DataFrame:
     """COLUMNS, a row for each further answer to a problem, beside that of most cells; table: of collect.
 
-    cells: how many have an answer; of each the cell is named that is most like the other in how it was solved.
+    Of each answer the cell is named that is most like the other in how it was solved.
     difference: the largest of a quantity, relative to the largest value in its unit.
     """
     solved = table[table["outcome"].isin(SOLVED) & (table["tolerance"] <= RESIDUAL_TOLERANCE)]
@@ -70,12 +69,10 @@ def _further(cells: Sequence[dict[Any, Any]], names: Sequence[str]) -> Iterator[
         pairs = [(one, other) for one in answers[0] for other in answer]
         one, other = max(pairs, key=lambda pair: _alike(*pair))
         difference, name = _apart(one, other, names)
-        told = [_told(cell, name, len(those)) for cell, those in ((one, answers[0]), (other, answer))]
         yield {
-            **{key: one[key] for key in ("scene", "mesh")},
+            **{key: one[key] for key in ("scene", "mesh", "label", "command")},
+            **{f"other_{key}": other[key] for key in ("label", "command")},
             **{"quantity": name, "difference": difference, "why": why(*map(_facts, (one, other)))},
-            **told[0],
-            **{f"other_{key}": value for key, value in told[1].items()},
         }
 
 
@@ -100,9 +97,3 @@ def _facts(cell: dict[Any, Any]) -> Facts:
     asymmetry = tuple(float(cell.get(f"q.{name}_asymmetry", 0.0)) for name in ASYMMETRIES)
     stable, friction = cell["outcome"] == CONVERGED, MU.key in cell["request"].settings
     return Facts(friction, (cell["request"].steps, cell.get("c.substeps")), stable, cell["model"], asymmetry)
-
-
-def _told(cell: dict[Any, Any], quantity: str, cells: int) -> dict[str, Any]:
-    named = {name: cell[name] for name in ("label", "contact", "model", "outcome", "command")}
-    counted = {"steps": cell["request"].steps, "substeps": cell.get("c.substeps"), "cells": cells}
-    return {**named, **counted, "value": float(cell[f"q.{quantity}"])}

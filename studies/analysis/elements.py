@@ -7,33 +7,26 @@ the nodes on coarse meshes, and against a reference where the meshes of a scene 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.ask.declarations import Ladder
 from studies.run.answers import Answer, Answers, number
 from studies.run.scene_cells import COMPARED, SHARE_LABEL, meshes_of, read_at
-from studies.solving.refinement.richardson import holds_from
 
-ENOUGH = 0.01  # the error that a mesh is wanted for
 EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart
 WHO = ("default", "paper")
-CHOICE_COLUMNS = (
-    *("ladder", "quantity", "verdict", "meshes", "uncertainty", "default", "paper"),
-    *("default_elements", "paper_elements", "default_iterations", "paper_iterations"),
-)
+CHOICE_COLUMNS = ("ladder", "quantity", "verdict", *WHO)
 
 
 def element_choice(convergence: pd.DataFrame) -> pd.DataFrame:
     """CHOICE_COLUMNS, a row a quantity with a limit, which is that of the element whose limit is the more certain.
 
-    default, paper: relative errors over the meshes, separated by blanks, coarse to fine.  uncertainty: relative, of the
-    limit.  verdict: is the default better, equal or worse on the coarsest mesh, where it costs?  *_elements: from which
-    the error stays below ENOUGH.  *_iterations: Newton's, on the second mesh.
+    default, paper: relative errors on the coarsest mesh, where it costs.  verdict: is the default better, equal or
+    worse there?
     """
     own = convergence[~convergence["at"].astype(str).str.startswith("load")]  # not the benchmarks at their many loads
     default, paper = (own[own["element"] == element] for element in ("refined", "paper"))
@@ -46,16 +39,9 @@ def element_choice(convergence: pd.DataFrame) -> pd.DataFrame:
             continue
         best = min(known, key=lambda who: float(first[f"uncertainty_{who}"]))
         limit = float(first[f"limit_{best}"])
-        uncertainty, meshes = abs(float(first[f"uncertainty_{best}"]) / limit), list(pair["mesh"])
-        errors = [pair[f"value_{who}"].to_numpy(float) / limit - 1 for who in WHO]
-        rows.append(
-            [
-                *(*key, verdict_of(errors[0][0], errors[1][0], uncertainty), " ".join(meshes), uncertainty),
-                *(" ".join(map(repr, each.tolist())) for each in errors),
-                *(elements_for(meshes, each) for each in errors),
-                *(pair[f"iterations_{who}"].iloc[1] for who in WHO),
-            ]
-        )
+        ours, theirs = (float(first[f"value_{who}"]) / limit - 1 for who in WHO)
+        verdict = verdict_of(ours, theirs, abs(float(first[f"uncertainty_{best}"]) / limit))
+        rows.append([*key, verdict, ours, theirs])
     return pd.DataFrame(rows, columns=list(CHOICE_COLUMNS))
 
 
@@ -69,37 +55,20 @@ def verdict_of(default: float, paper: float, uncertainty: float) -> str:
     return "better" if default < paper else "worse"
 
 
-def elements_for(meshes: Sequence[str], errors: np.ndarray) -> float:
-    """Elements from which the error stays below ENOUGH, log-log between two meshes; NaN outside the meshes."""
-    size = np.log([math.prod(map(int, mesh.split("x"))) for mesh in meshes])
-    error = np.abs(errors)
-    first = holds_from(error <= ENOUGH)
-    if first in (0, len(error)):
-        return math.nan
-    around = [first, first - 1]
-    return float(np.exp(np.interp(np.log(ENOUGH), np.log(error[around]), size[around])))
-
-
 FARTHER = 0.05  # a finer mesh that goes this much farther does not confirm the end of a path
 END = "_limit_point"  # ends the quantity, named by its stage, that says where a path turned back for good
-SHARE_COLUMNS = (
-    *("ladder", "quantity", "share", "mesh", "coarse", "known", "within", "error", "nearest"),
-    *("outcome", "turns_at", "limit_points", "confirmed", "iterations", "label", "command"),
-)
+SHARE_COLUMNS = ("ladder", "share", "coarse", "nearest", "confirmed")
 
 
 def thickness_share(answers: Answers, sequences: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
     """SHARE_COLUMNS, a row a scene, mesh and share, of the headline of each ladder.
 
-    sequences, errors: of ``convergence``.  coarse: on half of the default mesh, not on that.  known, within: the value
-    that errors are relative to, and its relative uncertainty.  error: NaN where its load was not reached.  nearest: see
-    :func:`nearest`.  turns_at: where the path ends at a limit point, in its own unit; it may pass ``limit_points``
-    before.  confirmed: see :func:`confirmed`; None without a finer mesh.
+    sequences, errors: of ``convergence``.  coarse: on half of the default mesh, not on that.  nearest: see
+    :func:`nearest`.  confirmed: see :func:`confirmed`; None without a finer mesh.
     """
     rows: list[dict[str, Any]] = []
     for ladder in COMPARED:
         known, within = limit_of(ladder, sequences, errors)
-        of = {"ladder": ladder.name, "quantity": ladder.quantities[0], "known": known, "within": within}
         half, default = meshes_of(ladder)
         finer: dict[str, Answer] = {}
         for mesh, coarse in ((default, False), (half, True)):
@@ -107,24 +76,11 @@ def thickness_share(answers: Answers, sequences: pd.DataFrame, errors: pd.DataFr
             off = {share: each.value(ladder.quantities[0], **at) / known - 1 for share, each in found.items()}
             near = nearest(off, within)
             for share, each in found.items():
-                judged = {"share": share, "error": off[share], "nearest": share in near}
-                rows.append(of | {"mesh": mesh, "coarse": coarse} | judged | _path(each, finer.get(share)))
+                sure = confirmed(each.record, finer[share].record) if share in finer else None
+                of = {"ladder": ladder.name, "share": share, "coarse": coarse}
+                rows.append(of | {"nearest": share in near, "confirmed": sure})
             finer = found
     return pd.DataFrame(rows, columns=list(SHARE_COLUMNS))
-
-
-def _path(answer: Answer, finer: Answer | None) -> dict[str, Any]:
-    """How far it went, and whether the same on the finer mesh confirms that."""
-    record = answer.record
-    return {
-        "outcome": record["outcome"],
-        "turns_at": turns_at(record),
-        "limit_points": passed(record),
-        "confirmed": None if finer is None else confirmed(record, finer.record),
-        "iterations": record["counters"].get("newton_iterations", math.nan),
-        "label": answer.label,
-        "command": answer.command,
-    }
 
 
 def _answers(answers: Answers, ladder: Ladder, mesh: str) -> Iterator[tuple[str, Answer]]:

@@ -11,6 +11,7 @@ import pandas as pd
 
 from studies.analysis.advice.choose import shipped_tables
 from studies.analysis.advice.held_out import held_out, summary
+from studies.analysis.agreement import solves
 from studies.analysis.disagreements import disagreements
 from studies.analysis.elements import element_choice, thickness_share
 from studies.analysis.evidence import Evidence, Tables
@@ -20,7 +21,6 @@ from studies.analysis.ladders import summary as summary_of_ladders
 from studies.analysis.outcomes import contact_summary, outcomes
 from studies.analysis.powers import THEORY
 from studies.analysis.printed_pressures import tyre_comparison, tyre_readings
-from studies.analysis.programs import agreement
 from studies.analysis.statements.claims import claims_table
 from studies.analysis.statements.tables import statement_tables
 from studies.analysis.tyre import solid_shell, tyre_budget, tyre_models
@@ -75,6 +75,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         "solid_shell": solids,
         "tyre_budget": tyre_budget(answers, evidence.table, solids),
         "tyre_models": tyre_models(answers),
+        "algorithm_agreement": solves(answers),
         **fitted(evidence.table),
     }
 
@@ -89,8 +90,6 @@ def fitted(tables: Tables) -> dict[str, pd.DataFrame]:
     """What is fitted to the tables of experiments that are there."""
     found = {name: (tables(source), fit) for name, (source, fit) in DECLARED["fitted"].items()}
     made = {name: resolve_name(fit)(table) for name, (table, fit) in found.items() if table is not None}
-    if (programs := tables("programs")) is not None:
-        made["program_agreement"] = agreement(programs, tables("peers"))
     families = {name: (tables(f"friction_{name}"), told) for name, told in DECLARED["friction_orders"].items()}
     if each := [orders(name, table, **told) for name, (table, told) in families.items() if table is not None]:
         made["friction_orders"] = pd.concat(each, ignore_index=True)
@@ -105,7 +104,6 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     split = verified(table, references)
     cases = held_out(table, split)
     return {
-        "verified": split,
         "outcomes": outcomes(table),
         "contact_summary": contact_summary(table),
         "disagreements": disagreements(table),

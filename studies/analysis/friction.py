@@ -27,9 +27,9 @@ def ends(table: pd.DataFrame, key: str) -> pd.DataFrame:
     """A row a coefficient of a drag (``key`` drag_mm) or a turn (turn_deg): how full its force or torque becomes.
 
     pressed_N, force_N: normal, before and at the last stop.  value, bound: at the last stop, force [N] or torque
-    [N mm]; chord: cos(step/2) of the last step of a turn, for its slip is the chord of an arc, else 1.  off: value over
-    bound and chord, less 1.  largest, at: of the value, and the stop.  full: first stop from which it is within FULL of
-    that bound.  loose: first stop from which none sticks but the centre of a turn; NaN where there is none.
+    [N mm].  off: value over bound, less 1, of a turn with cos(step/2), for the slip of a step is the chord of its arc.
+    largest, at: of the value, and the stop.  full: first stop from which it is within FULL of that bound.  loose: first
+    stop from which none sticks but the centre of a turn; NaN where there is none.
     """
     names = ("friction_N", "bound_N") if key == "drag_mm" else ("moment_N_mm", "moment_bound_N_mm")
     rows = []
@@ -42,9 +42,8 @@ def ends(table: pd.DataFrame, key: str) -> pd.DataFrame:
         peak = int(np.argmax(value))
         rows.append(
             {"mu": mu, "loads": len(own), "certified": int(own["failures"].isna().sum())}
-            | {"converged": int(own["outcome"].isin(SOLVED).all())}
             | {"pressed_N": own["force_N"].iloc[0], "force_N": moved["force_N"].iloc[-1], "last": at[-1]}
-            | {"value": value[-1], "bound": bound[-1], "chord": chord[-1], "off": off[-1]}
+            | {"value": value[-1], "bound": bound[-1], "off": off[-1]}
             | {"largest": value[peak], "at": at[peak], "full": _from(at, np.abs(off) <= FULL)}
             | {"loose": _from(at, moved["sticking"].to_numpy(float) <= kept)}
             | {"mesh": MESH, "command": _command(float(str(mu)), key, at)}
@@ -70,28 +69,20 @@ def _from(at: np.ndarray, holds: np.ndarray) -> float:
 
 
 def orders(name: str, table: pd.DataFrame, cases: Sequence[str], of: str, theory: Mapping[str, int]) -> pd.DataFrame:
-    """A row a case and error of a family: the finest number, the error there, its order and that of theory.
+    """A row a case and error of a family: the error with the finest number, its order and that of theory.
 
     cases: columns that tell cases apart.  of: that of the number.  theory: the order of each error.
     The order is fitted to the LAST finest; NaN where an error is below FLOOR on one of them.
     """
     rows = []
-    for case, own in table.groupby(list(cases), sort=False):
+    for _, own in table.groupby(list(cases), sort=False):
         finest = own.sort_values(of).iloc[-LAST:]
-        assert isinstance(case, tuple)
-        told = ", ".join(_told(key, value) for key, value in zip(cases, case, strict=True))
         for error, order in theory.items():
             n, errors = finest[of].to_numpy(float), finest[error].to_numpy(float)
             fitted = -power_of(n, errors) if np.min(np.abs(errors)) > FLOOR else np.nan
-            row = {"family": name, "case": told, "quantity": error.removesuffix("_error"), "of": of}
-            rows.append(row | {"finest": n[-1], "error": errors[-1], "order": fitted, "theory": order})
+            row = {"family": name, "quantity": error.removesuffix("_error"), "error": errors[-1]}
+            rows.append(row | {"order": fitted, "theory": order})
     return pd.DataFrame(rows)
-
-
-def _told(key: str, value: object) -> str:
-    """What a case is, in words."""
-    name = {"side": "", "case": "", "theta_rad": "theta "}.get(key, f"{key} ")
-    return f"{name}{value:.3g}" if isinstance(value, float) else f"{name}{value}"
 
 
 def step_orders(steps: pd.DataFrame) -> pd.DataFrame:
@@ -106,8 +97,8 @@ def step_orders(steps: pd.DataFrame) -> pd.DataFrame:
         change = np.diff(own[name].to_numpy(float))
         observed = np.log2(np.abs(change[:-1] / change[1:]))
         errors = own[f"{name}_error"]
-        row = {"quantity": name, "fewest": own["steps"].iloc[0], "most": own["steps"].iloc[-1]}
-        rows.append(row | {"first_error": errors.iloc[0], "error": errors.iloc[-1], "order": observed[-1]})
+        row = {"quantity": name, "order": observed[-1]}
+        rows.append(row | {"first_error": errors.iloc[0], "error": errors.iloc[-1]})
     return pd.DataFrame(rows)
 
 
@@ -115,9 +106,8 @@ def by_algorithm(agreement: pd.DataFrame) -> pd.DataFrame:
     """A row an algorithm: cases that it ends on (solved), and agrees on; what it is off by, and costs.
 
     exact: asked for no regularisation.  refused: cases that it says it does not apply to.  other_steps: solved cases on
-    which it has cut load steps otherwise than FIRST, which is another path.  off: the largest difference of a force,
-    on solved cases with the same steps.  iterations, factorisations, operations, seconds: over those of FIRST, the
-    median of cases that both solve in the same steps.
+    which it has cut load steps otherwise than FIRST, which is another path.  iterations, operations, seconds: over
+    those of FIRST, the median of cases that both solve in the same steps.
     """
     first = agreement[agreement["algorithm"] == FIRST].set_index("case")
     rows = []
@@ -126,20 +116,12 @@ def by_algorithm(agreement: pd.DataFrame) -> pd.DataFrame:
         beside = first.loc[solved["case"]].reset_index()
         same = solved["substeps"].to_numpy() == beside["substeps"].to_numpy()
         both = solved.loc[same & beside["outcome"].isin(SOLVED).to_numpy()]
-        over = both.set_index("case")[["iterations", "factorisations", "operations", "cpu_s"]]
+        over = both.set_index("case")[["iterations", "operations", "cpu_s"]]
         ratios = (over / first.loc[over.index, over.columns]).median()
         refused = int((own["outcome"] == UNSUPPORTED).sum())
         row = {"algorithm": name, "cases": len(own), "exact": int(np.isinf(own["epsilon"]).all())}
         row |= {"solved": len(solved), "refused": refused, "failed": len(own) - len(solved) - refused}
-        row |= {"agrees": int(own["agrees"].sum()), "other_steps": int(np.sum(~same)), "off": both["force_error"].max()}
-        names = ("iterations_ratio", "factorisations_ratio", "operations_ratio", "seconds_ratio")
+        row |= {"agrees": int(own["agrees"].sum()), "other_steps": int(np.sum(~same))}
+        names = ("iterations_ratio", "operations_ratio", "seconds_ratio")
         rows.append(row | {"both": len(both)} | dict(zip(names, ratios, strict=True)))
     return pd.DataFrame(rows)
-
-
-def public_answers(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.Series]:
-    """What is claimed of public problems, and by algorithm, the best first, on how many the judge takes the answer."""
-    claimed = table[table["algorithm"].notna() & table["outcome"].isin(SOLVED)]  # the other files are no problems
-    claimed = claimed.assign(certified=claimed["certified"].astype(str))
-    counts = claimed[claimed["certified"] == "True"].groupby("algorithm")["problem"].nunique()
-    return claimed, counts.sort_values(ascending=False, kind="stable")

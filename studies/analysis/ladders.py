@@ -19,15 +19,15 @@ from studies.run.answers import Answer, Answers
 from studies.run.rows import ladders
 from studies.run.scene_cells import BENCHMARKS, LADDER_LABEL, LADDERS
 from studies.scenes.references import STEP_KEYS, holding
-from studies.solving.refinement.richardson import MeshSequence, order_against
+from studies.solving.refinement.richardson import MeshSequence
 
 COLUMNS = (
-    *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "dofs", "value"),
-    *("order", "verdict", "asymptotic", "cause", "limit", "uncertainty", "iterations", "label", "command"),
+    *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "value"),
+    *("order", "verdict", "asymptotic", "cause", "limit", "uncertainty", "label", "command"),
 )
 ERROR_COLUMNS = (
-    *("sequence", "reference", "kind", "value", "uncertainty", "source", "mesh", "error", "order"),
-    *("mesh_part", "model_part", "limit_uncertainty", "verdict"),
+    *("sequence", "ladder", "element", "scene", "quantity", "asymptotic", "kind", "value", "uncertainty", "source"),
+    *("error", "model_part", "limit_uncertainty", "verdict"),
 )
 SUMMARY_COLUMNS = (
     *("group", "scenes", "sequences", "asymptotic", "limits", "median_uncertainty"),
@@ -82,19 +82,17 @@ class Rungs:
 
 
 def convergence(answers: Answers, table: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """COLUMNS, a row a mesh of every sequence, and ERROR_COLUMNS, a row a mesh and reference of it.
+    """COLUMNS, a row a mesh of every sequence, and ERROR_COLUMNS, a row a reference of it; error: of the finest mesh.
 
-    table: collected, of whose cells those belong together that differ in the mesh only.
-
-    order: of the three meshes that end with this one, and against a reference of the two.
+    table: collected, of whose cells those belong together that differ in the mesh only.  order: of the three meshes
+    that end with this one.
     """
     rows: list[list[object]] = []
     errors: list[list[object]] = []
     for i, rungs in enumerate((*_planned(answers), *_others(answers, table))):
         sequence = rungs.sequence
         rows += _rows(i, rungs, sequence)
-        for j, reference in enumerate(rungs.references):
-            errors += _errors(i, j, rungs.meshes, sequence, reference)
+        errors += [_error(i, rungs, sequence, reference) for reference in rungs.references]
     return pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(errors, columns=list(ERROR_COLUMNS))
 
 
@@ -151,15 +149,9 @@ def _rows(i: int, rungs: Rungs, sequence: MeshSequence) -> Iterator[list[object]
     for j, (mesh, answer) in enumerate(zip(rungs.meshes, rungs.answers, strict=True)):
         yield [
             *(i, rungs.ladder, rungs.family, rungs.element, *who, rungs.quantity, at),
-            *(mesh, sequence.sizes[j], counted(answer, "dofs"), sequence.values[j], orders[j], *verdict),
-            counted(answer, "newton_iterations"),
+            *(mesh, sequence.values[j], orders[j], *verdict),
             *(rungs.labels[j], "" if answer is None else answer.command),
         ]
-
-
-def counted(answer: Answer | None, name: str) -> float:
-    """A counter of an answer; NaN where there is none."""
-    return math.nan if answer is None else float(answer.record["counters"].get(name, math.nan))
 
 
 def summary(data: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
@@ -171,12 +163,12 @@ def summary(data: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
     """
     own = data[(data["element"] == DEFAULT) & (data["ladder"] != "")].drop_duplicates("sequence")
     own = own.assign(known=(own["uncertainty"] / own["limit"]).abs())
-    judged = errors[errors["kind"] != OWN].dropna(subset=["model_part"]).drop_duplicates(["sequence", "reference"])
+    judged = errors[errors["kind"] != OWN].dropna(subset=["model_part"])
     strains = [(words, own[own["measure"] == name]) for name, words in STRAINS.items()]
     rows = []
     for group, each in [*strains, *own.groupby("family", sort=False)]:
         known = each.dropna(subset=["known"])
-        compared = each[["sequence", "ladder"]].merge(judged, on="sequence")
+        compared = judged[judged["sequence"].isin(each["sequence"])]
         off = compared["model_part"].abs()
         where = str(compared["ladder"].iloc[int(off.argmax())]) if len(off) else ""
         rows.append(
@@ -189,19 +181,15 @@ def summary(data: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
 
 
-def _errors(
-    i: int, j: int, meshes: Sequence[str], sequence: MeshSequence, reference: Reference
-) -> Iterator[list[object]]:
-    value, limit, sizes, values = reference.value, sequence.limit, sequence.sizes, sequence.values
-    own, noise = abs(sequence.uncertainty / value), abs(value) * reference.uncertainty
-    model = limit / value - 1
-    parts = [(values[-1] - limit) / value, model, own, verdict_of(model, own, reference.uncertainty)]
-    for k, mesh in enumerate(meshes):
-        order = order_against(sizes[k - 1 : k + 1], values[k - 1 : k + 1], value, noise) if k else math.nan
-        yield [
-            *(i, j, reference.kind, value, reference.uncertainty, reference.source),
-            *(mesh, values[k] / value - 1, order, *parts),
-        ]
+def _error(i: int, rungs: Rungs, sequence: MeshSequence, reference: Reference) -> list[object]:
+    value, own = reference.value, abs(sequence.uncertainty / reference.value)
+    model = sequence.limit / value - 1
+    scene = rungs.finest.record["scene"] if rungs.finest else ""
+    return [
+        *(i, rungs.ladder, rungs.element, scene, rungs.quantity, sequence.asymptotic),
+        *(reference.kind, value, reference.uncertainty, reference.source),
+        *(sequence.values[-1] / value - 1, model, own, verdict_of(model, own, reference.uncertainty)),
+    ]
 
 
 def verdict_of(model: float, limit_uncertainty: float, reference_uncertainty: float) -> str:

@@ -59,16 +59,13 @@ CAUSES = {  # of a failure, by its outcome
 }
 HOW_MUCH = re.compile(r" by \d\S* of its size")  # told apart by it, all refusals were unlike
 DOES_NOT_APPLY = " does not apply: "  # before the reason of a refusal
-COLUMNS = ("axis", "name", "scene", "problem", "state", "cause", "dofs", *PRICES, "label", "command")
-OUTCOME_COLUMNS = (
-    *("axis", "name", "scene", "planned", "solved", "path_ends", "failed", "refused", "solved_share", "cause"),
-    "command",
-)
+COLUMNS = ("name", "scene", "problem", "state", "cause", *PRICES)
+OUTCOME_COLUMNS = ("axis", "name", "scene", "planned", "solved", "path_ends", "failed", "refused", "cause")
 ENDS = ("ratio", "low", "high")
 RATIO_COLUMNS = ("both", "both_scenes", *(f"{cost}_{end}" for cost in PRICES for end in ENDS))
 SUMMARY_COLUMNS = (
     *("algorithm", "scenes", "problems", "solved", "path_ends", "failed", "refused", "solved_share"),
-    *("causes", "worst_scene", "worst_failed", "worst_put", "refusals", "default", *RATIO_COLUMNS),
+    *("causes", "refusals", "default", *RATIO_COLUMNS),
 )
 
 
@@ -79,14 +76,14 @@ def states(table: pd.DataFrame, axis: str) -> pd.DataFrame:
     failure where another algorithm certifies the load by the same measure.  table: of collect.
     """
     rows = table[table["outcome"] != "missing"].dropna(subset=[axis])
-    rows = rows.assign(problem=[problem_of(request, axis) for request in rows["request"]], name=rows[axis], axis=axis)
+    rows = rows.assign(problem=[problem_of(request, axis) for request in rows["request"]], name=rows[axis])
     rows = rows[rows.groupby(["scene", "problem"])["name"].transform("nunique") > 1]
     if rows.empty:
         return pd.DataFrame(columns=list(COLUMNS))
     texts = rows.reindex(columns=["outcome", "path_end", "reason"]).astype(object).fillna("")
     found = [_state(*each) for each in texts.to_numpy().tolist()]
     rows = _passed(rows.assign(state=[state for state, _ in found], cause=[cause for _, cause in found]))
-    costs = rows.reindex(columns=["c.dofs", *PRICES.values()]).set_axis(["dofs", *PRICES], axis=1).astype(float)
+    costs = rows.reindex(columns=list(PRICES.values())).set_axis(list(PRICES), axis=1).astype(float)
     rows = rows.drop(columns=[name for name in costs if name in rows]).join(costs)
     best = rows.assign(order=rows["state"].map(STATES.index)).sort_values("order", kind="stable")
     return best.drop_duplicates(["name", "scene", "problem"]).sort_index()[list(COLUMNS)]
@@ -115,15 +112,13 @@ def outcomes(table: pd.DataFrame) -> pd.DataFrame:
     """OUTCOME_COLUMNS, a row a competitor and scene, and one of all scenes, whose name is empty.
 
     planned: problems that were put to two competitors at least, and are solved or not by now.  path_ends: of which the
-    path itself ends before the load that was asked for.  solved_share: of those that are neither refused nor end so,
-    NaN where there is none.  cause: of all that are not solved.  command: of the first failure, or the first such path.
+    path itself ends before the load that was asked for.  cause: of all that are not solved.
     """
     rows: list[tuple[object, ...]] = []
     for axis in AXES:
         for name, own in states(table, axis).groupby("name", sort=False):
             for scene, cells in [("", own), *own.groupby("scene", sort=False)]:
-                lost = [*cells[cells["state"] == FAILED]["command"], *cells[cells["state"] == PATH_ENDS]["command"]]
-                rows.append((axis, name, scene, *totals(cells), counted(cells["cause"]), lost[0] if lost else ""))
+                rows.append((axis, name, scene, *totals(cells)[:-1], counted(cells["cause"])))
     return pd.DataFrame(rows, columns=list(OUTCOME_COLUMNS))
 
 
@@ -142,20 +137,15 @@ def counted(causes: pd.Series) -> str:
 def contact_summary(table: pd.DataFrame) -> pd.DataFrame:
     """SUMMARY_COLUMNS, a row an algorithm, the one that solves most first.
 
-    causes: of failures, with the scenes.  worst_scene: with the most failures, of worst_put problems that it could have
-    solved.  refusals: why it was not tried.
+    causes: of failures, with the scenes.  refusals: why it was not tried.
     """
     rows: list[tuple[object, ...]] = []
     found = states(table, "contact")
     for name, own in found.groupby("name", sort=False):
-        could = own[~own["state"].isin((REFUSED, PATH_ENDS))]
-        lost = could[could["state"] == FAILED]
-        most = lost["scene"].value_counts()
-        worst = str(most.index[0]) if len(most) else ""
-        in_worst = (int(most.iloc[0]), int((could["scene"] == worst).sum())) if worst else (0, 0)
+        lost = own[own["state"] == FAILED]
         causes = counted(lost["cause"] + " in " + lost["scene"])
         refusals = counted(own.loc[own["state"] == REFUSED, "cause"])
-        said = (own["scene"].nunique(), *totals(own), causes, worst, *in_worst, refusals, DEFAULT)
+        said = (own["scene"].nunique(), *totals(own), causes, refusals, DEFAULT)
         rows.append((name, *said, *ratios(found, str(name), DEFAULT)))
     summary = pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
     return summary.sort_values(["solved_share", "seconds_ratio"], ascending=[False, True], ignore_index=True)

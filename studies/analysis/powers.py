@@ -22,12 +22,10 @@ NOTHING_LEFT = 1e-12  # a strain below this is rounding
 STRAIGHT = 0.05  # local slopes this close to -1 belong to the law
 LEVEL = 1e-12  # error of the force below which nothing but rounding is left
 TEN = 10.0  # times E/h
-REFERENCE, OTHERS = "svk", {"hencky": "off_hencky", "neo-hooke": "off_neo_hooke"}
+REFERENCE, OTHER = "svk", "hencky"
 ONE_PERCENT = 0.01
-SPAN = 2.0  # largest over least strain from which on a power is fitted
 MOTION = ("measure", "surface", "motion")
-STRAINS = ("strain", "declared", "largest")
-POWER_COLUMNS = (*MOTION, *(f"{name}_{part}" for name in STRAINS for part in ("rate", "coefficient")), "told")
+POWER_COLUMNS = (*MOTION, "strain_rate", "strain_coefficient")
 LAW_COLUMNS = (
     *("case", "wall", "element_over_h", "force_slope"),
     *("error_at_wall", "growth_at_wall", "growth_at_ten", "fails_at"),
@@ -35,15 +33,13 @@ LAW_COLUMNS = (
 
 
 def rigid_body_powers(small_motions: pd.DataFrame) -> pd.DataFrame:
-    """POWER_COLUMNS, a row a motion of a surface; NaN where a strain is nothing but rounding.  told: a law is declared.
+    """POWER_COLUMNS, a row a motion of a surface; NaN where a strain is nothing but rounding.
 
     small_motions: of studies.experiments.rigid_body.
     """
     rows = []
     for key, group in small_motions.groupby(list(MOTION), sort=False):
-        amounts = list(group["amount"])
-        found = (number for name in STRAINS for number in fitted_power(amounts, list(group[name])))
-        rows.append((*key, *found, bool(group["declared"].notna().all())))
+        rows.append((*key, *fitted_power(list(group["amount"]), list(group["strain"]))))
     return pd.DataFrame(rows, columns=list(POWER_COLUMNS))
 
 
@@ -112,36 +108,20 @@ def fitted_law(epsilon: pd.Series, value: pd.Series) -> float:
     return float(np.polyfit(x[own], np.log10(y[own]), 1)[0])
 
 
-def law_offsets(study: pd.DataFrame) -> pd.DataFrame:
-    """A row for each specimen and load: value and strain with svk, off_hencky, off_neo_hooke and factor.
-
-    off: of the value with svk over that with the other law, less 1; factor: |off_hencky| over the strain.
-    """
-    own = study[study["law"] == REFERENCE].drop(columns="law").reset_index(drop=True)
-    for law, column in OTHERS.items():
-        other = study[study["law"] == law].reset_index(drop=True)
-        if not other[["specimen", "load"]].equals(own[["specimen", "load"]]):
-            raise ValueError(f"the loads with {law} are not those with {REFERENCE}")
-        own[column] = own["value"] / other["value"] - 1
-    return own.assign(factor=own["off_hencky"].abs() / own["strain"])
-
-
 def law_rules(study: pd.DataFrame) -> pd.DataFrame:
-    """A row for each specimen: factor, its largest; percent_at, the strain at which that makes 1 %; power, fitted.
-
-    percent_at: NaN beyond the strains that were reached.  power: of |off_hencky| over the strain, by least squares; NaN
-    where strains span less than a factor of two.
+    """A row for each specimen: factor, the largest change of the value from Hencky's law to St. Venant-Kirchhoff's over
+    the strain with the latter, and percent_at, the strain at which that makes 1 %; NaN beyond those reached.
     """
+    own, other = (study[study["law"] == law].reset_index(drop=True) for law in (REFERENCE, OTHER))
+    if not other[["specimen", "load"]].equals(own[["specimen", "load"]]):
+        raise ValueError(f"the loads with {OTHER} are not those with {REFERENCE}")
+    own = own.assign(factor=(own["value"] / other["value"] - 1).abs() / own["strain"])
     rows = []
-    for _, own in law_offsets(study).groupby("specimen", sort=False):
-        factor = float(own["factor"].max())
-        row = {name: own[name].iloc[0] for name in ("specimen", "carries", "quantity")}
-        least, largest = float(own["strain"].min()), float(own["strain"].max())
+    for (specimen, carries), each in own.groupby(["specimen", "carries"], sort=False):
+        factor, least, largest = each["factor"].max(), each["strain"].min(), each["strain"].max()
         at = ONE_PERCENT / factor if ONE_PERCENT / factor <= largest else math.nan
-        row |= {"least_strain": least, "largest_strain": largest, "factor": factor, "percent_at": at}
-        rows.append(
-            {**row, "power": power_of(own["strain"], own["off_hencky"]) if largest >= SPAN * least else math.nan}
-        )
+        row = {"specimen": specimen, "carries": carries, "least_strain": least, "largest_strain": largest}
+        rows.append({**row, "factor": factor, "percent_at": at})
     return pd.DataFrame(rows)
 
 

@@ -30,10 +30,10 @@ HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
 ANGLE_DECIMALS = 6  # nodes are one where their angles are, rounded to this
 PAPER = TYRE[:1]
 COLUMNS = (
-    *("delta_mm", "phi_per_label", "best", "centre_MPa", "printed_centre_MPa", "core_rms", "core_nodes", "nodes"),
-    *("printed_nodes", "both", "in_one_only", "outside", "force_N", "own_sum_N", "printed_sum_N", "handedness"),
+    *("delta_mm", "phi_per_label", "centre_MPa", "printed_centre_MPa", "printed_nodes", "outside", "force_N"),
+    *("own_sum_N", "printed_sum_N", "handedness"),
 )
-SYMMETRY_COLUMNS = ("who", "delta_mm", "image", "blank_is_zero_MPa", "both_touch_MPa")
+SYMMETRY_COLUMNS = ("who", "delta_mm", "image", "both_touch_MPa")
 READING_COLUMNS = (
     *("reading", "kind", "delta_mm", "stated", "best", "force_N", "printed_sum_N", "centre_MPa", "core_rms"),
     *("in_one_only", "label", "command"),
@@ -58,10 +58,9 @@ IMAGES = {  # of maps with phi along the rows: psi reversed, phi reversed
 
 
 def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
-    """Three tables: COLUMNS, a row a reading; NODE_COLUMNS, the maps; SYMMETRY_COLUMNS, both against their images.
+    """Two tables: COLUMNS, a row a reading; SYMMETRY_COLUMNS, both against their images.
 
-    best: the travel with the smallest core rms under HALF.  own_sum_N, printed_sum_N: pressures times mid-surface
-    areas.  handedness: correlation of the mirror-odd parts.  Empty without the paper's tyre at DELTA.
+    own_sum_N, printed_sum_N: pressures times mid-surface areas.  handedness: correlation of the mirror-odd parts.
     """
     rows: list[dict[str, Any]] = []
     printed = printed_map()
@@ -76,10 +75,8 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
         for delta, per_label, read in reads:
             row = {"own_sum_N": force(read, per_label, answer.settings), "handedness": handedness(read, printed)}
             rows.append(row | beside_printed(answer, delta, per_label, read, printed))
-    found = pd.DataFrame(rows, columns=list(COLUMNS))
-    half = found[found["phi_per_label"] == HALF].sort_values("core_rms", kind="stable")
     return {
-        "tyre_comparison": found.assign(best=found.index.isin(half.index[:1])),
+        "tyre_comparison": pd.DataFrame(rows, columns=list(COLUMNS)),
         "tyre_symmetry": pd.DataFrame(symmetry, columns=list(SYMMETRY_COLUMNS)),
     }
 
@@ -171,10 +168,7 @@ def compare(computed: pd.DataFrame, printed: pd.DataFrame) -> dict[str, float]:
         "centre_MPa": float(np.nan_to_num(ours[middle])),
         "printed_centre_MPa": float(theirs[middle]),
         "core_rms": float(np.sqrt(np.mean(relative**2))) if inside.any() else math.nan,
-        "core_nodes": int(inside.sum()),
-        "nodes": nodes,
         "printed_nodes": printed_nodes,
-        "both": both,
         "in_one_only": nodes + printed_nodes - 2 * both,
         "outside": printed_nodes - both,
     }
@@ -193,13 +187,11 @@ def force(pressures: pd.DataFrame, phi_per_label: float, settings: Mapping[str, 
     return float(np.sum(np.nan_to_num(pressures.to_numpy(dtype=float)) * areas))
 
 
-def asymmetries(pressures: pd.DataFrame) -> Iterator[tuple[str, float, float]]:
-    """Each image with the largest difference from it [MPa]: blanks as zero pressure, and over pairs that both touch."""
+def asymmetries(pressures: pd.DataFrame) -> Iterator[tuple[str, float]]:
+    """Each image with the largest difference from it [MPa] over pairs of nodes that both touch."""
     p = pressures.to_numpy(dtype=float).T
-    touching, filled = ~np.isnan(p), np.nan_to_num(p)
     for name, (psi, phi) in IMAGES.items():
-        all_nodes, both = (deviation(filled, only, psi=psi, phi=phi, periodic=False) for only in (None, touching))
-        yield name, all_nodes, both
+        yield name, deviation(np.nan_to_num(p), ~np.isnan(p), psi=psi, phi=phi, periodic=False)
 
 
 def handedness(computed: pd.DataFrame, printed: pd.DataFrame) -> float:

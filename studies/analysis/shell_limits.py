@@ -37,7 +37,7 @@ KEY = ("case", "scene", "quantity", "thickness", "variant")
 COLUMNS = (
     *(*KEY, "judge", "solid_off", "thinnest", "thickest", "at_thickest", "known_to"),
     *(f"boundary_{100 * level:g}" for level in LEVELS),
-    *("decided", "order", "headline", "fails", "shell_unknowns", "solid_unknowns", "unknowns_ratio", "seconds_ratio"),
+    *("decided", "order", "headline", "fails", "unknowns_ratio", "seconds_ratio"),
 )
 
 
@@ -49,7 +49,7 @@ def boundaries(table: pd.DataFrame) -> pd.DataFrame:
     boundary_N: thickness at which the error passes N %.  known_to: the largest of the points.  decided: whether the
     points on either side of every boundary that is passed are told from its level.  order: see :func:`order`.
     headline: the first quantity of its case.  *_ratio: median of solid over shell, over the thicknesses, of meshes
-    equally good; *_unknowns: medians.
+    equally good.
     """
     rows: list[dict[str, Any]] = []
     for _, own in table.groupby(["case", "quantity", "variant"], sort=False):
@@ -57,9 +57,7 @@ def boundaries(table: pd.DataFrame) -> pd.DataFrame:
         first = own.iloc[0]
         error, ratio, known = (own[name].to_numpy(float) for name in ("error", "ratio", "known_to"))
         passed = [boundary(ratio, error, level) for level in LEVELS]
-        costs = own.reindex(columns=["shell_unknowns", "solid_unknowns", "shell_seconds", "solid_seconds"])
-        costs["unknowns_ratio"] = costs["solid_unknowns"] / costs["shell_unknowns"]
-        costs["seconds_ratio"] = costs["solid_seconds"] / costs["shell_seconds"]
+        ratios = {f"{cost}_ratio": own[f"solid_{cost}"] / own[f"shell_{cost}"] for cost in ("unknowns", "seconds")}
         off = own.loc[own["ratio"] >= THICK, "solid_against_exact"].abs().max()
         headline = table.loc[table["case"] == first["case"], "quantity"].iloc[0]
         rows.append(
@@ -72,7 +70,7 @@ def boundaries(table: pd.DataFrame) -> pd.DataFrame:
                 "order": order(ratio, error, known),
                 "headline": first["quantity"] == headline,
                 "fails": first.get("fails", ""),
-                **{str(name): costs[name].median() for name in COLUMNS[-4:]},
+                **{name: each.median() for name, each in ratios.items()},
             }
         )
     return pd.DataFrame(rows, columns=list(COLUMNS))

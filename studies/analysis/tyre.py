@@ -20,7 +20,7 @@ from studies.run.answers import HERE, Answer, Answers
 from studies.run.lists import BUDGET_MESHES, BUDGETED, MODELS, SOLID, TYRE
 from studies.scenes import SCENES
 from studies.scenes.data import read_reference
-from studies.solving.refinement.richardson import formal_limit, holds_from, order_of
+from studies.solving.refinement.richardson import formal_limit, holds_from
 
 DELTA, EARLY = 20.0, 5.0  # mm; measures are stated at both
 PAPER = "one step semismooth {mesh}"  # the cell of the paper's load and section
@@ -104,17 +104,17 @@ SOFT = [cell for cell in SOLID if "epsilon" in cell.settings]
 FILE, FORCE = "isotropic_tyre_3d_solid.csv", "force_N_ngsolve"
 FACES = ("inner", "outer")
 SOLID_COLUMNS = (
-    *("quantity", "at", "body", "mesh", "value", "limit", "order", "spread", "mesh_part"),
-    *("other", "off_other", "model_part", "known_to", "cancellation", "command"),
+    *("quantity", "at", "body", "mesh", "value", "limit", "mesh_part", "off_other", "model_part", "known_to"),
+    *("cancellation", "command"),
 )
 
 
 def solid_shell(answers: Answers) -> pd.DataFrame:
     """SOLID_COLUMNS, a row a mesh of each body: the force by travel, the growth of the equator by face, the penalty.
 
-    limit: extrapolated from the two finer meshes with the formal order.  spread: how far it has moved since the two
-    coarser ones, relative.  other: the value of another program.  model_part: shell's limit over the solid's, less one;
-    known_to: what both limits have moved.  cancellation: of the membrane forces at the equator.  quantity "penalty":
+    limit: extrapolated from the two finer meshes with the formal order; off_other: from the value of another program.
+    model_part: shell's limit over the solid's, less one; known_to: what both limits have moved since the two coarser
+    meshes, relative.  cancellation: of the membrane forces at the equator.  quantity "penalty":
     the change of the force [-] by a soft plane.
     """
     bodies = {name: answers.those(cells) for name, cells in BODIES.items()}
@@ -145,8 +145,7 @@ def _compared(
     for body, cells in bodies.items():
         sizes, values = [cell.size for cell in cells], [cell.value(quantity, **at) for cell in cells]
         limit, moved = formal_limit(sizes, values)
-        own = {"quantity": quantity, "at": words, "body": body, "other": other, "limit": limit}
-        own |= {"order": order_of(sizes, values), "spread": moved / abs(limit)}
+        own = {"quantity": quantity, "at": words, "body": body, "limit": limit, "spread": moved / abs(limit)}
         own |= {"mesh_part": values[-1] / limit - 1, "off_other": limit / other - 1}
         rows += [
             {**own, "mesh": cell.record["mesh"], "command": cell.command, "value": value}

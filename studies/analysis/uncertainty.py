@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.experiments.solid_laws import HALF_DIGIT, INPUTS, MESHES, STATES
+from studies.experiments.solid_laws import INPUTS, MESHES, STATES
 from studies.scenes.contact.crushed_ring import DATA, FILE, READING
 from studies.scenes.data import read_reference
 from studies.solving.refinement.richardson import Limit, limit_of
@@ -37,12 +37,10 @@ COVERED = 2.0  # of a standard uncertainty: what limit_of says covers nearly all
 
 
 def error_budget(study: pd.DataFrame) -> pd.DataFrame:
-    """A row for each body and travel: measured_N, force_N, difference_N, PARTS [N], u_num, u_input, u_D, u_val [N].
+    """A row for each body and travel: measured_N, force_N, difference_N, PARTS, u_val [N], limit_N of all meshes.
 
-    grid: the finest mesh; limit_N, order, asymptotic: of all.  read_to: limit [N] of a reading.  within: |difference|
-    <= u_val.  Of a shell of another measure than the exact one, beside that with the same data: closer: nearer to the
-    measured force; cancelled: -shell/law, the share of the law's part that the shell's part takes back; wrong_reason:
-    closer although its own part is larger.
+    within: |difference| <= u_val.  wrong_reason: a shell of another measure is nearer to the measured force than the
+    exact one with the same data, although its own part is larger, by taking a share of the law's part back.
     """
     meshes = study[study["study"] == MESHES].groupby(["body", "delta_mm"], sort=False)
     limits = {
@@ -58,27 +56,26 @@ def error_budget(study: pd.DataFrame) -> pd.DataFrame:
         _parts(row, limits, measured.loc[row["delta_mm"]], inputs[row["delta_mm"]], measured.index[-1])
         for row in finest.to_dict("records")
     ]
-    return pd.DataFrame(_with_reasons(rows))
+    return pd.DataFrame([{**row, "wrong_reason": _by_cancelling(row, rows)} for row in rows])
 
 
 def input_effects(study: pd.DataFrame) -> pd.DataFrame:
-    """A row for each input and travel: value, half: of its last digit; relative: standard uncertainty of the force."""
+    """A row for each input and travel: its value, and relative, the standard uncertainty of the force."""
     rows = []
     for (key, delta), pair in study[study["study"] == INPUTS].groupby(["input", "delta_mm"], sort=False):
         low, high = pair.sort_values("change")["force_N"]
         effect = (high - low) / (high + low)
-        known = {"input": key, "value": DATA[str(key)], "half": HALF_DIGIT[str(key)], "delta_mm": delta}
-        rows.append({**known, "relative": abs(effect) / WITHIN})
+        rows.append({"input": key, "value": DATA[str(key)], "delta_mm": delta, "relative": abs(effect) / WITHIN})
     return pd.DataFrame(rows)
 
 
 def axial_states(study: pd.DataFrame) -> pd.DataFrame:
-    """A row for each state along the axis and travel: force_N of Hencky's solid and ``off``, against plane strain."""
+    """A row for each state along the axis and travel: ``off``, the force of Hencky's solid against plane strain."""
     other = study[study["study"] == STATES]
     plane = study[(study["study"] == MESHES) & (study["body"] == SOFTER)].drop_duplicates("delta_mm", keep="first")
     strain = plane.set_index("delta_mm")["force_N"]
-    found = other[["input", "mesh", "delta_mm", "force_N", "command"]].rename(columns={"input": "state"})
-    return found.assign(off=found["force_N"].to_numpy() / strain[found["delta_mm"]].to_numpy() - 1)
+    off = other["force_N"].to_numpy() / strain[other["delta_mm"]].to_numpy() - 1
+    return pd.DataFrame({"state": other["input"], "delta_mm": other["delta_mm"], "off": off})
 
 
 def _parts(
@@ -96,40 +93,27 @@ def _parts(
     u_D = np.hypot(READING, bend) / WITHIN
     u_val = float(np.sqrt(u_num**2 + u_input**2 + u_D**2))
     return {
-        **{name: row[name] for name in ("body", "kind", "of", "delta_mm", "command")},
-        "grid": row["mesh"],
-        "least_stretch": row["least_stretch"],
+        **{name: row[name] for name in ("body", "kind", "of", "delta_mm", "command", "least_stretch")},
         "largest_stretch": row["largest_stretch"],
         "limit_N": own.value,
-        "order": own.order,
-        "asymptotic": own.asymptotic,
         "measured_N": D,
         "force_N": S,
         "difference_N": S - D,
         **known,
         "remainder": hencky - D - friction - bend,
-        "u_num": u_num,
-        "u_input": float(u_input),
-        "u_D": float(u_D),
         "u_val": u_val,
-        "read_to": READING,
         "within": abs(S - D) <= u_val,
     }
 
 
-def _with_reasons(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """With what is said of measures beside the exact one."""
-    found = []
-    for row in rows:
-        said: dict[str, Any] = {"closer": False, "cancelled": np.nan, "wrong_reason": False}
-        if row["kind"] == "shell" and row["of"] != "exact":
-            name = row["body"].replace(row["of"], "exact")
-            exact = next(each for each in rows if (each["body"], each["delta_mm"]) == (name, row["delta_mm"]))
-            closer = abs(row["difference_N"]) < abs(exact["difference_N"])
-            said = {"closer": closer, "cancelled": -row["shell"] / row["law"]}
-            said["wrong_reason"] = closer and abs(row["shell"]) > abs(exact["shell"]) and said["cancelled"] > 0
-        found.append(row | said)
-    return found
+def _by_cancelling(row: Mapping[str, Any], rows: list[dict[str, Any]]) -> bool:
+    """Is a shell of another measure closer than the exact one although its own part is larger?"""
+    if row["kind"] != "shell" or row["of"] == "exact":
+        return False
+    name = row["body"].replace(row["of"], "exact")
+    exact = next(each for each in rows if (each["body"], each["delta_mm"]) == (name, row["delta_mm"]))
+    closer = abs(row["difference_N"]) < abs(exact["difference_N"])
+    return bool(closer and abs(row["shell"]) > abs(exact["shell"]) and row["shell"] * row["law"] < 0)
 
 
 ROUNDING = 1e-9  # relative: a smaller uncertainty is no statement about a grid

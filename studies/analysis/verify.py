@@ -1,28 +1,22 @@
-"""The verified error of every cell, and how much of it is the mesh's, the solver's, the formulation's, the reference's.
+"""The verified error of every cell, and how much of it is the formulation's.
 
 A cell is verified against the scene's reference where one holds for its settings, else against the Richardson limit of
 the finest ladder of the same request: all that was asked but the mesh and how it is solved. The ladder is one with
 the exact measure, where there is one: another measure is an approximation of it, and what it loses is an error; else
-one of its own measure. Which one it is, is said. Errors are relative.
-
-    |value - reference| <= mesh + solver + formulation + reference
-    mesh         |value - limit of the cell's own ladder|
-    solver       |value - that with the tightest tolerance|; of the tightest one, what the law of the tolerances leaves
-    formulation  |limit of the same with the tightest tolerance - reference|, where more than both are uncertain by
-    reference    its stated uncertainty
+one of its own measure. Which one it is, is said. Errors are relative. The formulation's is the distance of the limit
+of the cell's own ladder, with the tightest tolerance, from the reference, where more than both are uncertain by.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import astuple
 
 import numpy as np
 import pandas as pd
 
 from studies.ask.scene import judged_of
 from studies.ask.settings import own_keys
-from studies.run.rows import PRICES, answers, keys, ladders, quantities, reference_rows
+from studies.run.rows import answers, keys, ladders, quantities, reference_rows
 from studies.scenes import SCENES
 from studies.scenes.references import STEP_KEYS
 from studies.solving.refinement.richardson import limit_of
@@ -43,15 +37,10 @@ HOW = (
     "epsilon",
 )
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
-COLUMNS = (
-    *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),
-    *("mesh_error", "order", "asymptotic", "solver_error", "formulation_error", "reference_error", "largest"),
-    *PRICES,
-)
+COLUMNS = ("label", "scene", "quantity", "value", "against", "uncertainty", "error", "formulation_error")
 LIMIT_NAMES = ("ladder", "asked", "quantity", "scene", "measure", "label")
-LIMIT_NUMBERS = ("size", "tolerance", "epsilon", "finest", "limit", "limit_uncertainty", "order", "asymptotic")
+LIMIT_NUMBERS = ("size", "tolerance", "epsilon", "limit", "limit_uncertainty")
 REFERENCE, LIMIT = "reference", "limit"
-UNKNOWN = "unknown"  # largest part of an error whose mesh stands alone, or with one other
 EXACT = "exact"  # the measure that the others approximate
 
 
@@ -85,7 +74,7 @@ def questions(table: pd.DataFrame) -> pd.Series:
 
 
 def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.DataFrame:
-    """One row a quantity of a cell that claims an answer, with COLUMNS; NaN where a part is not known.
+    """One row a quantity of a cell that claims an answer, with COLUMNS; NaN where one is not known.
 
     references: as of reference_rows, which is asked when they are not given.
     """
@@ -107,21 +96,10 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     uncertainty = reference["uncertainty"].fillna(best["limit_uncertainty"] / best["limit"].abs())
     scale = wanted.abs().fillna(own["limit"].abs()).fillna(rows["value"].abs())
     scale = scale.where(scale > 0)
-    off = (tight["limit"] - wanted).abs() / scale
-    parts = pd.DataFrame(
-        {
-            "mesh": (rows["value"] - own["limit"]).abs() / scale,
-            "solver": _solver_errors(rows) / scale,
-            "reference": uncertainty,
-            "formulation": off.where(~(off <= uncertainty + tight["limit_uncertainty"] / scale), 0.0),
-        }
-    )
+    off, within = (tight["limit"] - wanted).abs() / scale, uncertainty + tight["limit_uncertainty"] / scale
     found = rows.assign(
-        **{"against": words, "reference": wanted, "uncertainty": uncertainty},
-        error=(rows["value"] - wanted).abs() / scale,
-        **{f"{part}_error": parts[part] for part in parts},
-        **{"order": own["order"], "asymptotic": own["asymptotic"].eq(True)},
-        largest=parts.fillna(-1.0).idxmax(axis=1).where(parts["mesh"].notna(), UNKNOWN),
+        **{"against": words, "uncertainty": uncertainty, "error": (rows["value"] - wanted).abs() / scale},
+        formulation_error=off.where(~(off <= within), 0.0),
     )
     return found[list(COLUMNS)]
 
@@ -129,8 +107,7 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
 def _claims(table: pd.DataFrame) -> pd.DataFrame:
     """One row a judged quantity of a cell with an answer: its value, and the keys of what it is compared with.
 
-    ladder: all that was asked but the mesh.  tight: that with the tightest tolerance.  asked: the question.  problem:
-    all but the tolerance.
+    ladder: all that was asked but the mesh.  tight: that with the tightest tolerance.  asked: the question.
     """
     claimed = table[table["outcome"].isin(CLAIMED)]
     ordered = table.sort_values("tolerance", ascending=False, na_position="first", kind="stable")
@@ -139,7 +116,6 @@ def _claims(table: pd.DataFrame) -> pd.DataFrame:
         ladder=keys(claimed, "mesh"),
         tight=keys(claimed, "mesh", "tolerance").map(tightest),
         asked=keys(claimed, *how(), "measure"),
-        problem=keys(claimed, "tolerance"),
         quantity=claimed["scene"].map({scene: judged(table, scene) for scene in claimed["scene"].unique()}),
     )
     return rows.explode("quantity").merge(answers(claimed), on=["label", "quantity"])
@@ -152,10 +128,10 @@ def _beside(rows: pd.DataFrame, other: pd.DataFrame, *by: str) -> pd.DataFrame:
 
 
 def limits(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a judged quantity of a ladder, with LIMIT_NAMES and LIMIT_NUMBERS: its limit, and its finest mesh.
+    """One row a judged quantity of a ladder, with LIMIT_NAMES and LIMIT_NUMBERS: its limit.
 
-    label, finest: the cell on the finest mesh, and its value.  ladder, asked: the keys of what it was asked, the second
-    one without all that may be chosen to answer, but the measure.
+    label: the cell on the finest mesh.  ladder, asked: the keys of what it was asked, the second one without all that
+    may be chosen to answer, but the measure.
     """
     rows: list[tuple[object, ...]] = []
     names = {scene: judged(table, scene) for scene in table["scene"].unique()}
@@ -166,19 +142,6 @@ def limits(table: pd.DataFrame) -> pd.DataFrame:
         for name in names[last["scene"]]:
             values = rungs[f"q.{name}"].astype(float).tolist()
             if not np.isnan(values).any():
-                rows.append((*asked, name, *who, values[-1], *astuple(limit_of(rungs["size"].tolist(), values))))
+                found = limit_of(rungs["size"].tolist(), values)
+                rows.append((*asked, name, *who, found.value, found.uncertainty))
     return pd.DataFrame(rows, columns=[*LIMIT_NAMES, *LIMIT_NUMBERS]).astype(dict.fromkeys(LIMIT_NUMBERS, float))
-
-
-def _solver_errors(rows: pd.DataFrame) -> pd.Series:
-    """The distance to the answer with the tightest tolerance, in the unit of the quantity; NaN for one tolerance alone.
-
-    What is left in the tightest one itself: errors proportional to the tolerance, from its distance to the next one.
-    """
-    by = ("problem", "quantity")
-    tightest = _beside(rows, rows.sort_values("tolerance", kind="stable"), *by)
-    is_looser = rows["tolerance"] > tightest["tolerance"]  # one request may stand in several rows
-    following = _beside(rows, rows[is_looser].sort_values("tolerance", kind="stable"), *by)
-    share = tightest["tolerance"] / following["tolerance"]
-    left = (following["value"] - tightest["value"]).abs() * share / (1 - share)
-    return (rows["value"] - tightest["value"]).abs().where(is_looser, left)

@@ -28,7 +28,6 @@ def run_extremes(options: argparse.Namespace) -> int:
     cell = chart.point(x, y)
     result = extremes.attempt(cell)
     print(f"{result.kind}: {result.reason or cell.command}")
-    print(f"{result.iterations} newton iterations, {result.factorisations} factorisations")
     if result.kind in (extremes.CONVERGED, extremes.UNTOUCHED, extremes.UNSTABLE):
         return OK
     return {extremes.WRONG: FAILED, extremes.REFUSED: WRONG_USE}.get(result.kind, NOT_CONVERGED)

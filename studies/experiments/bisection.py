@@ -14,21 +14,14 @@ import numpy as np
 
 Block = tuple[int, int, int]  # first row, first column, size
 FINEST = 1  # cells: nothing lies between the corners of such a block
-BUDGET = 0.75  # share of the points: beyond it the boundary is the map
 
 
 @dataclass(frozen=True, eq=False)
 class Located:
-    """Classes (n, m) of all points, which of them (n, m) were asked for, and whether the budget was enough."""
+    """Classes (n, m) of all points, and which of them (n, m) were asked for."""
 
     classes: np.ndarray
     asked: np.ndarray
-    complete: bool
-
-    @property
-    def share(self) -> float:
-        """Of all points, those asked for."""
-        return float(self.asked.mean())
 
 
 def locate(
@@ -37,12 +30,10 @@ def locate(
     stride: int,
     *,
     rows_apart: bool = False,
-    budget: float = BUDGET,
 ) -> Located:
     """Find the classes on a grid of points; ``stride``, a power of two, must divide shape - 1.
 
-    rows_apart: rows have no order, as names have none, and each is searched by itself.  budget: share of the points
-    that may be asked for; beyond it what is left takes the class of its nearest corner. Raises ValueError for a grid
+    rows_apart: rows have no order, as names have none, and each is searched by itself. Raises ValueError for a grid
     that the stride does not divide.
     """
     if stride & (stride - 1) or any((n - 1) % stride for n in shape[rows_apart:]):
@@ -50,16 +41,9 @@ def locate(
     rows = range(shape[0]) if rows_apart else range(0, shape[0] - 1, stride)
     blocks = [(i, j, stride) for i in rows for j in range(0, shape[1] - 1, stride)]
     classes = np.full(shape, "", dtype=object)
-    search = _Search(class_at, classes, int(budget * classes.size), blocks, 0 if rows_apart else 1)
-    try:
-        search.run()
-    except _SpentError:
-        return Located(*search.filled(), complete=False)
-    return Located(*search.filled(), complete=True)
-
-
-class _SpentError(Exception):
-    """The budget is spent."""
+    search = _Search(class_at, classes, blocks, 0 if rows_apart else 1)
+    search.run()
+    return search.found()
 
 
 @dataclass(eq=False)
@@ -68,7 +52,6 @@ class _Search:
 
     class_at: Callable[[int, int], str]
     classes: np.ndarray
-    budget: int
     blocks: list[Block]
     height: int
 
@@ -106,23 +89,15 @@ class _Search:
         for a in range(i, i + self.height * size + 1, size):
             for b in (j, j + size):
                 if self.classes[a, b] == "":
-                    if np.count_nonzero(self.classes != "") >= self.budget:
-                        raise _SpentError
                     self.classes[a, b] = self.class_at(a, b)
 
-    def filled(self) -> tuple[np.ndarray, np.ndarray]:
-        """Classes of all points, those of blocks that show one class by it, others by the nearest one asked for."""
+    def found(self) -> Located:
+        """Classes of all points, those of a block that shows one class by it."""
         asked, full = self.classes != "", self.classes.copy()
         for block in self.blocks:
-            seen = self.seen(block)
-            if len(seen) == 1:
-                part = full[self.within(block)]
-                part[part == ""] = next(iter(seen))
-        known = np.argwhere(asked)
-        for i, j in np.argwhere(full == ""):
-            own = known[known[:, 0] == i] if not self.height and np.any(known[:, 0] == i) else known
-            full[i, j] = self.classes[tuple(own[np.argmin(np.max(np.abs(own - (i, j)), axis=1))])]
-        return full, asked
+            part = full[self.within(block)]
+            part[part == ""] = next(iter(self.seen(block)))
+        return Located(full, asked)
 
 
 def edges(classes: np.ndarray, *, rows_apart: bool = False) -> np.ndarray:

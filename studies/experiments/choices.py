@@ -29,9 +29,19 @@ COARSE = 0.5  # of the unknowns of the exact measure's finest grid, below which 
 KEYS = [*PROBLEM, "name"]
 OFFERS = 2  # the one recommended and the runner-up
 COLUMNS = (
-    *("regime", "scene", "settings", "quantity", "limit", "uncertainty", "asked", "row", "axis", "name", "surfaces"),
-    *("contact", "mesh", "unknowns", "formulation_error", "within", "settled", "verdict", "value", "error_at_most"),
-    *("enough", "seconds", "iterations", "tried", "agrees", "said", "command"),
+    *("regime", "scene", "settings", "quantity", "asked", "row", "axis", "name", "surfaces", "contact", "mesh"),
+    *(
+        "unknowns",
+        "formulation_error",
+        "within",
+        "verdict",
+        "error_at_most",
+        "seconds",
+        "iterations",
+        "tried",
+        "agrees",
+    ),
+    *("said", "command"),
 )
 
 
@@ -60,19 +70,16 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
     What the smallest error takes says what larger ones take, too; where it has no answer they are asked for themselves.
     offer: what is recommended, and the runner-up; ``tried``: solved from rest and certified.  variant: a measure, an
     option of the element, a wall with more surfaces or a model, with its formulation_error in the limit of the grids,
-    known to ``within``, from ``limit``: that of the exact measure on the wall with the most surfaces, known to a part
-    ``uncertainty`` of it.  surfaces: of its wall, where they are not those of the scene.  grid: of the measures, the
-    value with the most that it may be off.  algorithm: from rest on a mesh; ``agrees``: with the default, to the judge.
-    seconds: CPU time, of a path from the grid before in the rows of variants and grids.
+    known to ``within``, from that of the exact measure on the wall with the most surfaces.  surfaces: of its wall,
+    where they are not those of the scene.  grid: of the measures, with the most that it may be off.  algorithm: from
+    rest on a mesh; ``agrees``: with the default, to the judge.  seconds: CPU time, of a path from the grid before in
+    the rows of variants and grids.
     """
     rows = list[dict[str, Any]]()
     for ask in shipped_asks() if asks is None else asks:
         for found in _found(ask, errors):
-            limit = {"limit": np.nan, "uncertainty": np.nan}
-            if found.truth is not None:
-                limit = {"limit": found.truth.limit, "uncertainty": found.truth.uncertainty}
             settings = " ".join(f"{key}={text_of(value)}" for key, value in ask.settings.items())
-            head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": found.quantity, **limit}
+            head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": found.quantity}
             rows += [{**head, "asked": found.question.error, **row} for row in _rows(found)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 

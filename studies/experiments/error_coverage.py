@@ -78,8 +78,8 @@ def error_coverage(cases: Iterable[Case] | None = None, errors: Sequence[float] 
     low, high: what is stated of the relative error of the value on the last grid; value_error: that error, against
     the limit ``true`` of other grids, ``known`` to a part of it.  stated, uncertainty: the limit and what is stated of
     it; off: how far the two limits are apart.  value_inside, inside: whether they are as stated; value_decided,
-    decided: whether the true limit is known well enough to say so, or they are not, whatever it is.  seconds: CPU time
-    of the answer; cheapest_s: of the cheapest grid as good, NaN where none is known; cost: the one over the other.
+    decided: whether the true limit is known well enough to say so, or they are not, whatever it is.  cost: CPU time
+    of the answer over that of the cheapest grid as good, NaN where none is known.
     """
     for case in shipped_cases() if cases is None else cases:
         uniform = uniform_grids(case)
@@ -93,9 +93,8 @@ def error_coverage(cases: Iterable[Case] | None = None, errors: Sequence[float] 
                 seconds, truth = time.process_time() - start, truths.get(quantity)
                 family |= {mesh: _cold(scene, replace(request, mesh=mesh)) for mesh in _meshes(result) - set(family)}
                 least = min(cheapest(grids, quantity, error, truth) for grids in (uniform, list(family.values())))
-                least = least if math.isfinite(least) else math.nan
-                price = {"seconds": seconds, "cheapest_s": least, "cost": seconds / least}
-                row = _row(case, quantity, error, result, known=known) | price
+                cost = seconds / least if math.isfinite(least) else math.nan
+                row = _row(case, quantity, error, result, known=known) | {"cost": cost}
                 yield row | (_against(row, truth) if truth is not None else {})
 
 

@@ -22,7 +22,7 @@ from studies.ask.request import Request
 from studies.ask.scene import SceneModel, UsageError
 from studies.ask.settings import configured
 from studies.experiments import Row, tabulated
-from studies.experiments.bisection import BUDGET, Located, distance, locate
+from studies.experiments.bisection import Located, distance, locate
 from studies.scenes.complete import Cell, complete
 from studies.scenes.walk import walk
 from studies.solving.certificate import certificate
@@ -67,12 +67,10 @@ class Axis:
 
 @dataclass(frozen=True)
 class Found:
-    """What one point gave: its class, why if it is a failure, what it cost, and what its scene reads off the state."""
+    """What one point gave: its class, why if it is a failure, and what its scene reads off the state."""
 
     kind: str
     reason: str = ""
-    iterations: int = 0
-    factorisations: int = 0
     quantities: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -121,8 +119,7 @@ class Chart:
             found[i, j] = at(self.cell(i, j))
             return found[i, j].kind
 
-        stride, budget = (1, 1.0) if whole else (self.stride, BUDGET)
-        return locate(class_at, self.shape, stride, rows_apart=self.y.named, budget=budget), found
+        return locate(class_at, self.shape, 1 if whole else self.stride, rows_apart=self.y.named), found
 
 
 # --- one point ------------------------------------------------------------------------------------------------------
@@ -145,38 +142,31 @@ def attempt(cell: Cell, smallest: float = SMALLEST) -> Found:
 
 def _followed(model: SceneModel, request: Request, smallest: float) -> Found:
     algorithm = configured(request.contact, request.settings)
-    spent = {"newton_iterations": 0.0, "factorisations": 0.0}
     failures: list[str] = []
     why: list[str] = []
     stable: dict[str, Any] = {}
     for visited in walk(model.stages(), algorithm, request.steps, smallest=smallest):
         point = visited.point
-        spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
         if not visited.converged:
             refused = f"{request.contact} does not apply: " if point.outcome is Outcome.REFUSED else ""
-            return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None, spent)
+            return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None)
         tolerance = request.number("tolerance")
         told = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed)
         failures, why, stable = failures + told["failures"], why + told["diagnosis"], told["stability"]
         if failures and visited.ends_stage:
             names, found = (", ".join(dict.fromkeys(words)) for words in (failures, why))
-            return Found(WRONG, f"the judge finds {names} beyond its bounds: {found}", *_cost(spent))
+            return Found(WRONG, f"the judge finds {names} beyond its bounds: {found}")
     if stable["word"] == NOT_STABLE:
-        return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}", *_cost(spent))
+        return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}")
     touched = visited.state.active.any()
     seen = visited.stage.observe(visited.problem, point.solution, point.requested).quantities
-    return Found(CONVERGED if touched else UNTOUCHED, "", *_cost(spent), seen)
+    return Found(CONVERGED if touched else UNTOUCHED, "", seen)
 
 
-def _cost(spent: Mapping[str, float]) -> tuple[int, int]:
-    """Newton iterations and factorisations."""
-    return int(spent["newton_iterations"]), int(spent["factorisations"])
-
-
-def _failed(outcome: Outcome, told: str, end: PathEnd | None, spent: Mapping[str, float]) -> Found:
+def _failed(outcome: Outcome, told: str, end: PathEnd | None) -> Found:
     """The class of a path that does not arrive."""
     kind = REFUSED if outcome is Outcome.REFUSED else END if end in ENDS else FAILED
-    return Found(kind, told or outcome.value, *_cost(spent))
+    return Found(kind, told or outcome.value)
 
 
 # --- the maps -------------------------------------------------------------------------------------------------------
@@ -195,8 +185,7 @@ UNEVEN = Axis("irregular", "unevenness [-]", tuple(f"{1 - 10.0**x:.6g}" for x in
 
 
 def _panel(name: str, title: str, x: Axis, y: Axis, settings: Mapping[str, str] | None = None, **more: str) -> Chart:
-    stride = 16 if len(x.values) > 40 else 8
-    return Chart(name, title, "panel", x, y, {**SMALL, **more}, settings or {}, stride)
+    return Chart(name, title, "panel", x, y, {**SMALL, **more}, settings or {})
 
 
 CHARTS: tuple[Chart, ...] = (
@@ -222,7 +211,6 @@ CHARTS: tuple[Chart, ...] = (
         *(EVEN("gamma_deg", "cord angle γ [deg]", 0, 90, 17), EVEN("p0_MPa", "pressure inside [MPa]", -0.05, 0.35, 17)),
         *(TYRE, {"element": "paper", "delta_mm": "5"}),
     ),
-    _panel("thin", "Thinness, by algorithm", THINNESS, BY),
     _panel("epsilon", "Regularisation, by algorithm", EPSILON, BY),
     _panel("length-unit", "The unit of length, by algorithm", LENGTHS, BY),
     _panel("stress-unit", "The unit of stress, by algorithm", STRESSES, BY),
@@ -253,38 +241,31 @@ def chart_of(name: str) -> Chart:
 
 @tabulated
 def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = attempt) -> Iterator[Row]:
-    """Maps beside all of their points: how many were asked for, and how far the boundary is from the true one."""
+    """Maps beside all of their points: how far the boundary is from the true one, and how many points are unlike."""
     for chart in map(chart_of, names):
         where, found = chart.located(at)
         whole = np.full(chart.shape, "", dtype=object)
         for i, j in np.ndindex(chart.shape):
             whole[i, j] = (found.get((i, j)) or at(chart.cell(i, j))).kind
         cells, unlike = distance(where.classes, whole, rows_apart=chart.y.named), int(np.sum(where.classes != whole))
-        asked = {"asked": int(where.asked.sum()), "share": where.share}
-        yield {"map": chart.name, "points": whole.size, **asked, "distance": cells, "unlike": unlike}
+        yield {"map": chart.name, "points": whole.size, "distance": cells, "unlike": unlike}
 
 
 @tabulated
 def extremes_table(charts: Sequence[Chart] = PAIRS, at: Callable[[Cell], Found] = attempt) -> Iterator[Row]:
-    """All points of maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
+    """All points of maps, one row each: indices, values, class, and whether it was asked for."""
     for chart in charts:
         where, found = chart.located(at, whole=chart.name in WHOLE)
         for (i, j), kind in np.ndenumerate(where.classes):
             row = {"map": chart.name, "i": i, "j": j, "y": chart.y.values[i], "x": chart.x.values[j], "class": kind}
             own = found.get((i, j))
-            row |= {"asked": own is not None, "complete": where.complete}
-            if own is not None:
-                row |= {"reason": own.reason, "iterations": own.iterations, "factorisations": own.factorisations}
-                row["command"] = chart.command(i, j)
-            yield row
+            row["asked"] = own is not None
+            yield row if own is None else row | {"reason": own.reason, "command": chart.command(i, j)}
 
 
 @tabulated
 def axes_table(charts: Sequence[Chart] = PAIRS) -> Iterator[Row]:
-    """What the maps are of, one row a map; stride: cells of a block of the first grid, 1 where all are solved."""
+    """What the maps are of, one row a map."""
     for chart in charts:
-        told = {"scene": chart.scene, **chart.options, **chart.settings}
-        fixed = ", ".join(f"{key} {value}" for key, value in told.items())
         axes = {"x_label": chart.x.label, "y_label": chart.y.label, "y_named": chart.y.named}
-        stride = 1 if chart.name in WHOLE else chart.stride
-        yield {"map": chart.name, "title": chart.title, **axes, "fixed": fixed, "stride": stride}
+        yield {"map": chart.name, "title": chart.title, **axes}

@@ -28,7 +28,7 @@ from studies.scenes.walk import walk
 BOUND = 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
 PENALTY = 1e4
 COLUMNS = (
-    *("contender", "version", "tolerance", "bound", "problems", "refused", "claimed"),
+    *("contender", "version", "tolerance", "bound", "problems", "claimed"),
     *("false_own", "false", "largest_error", "worst", "worst_fails"),
 )
 PAPER = {"element": "paper", "delta_mm": "15,20"}  # the tyre's element whose tangent is definite without the foundation
@@ -81,7 +81,7 @@ def linearised_steps() -> list[Linearised]:
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """What a solver answers: u, pressure, whether it claims success, and why it did not try, if it did not.
+    """What a solver answers: u, pressure, and whether it claims success.
 
     tolerance: what it was asked for.  kept: whether its answer keeps that by its own criterion, None for the judge's.
     """
@@ -89,7 +89,6 @@ class Claim:
     u: np.ndarray
     pressure: np.ndarray
     success: bool
-    refused: str = ""
     epsilon: float = math.inf
     tolerance: float = math.nan
     kept: bool | None = None
@@ -105,13 +104,11 @@ def by_algorithm(name: str, **settings: object) -> Contender:
     def claim(body: Body) -> Claim:
         problem = body.problem()
         algorithm = ALGORITHMS[name](**settings)
-        reason = algorithm.supports(problem)
-        if reason is not None:
-            return Claim(body.start, np.zeros_like(problem.weights), False, reason)
+        if algorithm.supports(problem) is not None:
+            return Claim(body.start, np.zeros_like(problem.weights), False)
         found = algorithm.solve(problem, body.begin())
-        why = str(found.history[-1].get("event", "")) if found.outcome is Outcome.REFUSED else ""
         tolerance = getattr(algorithm, "tolerance", BOUND)
-        return Claim(found.u, found.pressure, found.outcome.converged, why, algorithm.epsilon, tolerance)
+        return Claim(found.u, found.pressure, found.outcome.converged, algorithm.epsilon, tolerance)
 
     return claim
 
@@ -123,7 +120,7 @@ def by_word(backend: str, eps: float, *, polish: bool, scaled: bool) -> Contende
         problem = body.problem()
         m, n = len(problem.weights), len(body.f)
         if not body.symmetric:
-            return Claim(np.zeros(n), np.zeros(m), False, "no minimum", tolerance=eps)
+            return Claim(np.zeros(n), np.zeros(m), False, tolerance=eps)  # no minimum
         G, gap = problem.gap_jacobian(body.start), problem.gap(np.zeros(n))
         whole = Scaled.of(body.K, -body.f, G, gap, problem.weights, math.inf)
         programme = whole.programme if scaled else Programme(body.K, -body.f, sparse.csc_matrix(G), -gap)
@@ -204,12 +201,11 @@ def table(problems: Iterable[Body] | None = None, who: dict[str, Contender] | No
     for name, contender in (contenders() if who is None else who).items():
         claims = [(body, contender(body)) for body in problems]
         claimed = [(body, claim) for body, claim in claims if claim.success]
-        refused = sum(bool(claim.refused) for _, claim in claims)
         wrong = {body.name: failures(body, claim) for body, claim in claimed}
         own = sum(not kept(body, claim) for body, claim in claimed)
         errors = {body.name: _error(claim.u, exact[body.name], body.start) for body, claim in claimed}
         worst = max(errors, key=lambda each: errors[each], default="")
-        counts = (len(problems), refused, len(claimed), own, sum(map(bool, wrong.values())))
+        counts = (len(problems), len(claimed), own, sum(map(bool, wrong.values())))
         asked = (_version(name), max((claim.tolerance for _, claim in claims), default=math.nan), BOUND)
         rows.append((name, *asked, *counts, errors.get(worst, math.nan), worst, ", ".join(wrong.get(worst, ()))))
     return pd.DataFrame(rows, columns=list(COLUMNS))

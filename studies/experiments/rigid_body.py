@@ -165,7 +165,6 @@ def left_by(measure: StrainMeasure, surface: str, motion: str, theta: float, sli
         "measure": measure.name,
         "surface": surface,
         "motion": motion,
-        "component": m.strain,
         "strain": float(E[STRAINS.index(m.strain)]),
         "declared": m.declared(measure),
         "largest": float(np.max(np.abs(E))),

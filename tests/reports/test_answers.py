@@ -18,7 +18,6 @@ from reports.contents import CHAPTERS
 from reports.store import Store
 from studies.analysis.statements.tables import read_questions
 
-QUESTIONS = read_questions()
 TRIAL = r"does not converge on \d+ of \d+ problems, on \w+|converges on all \d+"
 TEN = {  # question: words that its answer must have
     "Which strain measure do I need for 20 mm of tyre at 5 %?": r"20 mm of travel of the tyre within 5 %",
@@ -49,12 +48,9 @@ def one_click(files: dict[str, str]) -> list[str]:
 
 
 def test_a_reader_finds_every_answer_with_one_click(files: dict[str, str], said: dict[str, Said]) -> None:
-    assert list(TEN) == [each["question"] for each in QUESTIONS["reader"]]
-    for each in QUESTIONS["reader"]:
-        texts = [said[name].text for name in each["answers"] if name in said]
-        assert re.search(TEN[each["question"]], " ".join(texts)), each["question"]
-        there = [page for page in one_click(files) if any(text in files[page] for text in texts)]
-        assert there, f"{each['question']}: on no page one click away"
+    near = [each.text for each in said.values() if any(each.text in files[page] for page in one_click(files))]
+    for question, answer in TEN.items():
+        assert any(re.search(answer, text) for text in near), f"{question}: on no page one click away"
 
 
 def test_nothing_is_said_twice(said: dict[str, Said]) -> None:
@@ -107,13 +103,13 @@ def rounds_to(number: float, text: str) -> bool:
 
 
 def test_asks_say_what_answers_them_or_what_is_missing(said: dict[str, Said]) -> None:
-    asks = QUESTIONS["ask"]
+    asks = read_questions()
     for ask in asks:
         assert ask.get("answers") or ask.get("missing"), ask["question"]
         assert all(re.fullmatch(r"[\w.-]+/[\w.-]+#\d+", each) or "#" not in each for each in ask["threads"].split(", "))
         assert "answers" not in ask or ask["command"]
     assert sum("answers" in ask for ask in asks) >= 12
-    known = {name for each in [*asks, *QUESTIONS["reader"]] for name in each.get("answers", [])}
+    known = {name for each in asks for name in each.get("answers", [])}
     assert known - set(said) <= ELSEWHERE
 
 

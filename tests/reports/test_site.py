@@ -69,8 +69,8 @@ DAMAGES: dict[str, tuple[Callable[[Store], Store | None], str]] = {
     ),
     "steps missing": (steps_lost, "cell 'paper' has no step at delta_mm = 20: it cycles"),
     "not asked for": (
-        lambda store: replace(store, planned=tuple(c for c in store.planned if c.asked.get("mesh") != [42, 40])),
-        "has no cell with scene tyre, membrane compatible,",
+        lambda store: replace(store, planned=tuple(c for c in store.planned if c.label != "paper")),
+        "has no cell 'paper', which the pages need",
     ),
     "no orders": (without_table("convergence"), "convergence.csv: missing"),
     "no locking": (without_table("membrane_locking"), "membrane_locking.csv: missing"),
@@ -111,22 +111,6 @@ def test_a_table_of_a_cell_is_checked(loaded: Store, tmp_path: Path) -> None:
             cell.table("contact")
     with pytest.raises(StoreError, match="no such directory"):
         load_store(tmp_path / "nowhere")
-
-
-def test_a_cell_is_found_by_its_request(loaded: Store) -> None:
-    asked = {"scene": "tyre", "measure": "exact", "contact": "semismooth", "newton": "mixed", "mesh": "42x40"}
-    asked |= {"load": "dead", "coupling": "lumped", "section": "constant-s33", "E_L_MPa": 510.45, "model": "full"}
-    asked |= {"membrane": "compatible"}
-    base = loaded.find(**asked, delta_mm=20, epsilon=math.inf)
-    assert base.label == "exact semismooth mixed exact"  # and not the one that asks for the same under another label
-    assert loaded.find(**asked, delta_mm=[5.0, 10.0, 15.0, *range(20, 28)]).label == "paper"
-    solids = loaded.select(scene="tyre-solid", epsilon=math.inf)
-    assert [cell.result["mesh"] for cell in solids] == ["14x18", "28x36", "56x72"]
-    several = r"has \d cells \('hemisphere 64', .* with scene hemisphere, mesh 64x64; the pages need one"
-    with pytest.raises(StoreError, match=several):
-        loaded.find(scene="hemisphere", mesh="64x64")
-    with pytest.raises(StoreError, match="has no cell with scene tyre, measure odd; the pages need one"):
-        loaded.find(scene="tyre", measure="odd")
 
 
 @pytest.mark.slow
@@ -399,7 +383,7 @@ def solved_by(*made: dict[str, Any], refused: int = 1) -> Store:
         result = {"provenance": told, "timing_s": {"total": 2.0}}
         cells.append(Cell(str(i), "roof", "", Path(str(max(i, 1))), result, "converged", ""))
     cells += [Cell(f"refused {i}", "roof", "", Path("none"), {}, "unsupported", "why") for i in range(refused)]
-    return Store(Path(), "some", (), tuple(cells), "Some cells")
+    return Store(Path(), "some", tuple(cells), "Some cells")
 
 
 def test_the_foot_tells_of_one_origin_without_counts() -> None:

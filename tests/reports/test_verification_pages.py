@@ -14,7 +14,6 @@ import pytest
 
 from reports.chapters.convergence import (
     SHARES,
-    comparisons,
     convergence_page,
     counted,
     elements_part,
@@ -26,7 +25,6 @@ from reports.chapters.locking import excess, rates
 from reports.formats import quantity as words
 from reports.store import Store, load_store
 from studies.analysis.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
-from studies.analysis.verify import verified
 from studies.experiments.locking import MESHES, THINNESS
 from studies.output.atomic import write_json, write_table
 from studies.run.answers import Answers
@@ -62,7 +60,8 @@ def rows(text: str, start: str) -> list[list[str]]:
 
 
 def comparisons_of(store: Store) -> pd.DataFrame:
-    return comparisons(store, sequences(store))
+    found = store.table("convergence_errors")
+    return found[found["sequence"].isin(sequences(store)["sequence"])]
 
 
 def test_every_quantity_of_every_ladder_has_the_order_it_was_made_with(loaded: Store) -> None:
@@ -85,12 +84,6 @@ def test_agreement_is_counted_once_of_exact_and_of_linear_strains(loaded: Store)
     row = found.loc["exact strains"]
     said = f"With exact strains {row['agree']} of {row['comparisons']} comparisons of limits with references agree"
     assert said in sentence(loaded, "convergence")
-
-
-def test_parts_add_up_to_the_difference(loaded: Store) -> None:
-    found = comparisons_of(loaded)
-    assert len(found) > 30
-    np.testing.assert_allclose(found["mesh_part"] + found["model_part"], found["error"], atol=1e-12)
 
 
 def test_references_apply_only_to_what_was_solved(loaded: Store) -> None:
@@ -129,20 +122,15 @@ def test_a_model_error_and_sequences_without_an_order_are_told(own_store: Path) 
 
 @pytest.mark.slow
 def test_one_ladder_has_one_verdict_everywhere(own_store: Path) -> None:
-    """Orders near every threshold: the sequences of cells, however they are grouped, and the verified cells agree."""
+    """Orders near every threshold: the sequences of cells agree, however they are grouped."""
     for k, ladder in enumerate(LADDERS):
         change_values(own_store, f"convergence {ladder.name} ", partial(planted, 10.0 ** -(k % 8)))
     table = collect(own_store, "report")
     data, _ = convergence(Answers.of(own_store, "report"), table)
-    split = verified(table)
     groups = data[data["at"] == ""].groupby(["sequence", "quantity"])
     said = groups.agg({"label": tuple, "verdict": "first", "limit": "first"})
     for (labels, quantity), own in said.reset_index().groupby(["label", "quantity"]):
         assert own["verdict"].nunique() == own["limit"].nunique(dropna=False) == 1, (labels, quantity)
-        told = split[split["label"].isin(labels) & (split["quantity"] == quantity)]
-        if own["sequence"].size > 1:  # the planned ladder is all there is of its request
-            asymptotic = own["verdict"].iloc[0].startswith(("asymptotic", "same"))
-            assert set(told["asymptotic"]) == {asymptotic}, (labels, quantity)
     assert said["verdict"].nunique() >= 4
     assert said.reset_index().duplicated(["label", "quantity"]).sum() > 20
 

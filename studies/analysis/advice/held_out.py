@@ -39,8 +39,8 @@ COLUMNS = (
 )
 DEAR = 1.5  # regret that is too much
 SUMMARY_COLUMNS = (
-    *("quantities", "scenes", "cases", "advised", "met", "scenes_met", "median_regret", "mean_regret", "worst_regret"),
-    *("dear", "share_above", "scenes_above", "abstained", "scenes_abstained", "truly_none"),
+    *("quantities", "scenes", "cases", "advised", "met", "median_regret", "mean_regret", "worst_regret"),
+    *("dear", "share_above", "abstained"),
 )
 
 
@@ -62,8 +62,8 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
 def summary(cases: pd.DataFrame) -> pd.DataFrame:
     """SUMMARY_COLUMNS, of the headline quantities and of all: cases, and scenes, of which there are fewer.
 
-    met: share of the advised cases; scenes_met: scenes in which all of them are.  share_above: share of the regrets
-    above ``dear``; scenes_above: scenes whose median is.  abstained: without advice, though a cell would do.
+    met: share of the advised cases.  share_above: share of the regrets above ``dear``.  abstained: without advice,
+    though a cell would do.
     """
     rows = [
         _summary(words, own) for words, own in (("headline", cases[cases["headline"].astype(bool)]), ("all", cases))
@@ -72,17 +72,13 @@ def summary(cases: pd.DataFrame) -> pd.DataFrame:
 
 
 def _summary(words: str, cases: pd.DataFrame) -> dict[str, object]:
-    given, none = cases[cases["advised"] != ""], cases["best"] == ""
-    missed = cases[(cases["advised"] == "") & ~none]
-    met, regret = given["met"].astype(float), given["regret"].astype(float)
-    by_scene = regret.groupby(given["scene"]).median()
+    given, regret = cases[cases["advised"] != ""], cases["regret"].astype(float)
     return {
         **{"quantities": words, "scenes": cases["scene"].nunique(), "cases": len(cases), "advised": len(given)},
-        **{"met": met.mean(), "scenes_met": int((met.groupby(given["scene"]).min() == 1).sum())},
+        "met": given["met"].astype(float).mean(),
         **{"median_regret": regret.median(), "mean_regret": regret.mean(), "worst_regret": regret.max()},
         **{"dear": DEAR, "share_above": (regret.dropna() > DEAR).mean()},
-        **{"scenes_above": int((by_scene > DEAR).sum()), "abstained": len(missed)},
-        **{"scenes_abstained": missed["scene"].nunique(), "truly_none": int(none.sum())},
+        "abstained": int(((cases["advised"] == "") & (cases["best"] != "")).sum()),
     }
 
 

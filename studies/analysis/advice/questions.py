@@ -67,7 +67,7 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     beyond = verified.groupby("label")["formulation_error"].max()  # in any quantity of the scene
     own = own[~(own["label"].map(beyond) > WRONG)]
     own = own.assign(error=own[["error", "formulation_error"]].max(axis=1))
-    facts = own[["label", "value", "error", "uncertainty", "against", "reference", "formulation_error"]]
+    facts = own[["label", "value", "error", "uncertainty", "against"]]
     cells = table[(table["scene"] == scene) & (table["outcome"] == "converged")].merge(facts, on="label")
     cells = cells.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
     if cells.empty:

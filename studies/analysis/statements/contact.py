@@ -1,57 +1,21 @@
-"""What sentences on contact rest on: do algorithms agree, when has a set settled, the arena, closed forms, the tyre."""
+"""What sentences on contact rest on: when has a set settled, the arena, the tyre."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
-import numpy as np
 import pandas as pd
 
-from studies.analysis import ladders
 from studies.analysis.outcomes import DEFAULT
 from studies.analysis.statements.record import Values
-from studies.run.answers import Answer, Answers
-from studies.run.lists import agreement
+from studies.run.answers import Answers
 
-AGREE = 1e-7  # relative difference of forces up to which two algorithms agree
-CASE = ("load", "section")  # settings that change the problem
-CONTACT_SCENES = ("strip-contact", "plate-contact", "ring", "heavy-strip")  # with a closed form
 MESHES = ("28x26", "42x40", "84x80")
 CHANGES = {  # what of the model changes the force, by its name in the budget
     "follower": "a pressure that follows the inner face",
     "full-3d": "the full three-dimensional law",
     "shell instead of a solid": "a solid (of an isotropic tyre)",
 }
-
-
-def agree(answers: Answers) -> Iterator[Values]:
-    """Every solve with the exact condition against the reference of its case."""
-    found = (each for each in answers.those(agreement()) if each.steps)  # what was refused has no state to compare
-    solved = [each for each in found if each.settings["epsilon"] in ("inf", math.inf)]
-    references = {_case(each): each for each in solved if each.label.startswith(f"agreement {DEFAULT} ")}
-    others = [each for each in solved if _case(each) in references and each is not references[_case(each)]]
-    pairs = [_unlike(each, references[_case(each)]) for each in others]
-    if pairs:
-        offs = [off for off, _ in pairs]
-        same = sum(off <= AGREE and nodes == 0 for off, nodes in pairs)
-        ways = {each.label.removeprefix("agreement ").rsplit(" ", 3)[0] for each in others}
-        values: Values = {"agree": same, "of": len(pairs), "off": max(offs), "bound": AGREE, "ways": len(ways)}
-        yield values | {"_problems": len(pairs)}
-
-
-def _case(answer: Answer) -> tuple[str, ...]:
-    return tuple(str(answer.settings[key]) for key in CASE)
-
-
-def _unlike(answer: Answer, other: Answer) -> tuple[float, int]:
-    """The largest relative difference of forces, and of nodes in contact in one only, over the travels of both."""
-    forces = [{step["delta_mm"]: step["force_N"] for step in each.steps} for each in (answer, other)]
-    common = [delta for delta in forces[0] if delta in forces[1]]
-    off = max((abs(forces[0][delta] / forces[1][delta] - 1) for delta in common), default=math.inf)
-    tables = [each.table("contact") for each in (answer, other)]
-    sets = [table[table["delta_mm"].isin(common)]["active"].to_numpy() for table in tables]
-    return off, int(np.sum(sets[0] != sets[1])) if len(sets[0]) == len(sets[1]) else -1
 
 
 def settled(answers: Answers) -> Iterator[Values]:
@@ -86,18 +50,6 @@ def arena(solver_summary: pd.DataFrame, solver_run: pd.DataFrame) -> Iterator[Va
         values |= {"ours_strict": hard["false"].iloc[0], "worst": hard["worst_claim"].iloc[0]}
         values["_strict"] = values["ours_strict"]
     yield values
-
-
-def closed_forms(convergence: pd.DataFrame, convergence_errors: pd.DataFrame) -> Iterator[Values]:
-    """Contact problems with a closed form: errors on the finest meshes."""
-    own = convergence[convergence["scene"].isin(CONTACT_SCENES) & (convergence["element"] == ladders.DEFAULT)]
-    own = own.drop_duplicates("sequence")
-    exact = convergence_errors[convergence_errors["kind"] == "exact"]
-    pairs = exact[exact["sequence"].isin(own["sequence"])].drop_duplicates(["sequence", "reference"], keep="last")
-    off = pairs["error"].abs()
-    if len(pairs):
-        values: Values = {"cases": len(pairs), "scenes": own["scene"].nunique(), "off": off.max()}
-        yield values | {"middle": off.median(), "_problems": len(pairs)}
 
 
 def force_known(work_precision: pd.DataFrame, tyre_budget: pd.DataFrame) -> Iterator[Values]:

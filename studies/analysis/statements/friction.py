@@ -1,4 +1,4 @@
-"""What sentences on friction rest on: the tyre's limits, path and symmetry, the algorithms, and public problems."""
+"""What sentences on friction rest on: the tyre's limits, path and symmetry, and the algorithms."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.evidence import listed
-from studies.analysis.friction import FULL, public_answers
+from studies.analysis.friction import FULL
 from studies.analysis.statements.record import Values
 from studies.experiments.friction.scenes import DELTA
 from studies.solving.result import SOLVED
@@ -85,13 +85,3 @@ def failures(friction_agreement: pd.DataFrame) -> Iterator[Values]:
         of = (table["algorithm"] == name).sum()
         values: Values = {"name": f"`{name}`", "lost": len(own), "of": of}
         yield values | {"where": listed([f"'{it}'" for it in own["case"]]), "_algorithm": str(name), "_problems": of}
-
-
-def public(friction_public: pd.DataFrame) -> Iterator[Values]:
-    """Public problems: who has an answer that the judge takes."""
-    claimed, counts = public_answers(friction_public)
-    certified = claimed["certified"]
-    problems = friction_public.dropna(subset=["algorithm"])["problem"].nunique()
-    values: Values = {"problems": problems, "solved": claimed[certified == "True"]["problem"].nunique()}
-    values |= {"false": (certified == "False").sum(), "_problems": problems}
-    yield values | {"told": listed([f"{name} {count}" for name, count in counts.items()])}

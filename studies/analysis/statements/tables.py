@@ -54,25 +54,18 @@ def maker_of(declaration: dict[str, Any]) -> Maker:
 
 
 def statement_tables(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
-    """``statements``, ``statement_values``, ``asks`` and ``readers``, of the tables that are written already."""
+    """``statements``, ``statement_values`` and ``asks``, of the tables that are written already."""
     found = statements(store, campaign)
-    return {**as_tables(found), **question_tables({each.name for each in found})}
+    return {**as_tables(found), "asks": asks({each.name for each in found})}
 
 
-def read_questions() -> dict[str, list[dict[str, Any]]]:
-    """The questions of users (``ask``) and of readers (``reader``)."""
-    return tomllib.loads(QUESTIONS.read_text(encoding="utf-8"))
+def read_questions() -> list[dict[str, Any]]:
+    """The questions of users."""
+    return list(tomllib.loads(QUESTIONS.read_text(encoding="utf-8"))["ask"])
 
 
-def question_tables(said: Collection[str]) -> dict[str, pd.DataFrame]:
-    """``asks`` and ``readers``, a row a question; answers: the names of its statements that are in ``said``."""
-    columns = {
-        "asks": ["question", "threads", "answers", "command", "missing"],
-        "readers": ["question", "answers", "page"],
-    }
-    questions = read_questions()
-    tables = {name: pd.DataFrame(questions[name.removesuffix("s")])[of].fillna("") for name, of in columns.items()}
-    for name, table in tables.items():
-        there = [", ".join(each for each in answers if each in said) for answers in table["answers"]]
-        tables[name] = table.assign(answers=there, answered=[bool(each) for each in there])
-    return tables
+def asks(said: Collection[str]) -> pd.DataFrame:
+    """A row a question; answers: the names of its statements that are in ``said``."""
+    table = pd.DataFrame(read_questions())[["question", "threads", "answers", "command", "missing"]].fillna("")
+    there = [", ".join(each for each in answers if each in said) for answers in table["answers"]]
+    return table.assign(answers=there, answered=[bool(each) for each in there])

@@ -20,16 +20,12 @@ by qp. Where the oracle has an answer, too, every other one has its ways.
 from __future__ import annotations
 
 import json
-import math
-import resource
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +48,6 @@ from studies.experiments import Row
 from studies.output.atomic import write_table
 
 LIMIT_S = 5.0  # of the processor, of one solve
-MEMORY = 8 * 2**30  # bytes, of the process that solves
 ORACLE = "oracle"
 UNDECIDED = "not tried"
 
@@ -66,9 +61,6 @@ class Tried:
     certified: bool | None = None
     ways: np.ndarray | None = None
     reason: str = ""
-
-
-Solved = Callable[[Callable[[], Tried]], Tried]
 
 
 def algorithms() -> dict[str, ContactAlgorithm]:
@@ -110,43 +102,25 @@ def read_any(path: Path) -> SiconosProblem:
 
 
 def limited(solve: Callable[[], Tried], limit_s: float = LIMIT_S) -> Tried:
-    """What comes of a solve in a process of its own, which is killed after so much time of the processor."""
-    context = get_context("fork")
-    pipe, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_sent, args=(solve, math.ceil(limit_s), theirs))
-    process.start()
-    theirs.close()
-    try:
-        return pipe.recv()
-    except EOFError:
-        process.join()
-        if process.exitcode == -signal.SIGXCPU:
-            return Tried("time limit", limit_s, reason=f"more than {limit_s:g} s")
-        return Tried("died", reason=f"exit code {process.exitcode}")
-    finally:
-        pipe.close()
-        process.join()
+    """What comes of a solve, with its time of the processor, after which it is stopped."""
 
+    def stop(number: int, frame: object) -> None:
+        raise TimeoutError(f"more than {limit_s:g} s")
 
-def _sent(solve: Callable[[], Tried], limit_s: int, pipe: Connection[Tried, Tried]) -> None:
-    """The other side."""
-    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 1))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    pipe.send(timed(solve))
-
-
-def timed(solve: Callable[[], Tried]) -> Tried:
-    """What comes of a solve, in this process, with the time of the processor."""
-    begun = time.process_time()
+    before, begun = signal.signal(signal.SIGPROF, stop), time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, limit_s)
     try:
         found = solve()
-    except MemoryError:
-        found = Tried("memory", reason=f"more than {MEMORY / 2**30:g} GB")
+    except TimeoutError as error:
+        found = Tried("time limit", reason=str(error))
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
     return replace(found, seconds=time.process_time() - begun)
 
 
-def rows(name: str, problem: SiconosProblem, solved: Solved = limited) -> Iterator[Row]:
-    """A row for the oracle and one an algorithm; solved: how a solve is called, :func:`limited` or :func:`timed`.
+def rows(name: str, problem: SiconosProblem, limit_s: float = LIMIT_S) -> Iterator[Row]:
+    """A row for the oracle and one an algorithm.
 
     d, contacts, mu: of the problem, mu the largest.  certified: whether the judge takes what is called solved.
     agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest, with and without contact; forces
@@ -154,11 +128,11 @@ def rows(name: str, problem: SiconosProblem, solved: Solved = limited) -> Iterat
     """
     head: Row = {"problem": name, "kind": problem.kind, "d": problem.d}
     head |= {"contacts": len(problem.mu), "mu": float(f"{np.max(problem.mu):.6g}")}
-    own = solved(partial(_by_oracle, problem))
+    own = limited(partial(_by_oracle, problem), limit_s)
     yield head | {"algorithm": ORACLE} | _told(own, None, 0.0)
     step, free = with_own_ways(problem), float(np.max(np.abs(_free(problem))))
     for label, algorithm in algorithms().items():
-        found = solved(partial(_by_algorithm, algorithm, step))
+        found = limited(partial(_by_algorithm, algorithm, step), limit_s)
         yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None, free)
 
 

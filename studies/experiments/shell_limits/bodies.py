@@ -150,14 +150,11 @@ class Solid:
         forces: np.ndarray | None = None,
         tied: tuple[np.ndarray, ...] = (),
         pressure: float = 0.0,
-        *,
-        straight: bool = False,
     ) -> tuple[np.ndarray, int]:
         """Displacements (N, 3) in the local frames, and the number of unknowns.
 
         forces (N, 3): Cartesian nodal forces; pressure [MPa]: on the true inner face.  tied: patterns (N, 3) of local
-        displacements on held components, each with one amplitude as a further unknown: a rigid end.  straight: the
-        displacement is linear through the wall, as the shell's is; the law and the geometry remain those of the solid.
+        displacements on held components, each with one amplitude as a further unknown: a rigid end.
         """
         mesh = self.mesh
         body = SolidDiscretisation.build(mesh, self.laminate, np.zeros_like(self.held))
@@ -165,8 +162,7 @@ class Solid:
         at_rest = SolidModel(body, inner).linearise(np.zeros(body.n_free))
         load = -at_rest.residual + (0.0 if forces is None else forces.ravel())
         turn = self._local()
-        between, kept = self._between_faces() if straight else (sparse.eye_array(body.n_free, format="csc"), ~self.held)
-        free = (turn @ between)[:, np.flatnonzero(kept.ravel())]
+        free = turn[:, np.flatnonzero(~self.held.ravel())]
         if tied:
             patterns = np.stack([each.ravel() for each in tied], axis=-1)
             free = sparse.hstack([free, turn @ sparse.csc_matrix(patterns)], format="csc")
@@ -182,19 +178,6 @@ class Solid:
         blocks = self.frame(self.mesh.parameter).swapaxes(-1, -2)
         n = len(blocks)
         return sparse.bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(3 * n, 3 * n)).tocsc()
-
-    def _between_faces(self) -> tuple[sparse.csc_array, np.ndarray]:
-        """Displacements of all nodes (3N, 3N) from those on the faces, and which of those are unknown (N, 3)."""
-        a, n = self.mesh.parameter, len(self.mesh.x)
-        _, line = np.unique(np.round(a[:, :2], 9), axis=0, return_inverse=True)
-        order = np.lexsort((a[:, 2], line.ravel()))
-        lines = order.reshape(line.max() + 1, -1)  # nodes along each normal, from the inner face outwards
-        inner, outer = (np.repeat(lines[:, end], lines.shape[1]) for end in (0, -1))
-        share = (a[order, 2] - a[inner, 2]) / (a[outer, 2] - a[inner, 2])
-        places = (np.tile(order, 2), np.concatenate([inner, outer]))
-        between = sparse.coo_array((np.concatenate([1 - share, share]), places), shape=(n, n))
-        on_face = np.isin(np.arange(n), lines[:, [0, -1]])
-        return sparse.kron(between, sparse.eye_array(3), format="csc"), ~self.held & on_face[:, None]
 
     def traction(self, face: np.ndarray, density: Field) -> np.ndarray:
         """Nodal forces (N, 3): int N_r t dA of a Cartesian traction t [MPa] on quadrilaterals ``face`` (F, 9)."""

@@ -76,11 +76,7 @@ class Vessel:
         v = body.expand(solved_shell(usual_shell(body, LINEAR, variant.section, p=P, area=variant.area)))
         return self._read(v[grid.node_at(0.0, 0.0), 4:], ratio, body.n_free)
 
-    def straight(self, ratio: float, n: int) -> Answer:
-        """As ``solid``, its displacement linear through the wall."""
-        return self.solid(ratio, n, straight=True)
-
-    def solid(self, ratio: float, n: int, *, straight: bool = False) -> Answer:
+    def solid(self, ratio: float, n: int) -> Answer:
         """The same of hexahedra, a quarter of n through the wall."""
         body = Solid.over(self.surface, *self.lines(n, self.clamped), self.laminate(ratio), max(1, n // 4))
         mesh = body.mesh
@@ -90,7 +86,7 @@ class Vessel:
             body = body.hold(1)
         if self.clamped:
             body = body.hold(2, mesh.on(0, self.ends))
-        u, unknowns = body.solve(pressure=P, straight=straight)
+        u, unknowns = body.solve(pressure=P)
         return self._read(u[body.line(0.0, 0.0)[[0, -1]], 2], ratio, unknowns)
 
     def _read(self, faces: Sequence[float] | np.ndarray, ratio: float, unknowns: int) -> Answer:

@@ -139,17 +139,6 @@ def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:
     return float(brentq(excess, LOWEST, HIGHEST))
 
 
-def order_against(sizes: Sequence[float], values: Sequence[float], reference: float, noise: float = 0.0) -> float:
-    """The order by which the error falls between two meshes; NaN when it changes its sign, or is not above ``noise``.
-
-    noise: the uncertainty of the reference, in its unit.
-    """
-    e1, e2 = (value - reference for value in values)
-    if not (e1 * e2 > 0 and min(abs(e1), abs(e2)) > noise):
-        return math.nan
-    return math.log(e1 / e2) / math.log(sizes[0] / sizes[1])
-
-
 def holds_from(holds: Sequence[bool] | np.ndarray | pd.Series) -> int:
     """The index of the first from which on all are true; their number where the last is not.
 

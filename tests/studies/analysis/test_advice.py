@@ -78,22 +78,19 @@ def test_what_is_one_ladder() -> None:
     assert list(rungs["n1"]) == [14, 20, 28]
 
 
-def test_the_split_finds_each_planted_part() -> None:
+def test_what_the_formulation_loses_is_told_from_mesh_and_tolerance() -> None:
     """Mesh 2/n², measure 3 %, tolerance 1e-2 costs 0.5 %; the reference is exact to 1e-5."""
     table = cells(measures={"exact": 0.0, "linear": 0.03}, tolerances={1e-2: 0.005, 1e-10: 0.0})
     split = verified(table).set_index("label")
     coarse = split.loc["cantilever exact semismooth 8 1e-10"]
     assert coarse["against"] == "reference: exact"
-    assert [coarse["mesh_error"], coarse["error"]] == pytest.approx([2 / 64] * 2, rel=1e-6)
-    assert (coarse["formulation_error"], coarse["reference_error"], coarse["largest"]) == (0.0, 1e-5, "mesh")
-    assert coarse["order"] == pytest.approx(2.0, rel=1e-6)
-    assert bool(coarse["asymptotic"])
+    assert coarse["error"] == pytest.approx(2 / 64, rel=1e-6)
+    assert (coarse["formulation_error"], coarse["uncertainty"]) == (0.0, 1e-5)
     loose = split.loc["cantilever exact semismooth 64 0.01"]
-    assert loose["solver_error"] == pytest.approx(0.005, rel=1e-6)
-    assert (loose["formulation_error"], loose["largest"]) == (0.0, "solver")  # that of the tightest tolerance
+    assert loose["error"] == pytest.approx(0.005 + 2 / 64**2, rel=1e-6)
+    assert loose["formulation_error"] == 0.0  # that of the tightest tolerance
     other = split.loc["cantilever linear semismooth 64 1e-10"]
     assert other["formulation_error"] == pytest.approx(0.03, rel=1e-4)
-    assert other["largest"] == "formulation"
 
 
 def test_without_a_reference_the_exact_measure_is_the_limit() -> None:
@@ -102,7 +99,7 @@ def test_without_a_reference_the_exact_measure_is_the_limit() -> None:
     split = verified(table).set_index("label")
     exact, linear = (split.loc[f"cantilever {name} semismooth 64 1e-10"] for name in ("exact", "linear"))
     assert exact["against"] == linear["against"] == "limit of cantilever exact semismooth 64 1e-10"
-    assert exact["reference"] == pytest.approx(EXACT, rel=1e-9)
+    assert exact["error"] == pytest.approx(2 / 64**2, rel=1e-4)
     assert linear["error"] == pytest.approx(0.03 + 2 / 64**2, rel=1e-4)
     alone = verified(table[table["measure"] == "linear"])
     assert set(alone["against"]) == {"limit of cantilever linear semismooth 64 1e-10"}
@@ -275,7 +272,7 @@ def test_how_sure_advice_is_has_all_its_numbers() -> None:
 
 def test_all_tables_of_the_analysis(sweep: pd.DataFrame) -> None:
     assert set(analysed(sweep)) == {
-        *("verified", "outcomes", "contact_summary", "held_out", "held_out_summary"),
+        *("outcomes", "contact_summary", "held_out", "held_out_summary"),
         *("advice_cells", "advice_questions", "disagreements"),
     }
     with pytest.raises(UsageError, match="nothing to analyse"):

@@ -1,15 +1,14 @@
-"""Options of the element: verdicts, shares of the thickness strain and the mesh that is enough, on records made up."""
+"""Options of the element: verdicts and shares of the thickness strain, on records made up."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.elements import confirmed, elements_for, limit_of, nearest, turns_at, verdict_of
+from studies.analysis.elements import confirmed, limit_of, nearest, turns_at, verdict_of
 from studies.run.scene_cells import LADDERS
 
 (ROOF,) = (ladder for ladder in LADDERS if ladder.name == "roof-a")
@@ -81,9 +80,6 @@ def test_without_a_limit_they_are_of_the_most_certain_reference() -> None:
     assert all(map(math.isnan, limit_of(ROOF, sequences(unknown, unknown), REFERENCES.iloc[2:])))
 
 
-MESHES = ("10x10", "20x20", "40x40")
-
-
 def test_verdict_is_that_of_the_coarsest_mesh() -> None:
     for default, paper, verdict in (
         (0.02, -0.05, "better"),
@@ -98,14 +94,3 @@ def test_verdict_is_that_of_the_coarsest_mesh() -> None:
 def test_what_the_limit_does_not_tell_apart_is_equal() -> None:
     assert verdict_of(-0.05, 0.02, 0.029) == "worse"
     assert verdict_of(-0.05, 0.02, 0.031) == "equal"
-
-
-def test_enough_elements_are_interpolated_by_the_order() -> None:
-    """Error 0.1 (10/n)^2 is 0.01 at n^2 = 1000 elements."""
-    assert elements_for(MESHES, np.array([-0.1, -0.025, -0.00625])) == pytest.approx(1000)
-    assert elements_for(MESHES, np.array([0.005, -0.02, 0.002])) == pytest.approx(
-        400 * 4 ** (math.log(2) / math.log(10))
-    )
-    assert math.isnan(elements_for(MESHES, np.array([0.009, 0.002, 0.001])))  # on every mesh
-    assert math.isnan(elements_for(MESHES, np.array([0.1, 0.05, 0.02])))  # on none
-    assert math.isnan(elements_for(MESHES, np.array([0.1, 0.005, math.nan])))  # the last one was not solved

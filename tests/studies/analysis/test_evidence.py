@@ -19,7 +19,7 @@ TABLES = {
     "rules": pd.DataFrame({"bar": [0.3]}),
 }
 SHARED = {"name", "like", "from", "where", "columns", "sort", "once", "values", "machine"}
-OF_CLAIMS = {"subject", "sentence", "source", "regime", "command", "statement", "judge", "measured", "band", "unit"}
+OF_CLAIMS = {"subject", "sentence", "source", "regime", "command", "statement", "measured", "band", "unit"}
 OF_SENTENCES = {"page", "role", "need", "text", "scope", "maker"}
 OF_LISTS = {"form", "from", "where", "once", "sort", "most", "join", "empty", "by", "each", "number", "text"}
 

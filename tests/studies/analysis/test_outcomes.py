@@ -40,11 +40,8 @@ def test_what_became_of_each_problem(contact) -> None:
     counts = ["planned", "solved", "path_ends", "failed", "refused"]
     assert found.loc[("contact", "lcp", "heavy-strip"), counts].tolist() == [4, 1, 0, 3, 0]
     assert found.loc[("contact", "lcp", "heavy-strip"), "cause"] == "3 iteration limit"
-    assert found.loc[("contact", "lcp", "heavy-strip"), "solved_share"] == 0.25
     assert found.loc[("contact", "qp", ""), counts].tolist() == [8, 6, 0, 1, 1]
-    assert found.loc[("contact", "qp", ""), "solved_share"] == pytest.approx(6 / 7)
     assert found.loc[("contact", "qp", "strip-contact"), "cause"] == "1 no energy"
-    assert found.loc[("contact", "lcp", ""), "command"].startswith("footprint solve heavy-strip")
 
 
 def test_a_path_that_another_algorithm_follows_to_its_load_is_a_failure(contact) -> None:
@@ -64,7 +61,7 @@ def test_ratios_are_of_what_both_solve(contact) -> None:
     assert found.loc["lcp", ["both", "both_scenes"]].tolist() == [5, 2]
     assert found.loc["lcp", "seconds_ratio"] == pytest.approx(0.5)
     assert found.loc["lcp", "operations_ratio"] == pytest.approx(0.5)
-    assert found.loc["lcp", ["worst_scene", "worst_failed", "worst_put"]].tolist() == ["heavy-strip", 3, 4]
+    assert found.loc["qp", "solved_share"] == pytest.approx(6 / 7)
     assert found.loc["lcp", "causes"] == "3 iteration limit in heavy-strip"
     assert found.loc["qp", "refusals"] == "1 no energy"
     assert list(found.index)[-1] == "lcp", "the one that solves least is last"

@@ -13,7 +13,7 @@ import pytest
 from studies.analysis.shell_limits import SHIPPED, beyond, boundaries, boundary, decided, error_at, known_limits, order
 from studies.cli import main
 from studies.experiments.shell_limits.bodies import DEFAULT, FULL_3D
-from studies.experiments.shell_limits.ladder import CASES, COLUMNS, STRAIGHT, Case, shell_limits
+from studies.experiments.shell_limits.ladder import CASES, COLUMNS, Case, shell_limits
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from support.kinds import MANY_SURFACES, OF_FACES, ON_QUADS
@@ -65,7 +65,6 @@ def made_up() -> pd.DataFrame:
             rows.append({**own, "variant": DEFAULT, "error": factor * ratio**2})
             if factor:
                 rows.append({**own, "variant": FULL_3D.name, "error": -0.03})
-                rows.append({**own, "variant": STRAIGHT, "error": -0.01})
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 

@@ -85,9 +85,7 @@ def hand_made() -> tuple[pd.DataFrame, pd.DataFrame]:
 def test_comparison_of_two_patches_by_hand() -> None:
     ours, printed = hand_made()
     c = compare(ours, printed)
-    assert (c["printed_nodes"], c["nodes"], c["both"]) == (48, 41, 40)
-    assert (c["in_one_only"], c["outside"]) == (9, 8)
-    assert c["core_nodes"] == 8  # 3 x 3 in the middle of 7 x 7, less the one that is not in ours
+    assert (c["printed_nodes"], c["in_one_only"], c["outside"]) == (48, 9, 8)  # ours has 41, 40 of them in both
     assert c["core_rms"] == pytest.approx(0.1, rel=1e-12)
     assert (c["centre_MPa"], c["printed_centre_MPa"]) == (1.1, 1.0)
 
@@ -114,19 +112,18 @@ def test_force_is_pressure_times_mid_surface_area() -> None:
 def test_symmetries_of_the_printed_table() -> None:
     printed = printed_map()
     central, *mirrors = (row[1:] for row in asymmetries(printed))
-    assert central == (0.0, 0.0)
+    assert central == (0.0,)
     for mirror in mirrors:
-        assert mirror == pytest.approx((0.039, 0.039), abs=1e-12)
+        assert mirror == pytest.approx((0.039,), abs=1e-12)
     patch = printed.notna().to_numpy()
     assert patch.sum() == 277
     assert np.array_equal(patch, patch[::-1, ::-1])
     assert force(printed, LITERAL, TYRE_SETTINGS) == pytest.approx(2 * force(printed, HALF, TYRE_SETTINGS))
 
 
-def test_asymmetry_counts_blanks_as_zero_or_leaves_them_out() -> None:
+def test_asymmetry_leaves_blanks_out() -> None:
     p = pd.DataFrame([[np.nan, 2.0, 3.0], [1.0, 2.0, 1.5]], index=[-1.0, 1.0], columns=[-1.0, 0.0, 1.0])
-    found = {name: own for name, *own in asymmetries(p)}
-    assert found["mirror: p(psi, phi) - p(-psi, phi)"] == [3.0, 0.5]
+    assert dict(asymmetries(p))["mirror: p(psi, phi) - p(-psi, phi)"] == 0.5
 
 
 def test_images_of_a_periodic_map() -> None:

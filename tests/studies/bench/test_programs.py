@@ -14,7 +14,6 @@ from studies.analysis.programs import agreement
 from studies.ask.request import UsageError
 from studies.bench import programs
 from studies.bench.peers import CASES
-from studies.bench.problems import problems
 from studies.bench.programs import Case
 from studies.cli import main
 from studies.exchange.deck import ELEMENTS
@@ -90,17 +89,10 @@ def test_cases_are_scenes_that_can_be_exported() -> None:
         assert problem.steps
 
 
-def test_peers_stand_beside_the_same_quantity() -> None:
-    rows = [("hemisphere", name, "one", n, value) for name, n, value in (("footprint", 10, 8.0), ("kratos", 20, 8.08))]
-    rows += [("hemisphere", "kratos", "one", 30, np.nan), ("hemisphere", "footprint", "two", 5, 7.0)]
-    peers = pd.DataFrame(rows, columns=["problem", "program", "family", "unknowns", "value"])
-    found = agreement(made_up_programs(), peers).set_index("case")
+def test_the_finest_mesh_of_each_case_stands_in_the_table() -> None:
+    found = agreement(made_up_programs())
     assert set(found["mesh"]) == {FINE}
-    assert set(found.index) == set(CHOSEN)
-    assert problems()["hemisphere"].quantity == CHOSEN["hemisphere"][0]
-    assert found["kratos"]["hemisphere"] == pytest.approx(0.01)
-    assert found["ngsolve"].isna().all()
-    assert found["kratos"].drop("hemisphere").isna().all()
+    assert set(found["case"]) == set(CHOSEN)
 
 
 def test_without_a_table_there_is_no_agreement() -> None:

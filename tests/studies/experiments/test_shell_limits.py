@@ -8,7 +8,7 @@ import pytest
 from formulations.section.laminate import Laminate, Ply
 from studies.experiments.shell_limits import bending, pressed
 from studies.experiments.shell_limits.bodies import DEFAULT, FULL_3D, REISSNER, USUAL, Answer, Solid, Variant
-from studies.experiments.shell_limits.ladder import CASES, GOOD, STRAIGHT, Case, Ladder, rows_of
+from studies.experiments.shell_limits.ladder import CASES, GOOD, Case, Ladder, rows_of
 from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
 from studies.scenes.data import read_reference
 
@@ -45,12 +45,8 @@ def test_the_plate_of_elasticity_rebuilds_paganos_table() -> None:
         middle_deflection((Ply.isotropic(1.0, 0.3, 0.5),) * 2, 10.0, 10.0, 1.0)
 
 
-def test_parts_of_the_tubes_error_are_those_of_two_unknowns() -> None:
-    """u = c + d z in plane strain, integrated twice: exactly, and as the shell does.
-
-    The shell takes u/r as linear between the faces and the area as that of the middle: that, and its displacement, is
-    all it is off.
-    """
+def test_the_tube_as_a_shell_has_the_answer_of_two_unknowns() -> None:
+    """u = c + d z in plane strain, u/r taken as linear between the faces and the area as that of the middle."""
     E, nu, h = 1.0, pressed.NU, RATIO
     C = Ply.isotropic(E, nu, h).stiffness()
     C = C[np.ix_([1, 3], [1, 3])]  # hoop and across; nothing moves along the axis
@@ -63,14 +59,11 @@ def test_parts_of_the_tubes_error_are_those_of_two_unknowns() -> None:
         K = np.einsum("spg,st,tqg,g->pq", B, C, B, w * area)
         return float(np.linalg.solve(K, (1 - h / 2) * np.array([1.0, -h / 2]))[0]) * E * h
 
-    exact = growth(np.stack([1 / (1 + z), z / (1 + z)]), 1 + z)
     ends = np.array([-h / 2, h / 2])
     at_faces = np.stack([1 / (1 + ends), ends / (1 + ends)])
     share = z / h + 0.5
     as_shell = growth(at_faces[:, :1] * (1 - share) + at_faces[:, 1:] * share, np.ones_like(z))
-    assert pressed.TUBE.straight(RATIO, 8).values["growth"] == pytest.approx(exact, rel=1e-5)
     assert pressed.TUBE.shell(RATIO, 4, FULL_3D).values["growth"] == pytest.approx(as_shell, rel=1e-8)
-    assert abs(exact / as_shell - 1) > 0.02
 
 
 def test_a_wall_of_sublayers_is_the_same_wall() -> None:
@@ -122,11 +115,10 @@ def test_rows_say_what_is_off_and_to_what_that_is_known() -> None:
         *("made up", "", "h/R", (0.1, 0.2), shell, lambda ratio, n: made_up(n), (4, 8), (8, 16), "why"),
         variants=(REISSNER,),
         orders=(2.0, 2.0),
-        straight=lambda ratio, n: made_up(n),
     )
     rows = list(rows_of(case))
-    assert [row["variant"] for row in rows] == 2 * [DEFAULT, REISSNER.name, STRAIGHT]
-    assert [row["error"] for row in rows] == pytest.approx([0.01, 0.01 / 1.2, 0, 0.04, 0.04 / 1.2, 0], abs=1e-12)
+    assert [row["variant"] for row in rows] == 2 * [DEFAULT, REISSNER.name]
+    assert [row["error"] for row in rows] == pytest.approx([0.01, 0.01 / 1.2, 0.04, 0.04 / 1.2], abs=1e-12)
     assert rows[0]["known_to"] == pytest.approx(0.16 / 64 + 0.16 / 256)
     assert rows[0]["solid_unknowns"] == 80
     assert "solid_unknowns" not in rows[1]
