@@ -22,23 +22,23 @@ def card_page(cards: Sequence[Mapping[str, Any]], command: str, version: str, pi
     )
 
 
-def _card(told: Mapping[str, Any], picture: str) -> Part:
-    own, reference = told["own"], told["reference"]
+def _card(record: Mapping[str, Any], picture: str) -> Part:
+    own, reference = record["own"], record["reference"]
     ended = {name: own[own["ended"].isin(words)] for name, words in ENDS.items()}
     nothing = {f"none_{name}": "" if len(rows) else TEXT(f"none-{name}") for name, rows in ended.items()}
     compared = own[own["agreement"] != ""]
     same, away = compared["agreement"] == SAME, own.dropna(subset=["away"])
-    alike = {"same": same.sum(), "compared": len(compared), "alike": told["alike"]}
+    alike = {"same": same.sum(), "compared": len(compared), "alike": record["alike"]}
     parts = {
         "agreement": TEXT("agreement", **alike) if len(compared) else TEXT("nothing-compared"),
         "beside": TEXT("beside", reference=reference) if len(away) else "",
-        "left_out": TEXT(str(told["kind"]).replace(" ", "-")),
+        "left_out": TEXT(str(record["kind"]).replace(" ", "-")),
         "picture": TEXT("picture", reference=reference, file=picture) if picture else "",
-        "hard": _hard(told["hard"], str(told["name"])) if len(told["hard"]) else "",
+        "hard": _hard(record["hard"], str(record["name"])) if len(record["hard"]) else "",
     }
     rows = {"unlike": compared[~same], "away": away, "costs": list(_costs(own, reference))}
     asked = len(own) - len(ended["refused"])
-    return TEXT("card", **{**told, **ended, **nothing, **parts, **rows, "asked": asked})
+    return TEXT("card", **{**record, **ended, **nothing, **parts, **rows, "asked": asked})
 
 
 def _costs(own: pd.DataFrame, reference: str) -> Iterator[dict[str, str]]:
@@ -53,7 +53,7 @@ def _costs(own: pd.DataFrame, reference: str) -> Iterator[dict[str, str]]:
         yield {"sentence": f"{cost} over those of `{reference}`, {span}, {lost}"}
 
 
-def _hard(found: pd.DataFrame, name: str) -> Part:
-    names = [name, *(other for other in found if other != name)]
-    rows = ([point, *own] for point, own in zip(found.index, found[names].to_numpy(), strict=True))
+def _hard(problems: pd.DataFrame, name: str) -> Part:
+    names = [name, *(other for other in problems if other != name)]
+    rows = ([point, *own] for point, own in zip(problems.index, problems[names].to_numpy(), strict=True))
     return TEXT("hard", table=table("How each ends", ["point", *map(code, names)], rows, words=1 + len(names)))

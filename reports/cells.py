@@ -76,11 +76,11 @@ class Cell:
 
     def step(self, **at: float) -> dict[str, Any]:
         """As find_step; raises StoreError when the path did not get there."""
-        found = self.find_step(**at)
-        if found is None:
+        reached = self.find_step(**at)
+        if reached is None:
             wanted = ", ".join(f"{key} = {value:g}" for key, value in at.items())
             raise StoreError(f"cell {self.label!r} has no step at {wanted}: {self.result['reason']}")
-        return found
+        return reached
 
     def value(self, quantity: str, **at: float) -> float:
         """A number of the step with these values; NaN when the path did not get there."""

@@ -34,7 +34,7 @@ def change_html(said: str, values: Mapping[str, pd.DataFrame], before: Path, now
     older version, leaves the words alone, with the reason.
     """
     svgs = {OVER: change_picture(values)()}
-    told = [
+    sections = [
         f"# {said.lstrip('# ').strip()}",
         f"![What the cells of both have, A and B]({FIGURES}/{OVER})",
         "## Pictures",
@@ -42,7 +42,7 @@ def change_html(said: str, values: Mapping[str, pd.DataFrame], before: Path, now
     try:
         sides = [_pictures(store, campaign) for store in (before, now)]
     except StoreError as error:
-        told.append(f"None: {as_words(str(error))}")
+        sections.append(f"None: {as_words(str(error))}")
     else:
         names = list(dict.fromkeys([*sides[0], *sides[1]]))
         moved = [name for name in names if _differ(*(side.get(name) for side in sides))]
@@ -50,18 +50,18 @@ def change_html(said: str, values: Mapping[str, pd.DataFrame], before: Path, now
         count = (
             f"{len(moved)} of {len(names)} pictures differ{more}." if names else "The pages of this campaign have none."
         )
-        told += [count, *_rows(moved[:MOST], *sides)]
+        sections += [count, *_rows(moved[:MOST], *sides)]
         for i, side in enumerate(sides):
             svgs |= {_named(i, name): side[name][0] for name in moved[:MOST] if name in side}
-    return report_html({PAGE: "\n\n".join(told) + "\n"}, {PAGE: f"Campaign {campaign}, A → B"}, svgs)
+    return report_html({PAGE: "\n\n".join(sections) + "\n"}, {PAGE: f"Campaign {campaign}, A → B"}, svgs)
 
 
 @svg
 def change_picture(values: Mapping[str, pd.DataFrame]) -> Figure:
     """A over B, a panel for each kind of value, on logarithmic axes: what has not changed lies on the diagonal."""
     figure, panels = canvas(len(values), width=8.0, height=4.0)
-    for axes, (name, found) in zip(panels, values.items(), strict=True):
-        own = found[(found["A"] > 0) & (found["B"] > 0)]
+    for axes, (name, pair) in zip(panels, values.items(), strict=True):
+        own = pair[(pair["A"] > 0) & (pair["B"] > 0)]
         axes.loglog(own["A"], own["B"], "o", color=BLUE, alpha=0.6)
         if len(own):
             ends = [own[["A", "B"]].min().min(), own[["A", "B"]].max().max()]

@@ -70,11 +70,11 @@ def chapter(
 
 def grouped(chapters: Iterable[Chapter]) -> dict[str, list[Chapter]]:
     """The chapters of each group, but for those that a page lists."""
-    found: dict[str, list[Chapter]] = {}
+    groups: dict[str, list[Chapter]] = {}
     for each in chapters:
         if not each.under:
-            found.setdefault(each.group, []).append(each)
-    return found
+            groups.setdefault(each.group, []).append(each)
+    return groups
 
 
 def link_line(chapters: Iterable[Chapter], page: str) -> str:
@@ -153,11 +153,11 @@ def of_page(store: Store, page: str) -> str:
 
 def conclusions(store: Store, page: str) -> Part:
     """All else that is concluded from a page, as the section that it ends with; nothing where there is nothing."""
-    found = [each for each in statements(store) if each.page == page and each.role != OPENING]
-    return TEXT("conclusions", **by_machine(found)) if found else Part()
+    sentences = [each for each in statements(store) if each.page == page and each.role != OPENING]
+    return TEXT("conclusions", **by_machine(sentences)) if sentences else Part()
 
 
-def by_machine(found: Iterable[Said]) -> dict[str, list[Said]]:
+def by_machine(sentences: Iterable[Said]) -> dict[str, list[Said]]:
     """Sentences that are the same on every machine, and those that are not."""
-    known = list(found)
+    known = list(sentences)
     return {name: [each for each in known if each.machine == timed] for name, timed in (("steady", 0), ("timed", 1))}

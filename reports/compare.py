@@ -24,14 +24,14 @@ def differences(page: str, committed: str, regenerated: str) -> list[str]:
     """One line per difference: page, line of the committed page, what it says, what it would say now."""
     old, new = list(_compared(committed)), list(_compared(regenerated))
     matcher = SequenceMatcher(None, [_words(text) for _, text in old], [_words(text) for _, text in new], False)
-    found = []
+    lines = []
     for kind, a0, a1, b0, b1 in matcher.get_opcodes():
         pairs = list(zip_longest(old[a0:a1], new[b0:b1], fillvalue=(0, "")))  # no partner: beside an empty line
         if kind == "equal":
             pairs = [(a, b) for a, b in pairs if not _same_numbers(a[1], b[1])]
         at = old[min(a0, len(old) - 1)][0] if old else 1
-        found += [f"{page}:{a[0] or at}: committed {a[1]!r}, regenerated {b[1]!r}" for a, b in pairs]
-    return found
+        lines += [f"{page}:{a[0] or at}: committed {a[1]!r}, regenerated {b[1]!r}" for a, b in pairs]
+    return lines
 
 
 def of_the_machine(text: str, names: Iterable[str]) -> set[str]:

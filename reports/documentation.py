@@ -45,14 +45,14 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     if name.startswith("api/"):
         return markdown
 
-    def moved(found: re.Match[str]) -> str:
-        if "://" in found[2]:
-            return found[0]
-        path = normpath(join(here, found[2]))
+    def moved(match: re.Match[str]) -> str:
+        if "://" in match[2]:
+            return match[0]
+        path = normpath(join(here, match[2]))
         if not (ROOT / path).exists():
             logging.getLogger("mkdocs").warning("%s: no file %s", name, path)  # an error where the build is strict
         target = site_name(path)
-        return f"[{found[1]}]({relpath(target, dirname(name) or '.')}{found[3] or ''})" if target else found[1]
+        return f"[{match[1]}]({relpath(target, dirname(name) or '.')}{match[3] or ''})" if target else match[1]
 
     fences = FENCED.findall(markdown)
     parts = [LINK.sub(moved, part) for part in FENCED.split(markdown)]
@@ -65,8 +65,8 @@ def on_page_content(html: str, page: Any, config: Any, files: Any) -> str:
 
     html = ROLE.sub(r"<code>\1</code>", html)
 
-    def drawn(found: re.Match[str]) -> str:
-        return str(convert(found[2], display="block" if found[1] == "div" else "inline"))
+    def drawn(match: re.Match[str]) -> str:
+        return str(convert(match[2], display="block" if match[1] == "div" else "inline"))
 
     return FORMULA.sub(drawn, html)
 
@@ -86,12 +86,12 @@ def site_name(path: str) -> str | None:
 @cache
 def modules() -> dict[str, Path]:
     """Every public module of the four packages by its name."""
-    found = {}
+    paths = {}
     for path in (path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))):
         name = ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
         if not name.startswith(LEFT_OUT):
-            found[name] = path
-    return found
+            paths[name] = path
+    return paths
 
 
 def room_of(module: str) -> str:

@@ -105,10 +105,10 @@ def _section(name: str, text: str, pages: Mapping[str, str], drawn: Pictures, up
 
 def _contents(body: str) -> str:
     """Links to the headings of a page; nothing where there are few."""
-    found = HEADING.findall(body)
-    if len(found) < FEWEST:
+    headings = HEADING.findall(body)
+    if len(headings) < FEWEST:
         return ""
-    items = "".join(f'<li class="h{level}"><a href="#{at}">{words(inner)}</a></li>' for level, at, inner in found)
+    items = "".join(f'<li class="h{level}"><a href="#{at}">{words(inner)}</a></li>' for level, at, inner in headings)
     return (
         f'<nav class="contents" aria-label="On this page"><details><summary>On this page</summary><ul>{items}</ul>'
         "</details></nav>"
@@ -220,10 +220,10 @@ def _fold(content: str) -> str:
     line = content.strip()
     if line in (MACHINE, END_MACHINE):
         return ""
-    found = FOLD.fullmatch(line)
-    if found is None:
+    match = FOLD.fullmatch(line)
+    if match is None:
         raise ValueError(f"HTML in a page: {line!r}")
-    return f"<details><summary>{MARKDOWN.renderInline(found[1])}</summary>\n" if found[1] else "</details>\n"
+    return f"<details><summary>{MARKDOWN.renderInline(match[1])}</summary>\n" if match[1] else "</details>\n"
 
 
 def fragment(heading: Token) -> str:

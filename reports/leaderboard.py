@@ -34,8 +34,8 @@ def leaderboard(
     ranking = (
         TEXT("ranking", tolerance=tolerance, rows=rows, held_out=held) if rows else TEXT("nothing-fresh", stale=stale)
     )
-    told = TEXT("stale", stale=stale, results=len(every)) if stale else ""
-    below = TEXT("machines", stale=f"\n{told}", runs=every, machines=[_worded(row) for row in machines])
+    outdated = TEXT("stale", stale=stale, results=len(every)) if stale else ""
+    below = TEXT("machines", stale=f"\n{outdated}", runs=every, machines=[_worded(row) for row in machines])
     collection, harness = checksums
     page = f"{TEXT('page', ranking=ranking, machines=below, collection=collection, harness=harness)}\n"
     return {PAGE: page, HTML: report_html({PAGE: page}, {PAGE: TITLE}, {})}

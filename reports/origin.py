@@ -43,14 +43,14 @@ def counted(planned: Iterable[Cell]) -> dict[str, int]:
 
 def completeness_line(store: Store) -> str:
     """How much of the campaign is there, in one line."""
-    told = ", ".join(f"{count} {name}" for name, count in counted(store.planned).items())
-    return f"{store.campaign}: " + (f"{len(store.planned)} cells planned: {told}" if told else "tables alone")
+    counts = ", ".join(f"{count} {name}" for name, count in counted(store.planned).items())
+    return f"{store.campaign}: " + (f"{len(store.planned)} cells planned: {counts}" if counts else "tables alone")
 
 
 def foot(store: Store) -> str:
     """What stands at the end of every page of the campaign."""
     made = _made(store)
-    told = [
+    sentences = [
         completeness_line(store),
         f"footprint {_each(each['version'] for each in made)}, commit {_each(_commit(each, SHOWN) for each in made)}",
         f"solved {_between(each['date'] for each in made if 'date' in each)}",
@@ -58,7 +58,7 @@ def foot(store: Store) -> str:
         f"BLAS {_each(_blas(each['blas']) for each in made if 'blas' in each)}",
         ", ".join(_packages(made)),
     ]
-    return machine(f"*{'; '.join(told)}.*") if made else machine(f"*{told[0]}.*")
+    return machine(f"*{'; '.join(sentences)}.*") if made else machine(f"*{sentences[0]}.*")
 
 
 def origin(store: Store) -> str:
@@ -66,7 +66,7 @@ def origin(store: Store) -> str:
     made = _made(store)
     times = [result["timing_s"] for result in {each.directory: each.result for each in _solved(store)}.values()]
     spent = {name: sum(each.get(name, 0.0) for each in times) for name in ("cpu", "total")}
-    told = {
+    facts = {
         "footprint": _each((each["version"] for each in made), always=True),
         "commit": _each((_commit(each) for each in made), always=True),
         "solved": _between(each["date"] for each in made if "date" in each),
@@ -75,17 +75,17 @@ def origin(store: Store) -> str:
         "machine": _each((_machine(each["machine"]) for each in made), always=True),
         "time on the clock, processor time of all cells [s]": f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
     }
-    return "## Machine\n\n" + machine(table("Where the numbers were made", ["what", "is"], told.items(), words=2))
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["what", "is"], facts.items(), words=2))
 
 
 def machines(store: Store) -> Part:
     """Whose machine the cells are from, where they are from several: how far merged ones were verified, whose times."""
     if not store.has("machines"):
         return Part()
-    found = store.table("machines")
-    if len(found) < 2 and (found["seconds"] > 0).all():
+    table = store.table("machines")
+    if len(table) < 2 and (table["seconds"] > 0).all():
         return Part()
-    return TEXT("machines", rows=found)
+    return TEXT("machines", rows=table)
 
 
 def _solved(store: Store) -> list[Cell]:
@@ -94,7 +94,7 @@ def _solved(store: Store) -> list[Cell]:
 
 def _made(store: Store) -> list[Mapping[str, Any]]:
     """What each cell with a record tells of its origin."""
-    return [told for each in _solved(store) if (told := each.result["provenance"])]
+    return [provenance for each in _solved(store) if (provenance := each.result["provenance"])]
 
 
 def _commit(made: Mapping[str, Any], shown: int | None = None) -> str:
@@ -102,22 +102,24 @@ def _commit(made: Mapping[str, Any], shown: int | None = None) -> str:
     return f"{made['commit'][:shown]}{' (modified)' if made.get('modified') else ''}"
 
 
-def _machine(told: Mapping[str, Any]) -> str:
+def _machine(provenance: Mapping[str, Any]) -> str:
     """Processor, cores, memory, system and Python, as far as a record has them."""
     names = (("cpu", "{}"), ("cores", "{} cores"), ("memory_GiB", "{} GiB"), ("system", "{}"), ("processor", "{}"))
-    return ", ".join(form.format(told[name]) for name, form in (*names, ("python", "Python {}")) if told.get(name))
+    return ", ".join(
+        form.format(provenance[name]) for name, form in (*names, ("python", "Python {}")) if provenance.get(name)
+    )
 
 
-def _blas(told: Mapping[str, str]) -> str:
+def _blas(provenance: Mapping[str, str]) -> str:
     """Of each package that brings one, and on how many threads."""
-    brought = ", ".join(f"{version} ({name})" for name, version in told.items() if name != "threads")
-    return f"{brought}, threads: {told['threads']}"
+    brought = ", ".join(f"{version} ({name})" for name, version in provenance.items() if name != "threads")
+    return f"{brought}, threads: {provenance['threads']}"
 
 
 def _packages(made: Iterable[Mapping[str, Any]]) -> list[str]:
     """All that any cell was solved with; a package in two versions has two entries."""
-    told = (f"{name} {version}" for each in made for name, version in each["packages"].items() if version)
-    return list(dict.fromkeys(told))
+    versions = (f"{name} {version}" for each in made for name, version in each["packages"].items() if version)
+    return list(dict.fromkeys(versions))
 
 
 def _between(dates: Iterable[str]) -> str:
@@ -183,6 +185,6 @@ def _counts(planned: Iterable[Cell], present: list[str]) -> list[int]:
 
 def refusals(store: Store) -> Part:
     """The reasons of unsupported cells, one row for all that share it."""
-    found = Counter((each.scene, each.reason) for each in store.planned if each.ended == "unsupported")
-    rows = [{"scene": scene, "reason": reason, "count": count} for (scene, reason), count in found.items()]
+    reasons = Counter((each.scene, each.reason) for each in store.planned if each.ended == "unsupported")
+    rows = [{"scene": scene, "reason": reason, "count": count} for (scene, reason), count in reasons.items()]
     return TEXT("refusals", rows=rows) if rows else Part("Every cell that was planned makes sense.")

@@ -75,14 +75,14 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     texts = with_appearances({name: part.text for name, part in parts.items()}, chapters)
     titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
     answers = {each.file: of_page(store, each.name) for each in chapters}
-    told = {name: _headed(text, answers.get(name, "")) for name, text in texts.items()}
+    texts_headed = {name: _headed(text, answers.get(name, "")) for name, text in texts.items()}
     linked = {name: _headed(texts[name], answer, link_line(chapters, name)) for name, answer in answers.items()}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
     footed = {name: f"{text}\n{foot(store)}\n" for name, text in {**texts, **linked}.items()}
     data = data_files(store) if any(each.name == DATA for each in chapters) else {}
     above = {each.file: f"{each.under}.md" for each in chapters if each.under}
-    html = report_html(told, titles, pictures, groups, f"{foot(store)}\n\n{_terms(data)}", above)
+    html = report_html(texts_headed, titles, pictures, groups, f"{foot(store)}\n\n{_terms(data)}", above)
     return {**svgs, **data, **footed, REPORT: html}
 
 
@@ -106,8 +106,8 @@ def _made(chapter: Chapter, store: Store) -> Part:
 def without_links(text: str, absent: Collection[str]) -> str:
     """A text in which links to pages that this campaign does not have are words only."""
 
-    def kept(found: re.Match[str]) -> str:
-        return found[1] if found[2] in absent else found[0]
+    def kept(match: re.Match[str]) -> str:
+        return match[1] if match[2] in absent else match[0]
 
     return LINK.sub(kept, text)
 
@@ -131,11 +131,11 @@ def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
     texts += [(out / name).read_text(encoding="utf-8") for name in there if name.endswith(".md")]
     pictures = {name for name in there | set(files) if name.endswith(".svg")}
     measured = of_the_machine("\n".join(texts), pictures)
-    found = [f"{name}: missing in {out}" for name in files if name not in there | measured]
-    found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files) - measured)]
+    faults = [f"{name}: missing in {out}" for name in files if name not in there | measured]
+    faults += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files) - measured)]
     common = [name for name in files if name.endswith(".md") and name in there]
     if not common:
-        found.append(f"{out}: no page to compare")
+        faults.append(f"{out}: no page to compare")
     for name in common:
-        found += differences(name, (out / name).read_text(encoding="utf-8"), files[name])
-    return found
+        faults += differences(name, (out / name).read_text(encoding="utf-8"), files[name])
+    return faults

@@ -46,36 +46,36 @@ class Store:
 
     def cell(self, label: str) -> Cell:
         """The cell of a label that the pages need; raises StoreError when it is not planned, or has no record."""
-        found = next((each for each in self.planned if each.label == label), None)
-        if found is None:
+        match = next((each for each in self.planned if each.label == label), None)
+        if match is None:
             raise StoreError(f"{self.path}: campaign {self.campaign!r} has no cell {label!r}, which the pages need")
-        if not found.result:
-            lacks = f"no record of cell {label!r} ({found.ended}: {found.reason})"
+        if not match.result:
+            lacks = f"no record of cell {label!r} ({match.ended}: {match.reason})"
             raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
-        return found
+        return match
 
     def has(self, name: str) -> bool:
         """Is there a table that is of this campaign, or of none?"""
-        found = (
+        table = (
             self._read(name) if (self.path / "tables" / f"{name}.csv").exists() else pd.DataFrame({"campaign": [""]})
         )
-        return "campaign" not in found or bool((found["campaign"] == self.campaign).all())
+        return "campaign" not in table or bool((table["campaign"] == self.campaign).all())
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of this campaign or of the whole store; raises StoreError when it is missing or another's."""
-        found = self._read(name)
+        rows = self._read(name)
         if not self.has(name):
             raise StoreError(f"{self.path / 'tables' / name}.csv: not of campaign {self.campaign!r}")
-        return found.copy()
+        return rows.copy()
 
     def _read(self, name: str) -> pd.DataFrame:
         """As it stands there, with empty words for what is not; each is read once."""
         if name not in self._tables:
-            found = read_table(self.path / "tables" / f"{name}.csv", prose=PROSE.get(name, ()))
+            table = read_table(self.path / "tables" / f"{name}.csv", prose=PROSE.get(name, ()))
             empty = {
-                column: found[column].astype(object).where(found[column].notna(), "") for column in WORDS & {*found}
+                column: table[column].astype(object).where(table[column].notna(), "") for column in WORDS & {*table}
             }
-            self._tables[name] = found.assign(**empty)
+            self._tables[name] = table.assign(**empty)
         return self._tables[name]
 
     @cached_property
@@ -84,10 +84,10 @@ class Store:
 
     def rows(self, table: str, /, **where: str) -> pd.DataFrame:
         """The rows of a table with these words; no rows where it is not there, or is another campaign's."""
-        found = self.table(table) if self.has(table) else pd.DataFrame(columns=[*where])
+        every = self.table(table) if self.has(table) else pd.DataFrame(columns=[*where])
         for key, value in where.items():
-            found = found[found[key].fillna("") == value]
-        return found
+            every = every[every[key].fillna("") == value]
+        return every
 
     def rules(self) -> Mapping[str, float]:
         """The thresholds by which the analysis judges, by name."""

@@ -15,28 +15,28 @@ REFUSED = "unsupported"
 
 def agreement_part(store: Store) -> Part:
     """The pressed tyre by every algorithm, a line each, and problems of the campaign with several answers."""
-    found = store.table("algorithm_agreement")
-    plain = found["algorithm"].map(code)
-    found = found.assign(named=plain.where(found["way"] == "", plain + ", " + found["way"]))
-    put = found[found["exact"] & ~found["reference"]]
+    agreement = store.table("algorithm_agreement")
+    plain = agreement["algorithm"].map(code)
+    agreement = agreement.assign(named=plain.where(agreement["way"] == "", plain + ", " + agreement["way"]))
+    put = agreement[agreement["exact"] & ~agreement["reference"]]
     solved, refused = put[put["outcome"] != REFUSED], put[put["outcome"] == REFUSED]
-    first = found.iloc[0]
-    alike = (found["way"] == "") & (found["load"] == first["load"]) & (found["section"] == first["section"])
-    told = {
+    first = agreement.iloc[0]
+    alike = (agreement["way"] == "") & (agreement["load"] == first["load"]) & (agreement["section"] == first["section"])
+    values = {
         "first": first,
-        "cases": len(found.drop_duplicates(["load", "section"])),
+        "cases": len(agreement.drop_duplicates(["load", "section"])),
         "agree": int(solved["agrees"].sum()),
         "solved": len(solved),
         "refused": len(refused),
-        "commands": commands(found[alike]["command"]),
+        "commands": commands(agreement[alike]["command"]),
     }
     rows = {
         "ways": [_row(way, own) for way, own in put.groupby("named", sort=False)],
         "odd": solved[~solved["agrees"].astype(bool)],
     }
-    finite = _finite(found[~found["exact"] & (found["outcome"] != REFUSED)])
+    finite = _finite(agreement[~agreement["exact"] & (agreement["outcome"] != REFUSED)])
     parts = {"finite": finite, "refusals": _refused(refused), "answers": _answers(store)}
-    return TEXT("agreement", rules=store.rules(), **told, **rows, **parts)
+    return TEXT("agreement", rules=store.rules(), **values, **rows, **parts)
 
 
 def _row(way: object, own: pd.DataFrame) -> dict[str, object]:
@@ -68,9 +68,9 @@ def _answers(store: Store) -> Part:
     """Problems of the whole campaign to which it has more than one certified answer."""
     if not store.has("disagreements"):
         return Part()
-    found = store.table("disagreements")
+    disagreements = store.table("disagreements")
     rows = [
         {"why": why, "answers": len(own), "scenes": dict.fromkeys(own["scene"]), "difference": own["difference"].max()}
-        for why, own in found.groupby("why", sort=False)
+        for why, own in disagreements.groupby("why", sort=False)
     ]
-    return TEXT("answers", count=len(found), rows=rows)
+    return TEXT("answers", count=len(disagreements), rows=rows)

@@ -64,18 +64,18 @@ def algorithms_page(store: Store) -> Part:
 
 def _claims(store: Store) -> Part:
     """Who says that it has solved a problem, and has not."""
-    found = store.table("false_success")
-    alone = found["contender"].str.contains(ALONE)
-    ours = found[~alone]
-    told = {
-        "problems": found["problems"].max(),
+    claims = store.table("false_success")
+    alone = claims["contender"].str.contains(ALONE)
+    ours = claims[~alone]
+    values = {
+        "problems": claims["problems"].max(),
         "count": len(ours),
         "ours": "; ".join(map(_quoted, ours["contender"])),
         "claims": ours["claimed"].sum(),
         "wrong": ours["false"].sum(),
-        "versions": ", ".join(sorted(set(found["version"].dropna()))),
+        "versions": ", ".join(sorted(set(claims["version"].dropna()))),
     }
-    return TEXT("claims", **told, alone=found[alone], arena=_in_the_arena(store))
+    return TEXT("claims", **values, alone=claims[alone], arena=_in_the_arena(store))
 
 
 def _quoted(way: str) -> str:
@@ -87,9 +87,9 @@ def _in_the_arena(store: Store) -> Part:
     """The false claims of the default algorithm on harder problems."""
     if not store.has("solver_summary"):
         return Part()
-    found = store.table("solver_summary")
-    strictest = found["tolerance"] == found["tolerance"].min()
-    rows = found[(found["solver"] == USUAL) & (found["size"] == "all") & strictest]
+    summary = store.table("solver_summary")
+    strictest = summary["tolerance"] == summary["tolerance"].min()
+    rows = summary[(summary["solver"] == USUAL) & (summary["size"] == "all") & strictest]
     if rows.empty:
         return Part()
     sums = rows[["claimed", "problems", "false"]].sum()
@@ -99,11 +99,11 @@ def _in_the_arena(store: Store) -> Part:
 
 def _cycles(store: Store) -> str:
     """Sets that repeat themselves."""
-    found = store.table("cycles")
-    ways = list(found.columns[2:])
+    cycles = store.table("cycles")
+    ways = list(cycles.columns[2:])
     rows = [
         [line["problem"], _period(line["plain_period"]), *(line[way] for way in ways)]
-        for line in found.to_dict("records")
+        for line in cycles.to_dict("records")
     ]
     header = ["problem", "textbook", *map(_quoted, ways)]
     return table("From the set that the textbook begins with", header, rows, words=len(header))
@@ -140,12 +140,12 @@ def _penalty(store: Store) -> Part:
     """The recommendation, the problems that it rests on, and the paper's ε."""
     data, laws = store.table("epsilon"), store.table("epsilon_laws")
     sides, slopes = laws["element_over_h"], laws["force_slope"]
-    told = {
+    values = {
         **{"smallest": sides.min(), "largest": sides.max(), "flattest": slopes.min(), "steepest": slopes.max()},
         **{"count": len(laws), "laws": laws, "paper": _paper(data, laws), "no_dearer": _no_dearer(data)},
         "commands": commands(data["command"][data["epsilon"] == PAPER]),
     }
-    return TEXT("penalty", {"epsilon.svg": draw_penalty(data, laws)}, **told)
+    return TEXT("penalty", {"epsilon.svg": draw_penalty(data, laws)}, **values)
 
 
 def _no_dearer(data: pd.DataFrame) -> int:

@@ -59,9 +59,9 @@ def _ranking(store: Store) -> Part:
         return Part()
     whole = store.table("solver_summary")
     whole = whole[whole["size"] == ALL]
-    every, found = whole[whole["kind"] == CONVEX], _middle(whole)
-    convex = found[(found["kind"] == CONVEX) & (found["refused"] < found["problems"])]
-    others = found[found["kind"] != CONVEX].groupby("solver")[["problems", "solved", "refused", "false"]].sum()
+    every, summary = whole[whole["kind"] == CONVEX], _middle(whole)
+    convex = summary[(summary["kind"] == CONVEX) & (summary["refused"] < summary["problems"])]
+    others = summary[summary["kind"] != CONVEX].groupby("solver")[["problems", "solved", "refused", "false"]].sum()
     kinds = store.table("solver_problems")["kind"].value_counts()
     strictest = every["tolerance"].min()
     strict = every[every["tolerance"] == strictest].set_index("solver")
@@ -69,16 +69,16 @@ def _ranking(store: Store) -> Part:
         "ranking",
         count=kinds.sum(),
         kinds=", ".join(f"{count} {kind}" for kind, count in kinds.items()),
-        tolerance=found["tolerance"].iloc[0],
+        tolerance=summary["tolerance"].iloc[0],
         strict=strictest,
         rows=list(_ranked(convex, others, strict)),
     )
 
 
-def _middle(found: pd.DataFrame) -> pd.DataFrame:
+def _middle(summary: pd.DataFrame) -> pd.DataFrame:
     """The rows of the middle tolerance."""
-    asked = sorted(found["tolerance"].unique(), reverse=True)
-    return found[found["tolerance"] == asked[len(asked) // 2]]
+    asked = sorted(summary["tolerance"].unique(), reverse=True)
+    return summary[summary["tolerance"] == asked[len(asked) // 2]]
 
 
 def _ranked(convex: pd.DataFrame, others: pd.DataFrame, strict: pd.DataFrame) -> Iterator[dict[Any, Any]]:
@@ -108,8 +108,8 @@ def _convex(store: Store, name: str) -> pd.DataFrame:
     """The rows of convex problems of all sizes at the middle tolerance; none without the table."""
     if not store.has(name):
         return pd.DataFrame()
-    found = _middle(store.table(name))
-    return found[(found["kind"] == CONVEX) & (found["size"] == ALL)]
+    middle = _middle(store.table(name))
+    return middle[(middle["kind"] == CONVEX) & (middle["size"] == ALL)]
 
 
 def _osqp(store: Store) -> Part:
@@ -155,12 +155,12 @@ def _limits(store: Store) -> Part:
 
 
 @svg
-def profiles(found: pd.DataFrame) -> Figure:
+def profiles(shares: pd.DataFrame) -> Figure:
     """Share of problems over cost, relative to the quickest and in factorisations, of one tolerance, kind and size."""
     figure, panels = canvas(len(PANELS), width=11.0, height=4.8, sharey=True)
-    named = looks(shown_by_name(found))
+    named = looks(shown_by_name(shares))
     for axes, (of, words) in zip(panels, PANELS.items(), strict=True):
-        own = found[found["of"] == of]
+        own = shares[shares["of"] == of]
         curves = {str(name): each.sort_values("at") for name, each in own.groupby("solver", sort=False)}
         for name, curve in curves.items():
             if name not in named:
@@ -174,8 +174,8 @@ def profiles(found: pd.DataFrame) -> Figure:
     return figure
 
 
-def shown_by_name(found: pd.DataFrame) -> list[str]:
+def shown_by_name(rows: pd.DataFrame) -> list[str]:
     """The solvers with the largest shares at the end of their curves, and OSQP, whatever it has."""
-    ends = found.groupby("solver", sort=False)["share"].max().sort_values(ascending=False, kind="stable")
+    ends = rows.groupby("solver", sort=False)["share"].max().sort_values(ascending=False, kind="stable")
     best = [str(name) for name in ends.index[:NAMED]]
     return best + [ALWAYS] * (ALWAYS in ends.index and ALWAYS not in best)

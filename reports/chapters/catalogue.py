@@ -51,9 +51,9 @@ class Catalogue:
 
     def own(self, table: str, **where: str) -> pd.DataFrame:
         """The rows of a table with these words."""
-        found = self.tables[table]
-        keep = np.logical_and.reduce([found[key] == value for key, value in where.items()])
-        return found[keep]
+        every = self.tables[table]
+        keep = np.logical_and.reduce([every[key] == value for key, value in where.items()])
+        return every[keep]
 
     def sheets(self, *kinds: str) -> Iterator[Any]:
         """The parts of some kinds in the order of their catalogues, each with the name and the title of its page."""

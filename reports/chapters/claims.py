@@ -16,11 +16,11 @@ ORDER = ("refuted", "qualified", "confirmed", "untested")
 
 def claims_page(store: Store) -> Part:
     """The whole page: counts, a table a subject, how to read a status."""
-    found = store.table(CLAIMS)
-    counts = found["status"].value_counts()
-    told = ", ".join(f"{counts.get(status, 0)} {status}" for status in STATUSES)
-    subjects = joined(*(_subject(str(name), own) for name, own in found.groupby("subject", sort=False)))
-    return TEXT("page", count=len(found), told=told, subjects=subjects)
+    claims = store.table(CLAIMS)
+    counts = claims["status"].value_counts()
+    counted = ", ".join(f"{counts.get(status, 0)} {status}" for status in STATUSES)
+    subjects = joined(*(_subject(str(name), own) for name, own in claims.groupby("subject", sort=False)))
+    return TEXT("page", count=len(claims), told=counted, subjects=subjects)
 
 
 def _subject(name: str, own: pd.DataFrame) -> Part:

@@ -44,8 +44,8 @@ def convergence_page(store: Store) -> Part:
         "commands": commands(data.drop_duplicates("family", keep="last")["command"]),
     }
     limits = {**_families(store, data), **_unsteady(data)}
-    told = {"rules": store.rules(), "summary": store.table("convergence_summary"), "kinds": ", ".join(KINDS)}
-    return TEXT("page", **told, **limits, **parts, **_certificates(store), **_newton(store))
+    values = {"rules": store.rules(), "summary": store.table("convergence_summary"), "kinds": ", ".join(KINDS)}
+    return TEXT("page", **values, **limits, **parts, **_certificates(store), **_newton(store))
 
 
 def sequences(store: Store) -> pd.DataFrame:
@@ -56,8 +56,8 @@ def sequences(store: Store) -> pd.DataFrame:
 
 def _families(store: Store, data: pd.DataFrame) -> dict[str, Any]:
     """A table a family of scenes, and what does not agree."""
-    found = store.table("convergence_errors")
-    other = found[found["sequence"].isin(data["sequence"]) & found["kind"].isin(KINDS)]
+    errors = store.table("convergence_errors")
+    other = errors[errors["sequence"].isin(data["sequence"]) & errors["kind"].isin(KINDS)]
     ranked = other.assign(rank=other["kind"].map(KINDS.index)).sort_values(["rank", "uncertainty"], kind="stable")
     by = {row["sequence"]: row for row in ranked.drop_duplicates("sequence").to_dict("records")}
     finest = data.drop_duplicates("sequence", keep="last")
@@ -92,26 +92,26 @@ def _unsteady(data: pd.DataFrame) -> dict[str, Any]:
 
 def elements_part(store: Store) -> Part:
     """Which option of the element, over all scenes, as advice."""
-    found, shares = store.table("element_choice"), store.table("thickness_share")
-    nearer = int((found["default"].abs() < found["paper"].abs()).sum())
-    counts = found["verdict"].value_counts()
+    choice, shares = store.table("element_choice"), store.table("thickness_share")
+    nearer = int((choice["default"].abs() < choice["paper"].abs()).sum())
+    counts = choice["verdict"].value_counts()
     better, equal, larger = (counts.get(verdict, 0) for verdict in ("better", "equal", "worse"))
-    told = {"count": len(found), "better": better, "equal": equal, "larger": larger, "nearer": nearer}
+    values = {"count": len(choice), "better": better, "equal": equal, "larger": larger, "nearer": nearer}
     rows = {
-        "worse": found[found["verdict"] == "worse"],
+        "worse": choice[choice["verdict"] == "worse"],
         "shares": [counted(shares, n) for n in SHARES],
     }
-    return TEXT("elements", rules=store.rules(), scenes=shares["ladder"].nunique(), **told, **rows)
+    return TEXT("elements", rules=store.rules(), scenes=shares["ladder"].nunique(), **values, **rows)
 
 
-def counted(found: pd.DataFrame, name: str) -> dict[str, Any]:
+def counted(verdicts: pd.DataFrame, name: str) -> dict[str, Any]:
     """Of a share: on the coarser and on the default mesh, in how many scenes it is best and alone best; early ends."""
     counts: dict[str, Any] = {"share": name}
     for mesh, coarse in (("coarse", True), ("fine", False)):
-        own = found[(found["coarse"].astype(bool) == coarse) & found["nearest"].astype(bool)]
+        own = verdicts[(verdicts["coarse"].astype(bool) == coarse) & verdicts["nearest"].astype(bool)]
         best = own.groupby("ladder")["share"].agg(set)
         counts |= {mesh: sum(name in names for names in best), f"{mesh}_alone": sum(names == {name} for names in best)}
-    wrong = found[found["confirmed"].eq(False) & (found["share"] == name)]["ladder"]
+    wrong = verdicts[verdicts["confirmed"].eq(False) & (verdicts["share"] == name)]["ladder"]
     return {**counts, "wrong": len(wrong), "wrong_in": ", ".join(wrong) or "none"}
 
 
@@ -131,31 +131,31 @@ def _certificates(store: Store) -> dict[str, Any]:
 
 def _newton(store: Store) -> dict[str, Any]:
     """Iterations to the hemisphere's whole load by mixed Newton in one step, and by plain Newton in twenty."""
-    found = {}
+    iterations = {}
     for newton, label in HEMISPHERE.items():
         cell = store.cell(label)
-        found[newton] = cell.result["counters"]["newton_iterations"] if cell.converged else NOTHING
-    return {**found, "steps": cell.settings["steps"]}
+        iterations[newton] = cell.result["counters"]["newton_iterations"] if cell.converged else NOTHING
+    return {**iterations, "steps": cell.settings["steps"]}
 
 
 def manufactured_part(store: Store) -> Part:
     """The whole section."""
-    found, rules, data = store.table("manufactured_orders"), store.rules(), store.table("manufactured")
-    far = len(found[~found["near"]])
-    told = {
-        "count": len(found),
+    orders, rules, data = store.table("manufactured_orders"), store.rules(), store.table("manufactured")
+    far = len(orders[~orders["near"]])
+    values = {
+        "count": len(orders),
         "far": f"{far} lie" if far else "none lies",
-        "coarse": found["coarse"].astype(bool).sum(),
-        "rising": found["rising"].astype(bool).sum(),
+        "coarse": orders["coarse"].astype(bool).sum(),
+        "rising": orders["rising"].astype(bool).sum(),
         "below": rules["theory_mean_resultants"] - rules["coarse_below"],
-        "finest": found["n"].max(),
+        "finest": orders["n"].max(),
         "statements": _statements(store),
-        "spans": list(_spans(found)),
+        "spans": list(_spans(orders)),
     }
     surface, element = DRAWN
     own = data[(data["group"] == "measures") & (data["surface"] == surface) & (data["element"] == element)]
     drawn = {"manufactured.svg": errors(own)}
-    return TEXT("manufactured", drawn, rules=rules, **told, **_contact(store), commands=commands(COMMANDS))
+    return TEXT("manufactured", drawn, rules=rules, **values, **_contact(store), commands=commands(COMMANDS))
 
 
 def _statements(store: Store) -> Part:
@@ -167,10 +167,10 @@ def _statements(store: Store) -> Part:
     return TEXT("coefficients-wrong", rows=wrong)
 
 
-def _spans(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
+def _spans(fitted: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """The lowest and the highest order in each norm, by element and kind of measure."""
-    kinds = found["measure"].map(OF_MEASURES).fillna(OTHER)
-    for (element, kind), own in found.groupby(["element", kinds], sort=False):
+    kinds = fitted["measure"].map(OF_MEASURES).fillna(OTHER)
+    for (element, kind), own in fitted.groupby(["element", kinds], sort=False):
         orders = {norm: own[f"order_{norm}"] for norm in NORMS}
         spans = {norm: f"{fixed(order.min(), 2)} to {fixed(order.max(), 2)}" for norm, order in orders.items()}
         yield {"element": element, "kind": kind, "cases": len(own), **spans}

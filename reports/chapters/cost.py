@@ -30,23 +30,23 @@ def cost_page(store: Store) -> Part:
     """The whole page."""
     needed, grids = store.table("grids_reaching"), store.table("work_precision")
     errors = list(dict.fromkeys(needed["within"]))
-    told = {"delta": DELTA, "rules": store.rules(), **_models(store), **_precision(needed, grids.iloc[0], errors)}
+    values = {"delta": DELTA, "rules": store.rules(), **_models(store), **_precision(needed, grids.iloc[0], errors)}
     parts = {"statements": statements_part(store), "advice": advice_part(store)}
-    return TEXT("page", {"cost-precision.svg": precision(grids, errors)}, **told, **parts)
+    return TEXT("page", {"cost-precision.svg": precision(grids, errors)}, **values, **parts)
 
 
 def _models(store: Store) -> dict[str, Any]:
     """Parts of the tyre beside the whole."""
-    found, same_at = store.table("tyre_models"), store.rules()["same_model"]
+    models, same_at = store.table("tyre_models"), store.rules()["same_model"]
 
     def off(value: float) -> str:
         return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)
 
-    found = found.assign(**{name: found[name].map(off) for name in ("force_off", "pressure_off")})
-    records = [{**row, **store.cell(row["label"]).result["counters"]} for row in found.to_dict("records")]
-    parts = found[found["model"] != "full"]
-    counts = {"parts": len(parts), "same": parts["same"].sum(), "mesh": found["mesh"].iloc[0]}
-    return {"models": records, **counts, "commands": commands(found["command"])}
+    models = models.assign(**{name: models[name].map(off) for name in ("force_off", "pressure_off")})
+    records = [{**row, **store.cell(row["label"]).result["counters"]} for row in models.to_dict("records")]
+    parts = models[models["model"] != "full"]
+    counts = {"parts": len(parts), "same": parts["same"].sum(), "mesh": models["mesh"].iloc[0]}
+    return {"models": records, **counts, "commands": commands(models["command"])}
 
 
 def _precision(needed: pd.DataFrame, against: pd.Series, errors: list[float]) -> dict[str, Any]:
@@ -89,15 +89,19 @@ def statements_part(store: Store) -> Part:
     if not (store.has("error_coverage") and store.has("error_statements")):
         return Part()
     data, stated = store.table("error_coverage"), store.table("stated_errors")
-    found = store.table("error_statements")
+    statements = store.table("error_statements")
     rows = {
-        "errors": found[found["asked"].notna()],
+        "errors": statements[statements["asked"].notna()],
         "wrong": stated[stated["value_inside"].eq(False) | stated["inside"].eq(False)],
         "missed": data[data["reached"].eq(False)],
     }
     drawn = {"cost-statements.svg": errors_stated(stated)}
-    told = {"rules": store.rules(), "whole": found[found["asked"].isna()].iloc[0], "commands": commands([STATEMENTS])}
-    return TEXT("statements", drawn, **told, **rows)
+    values = {
+        "rules": store.rules(),
+        "whole": statements[statements["asked"].isna()].iloc[0],
+        "commands": commands([STATEMENTS]),
+    }
+    return TEXT("statements", drawn, **values, **rows)
 
 
 @svg

@@ -33,7 +33,7 @@ def data_files(store: Store) -> dict[str, str]:
 def appendix(store: Store) -> Part:
     """The whole page."""
     failed = [each for each in store.planned if each.ended not in AS_ASKED]
-    files = [{"name": name, "rows": len(store.table(table)), "words": told} for name, table, told in _files(store)]
+    files = [{"name": name, "rows": len(store.table(table)), "words": words} for name, table, words in _files(store)]
     cells, answers, *_ = (each["rows"] for each in files)
     parts = {"outcomes": outcomes_part(store), "questions": _questions(store), "findings": _findings(store)}
     made = {"origin": origin(store), "machines": machines(store)}
@@ -42,9 +42,9 @@ def appendix(store: Store) -> Part:
 
 def _files(store: Store) -> Iterator[tuple[str, str, str]]:
     """Names, tables and what they are; a part of the report has too few tables to judge claims."""
-    for name, (table, told) in FILES.items():
+    for name, (table, words) in FILES.items():
         if table in NEEDED or (store.pages == ALL and store.has(table)):
-            yield name, table, told
+            yield name, table, words
 
 
 def _questions(store: Store) -> Part:
@@ -68,9 +68,9 @@ def _thread(name: str) -> str:
 
 def _findings(store: Store) -> Part:
     """Every sentence of conclusion with what it rests on; those that depend on the machine come last."""
-    found = statements(store)
-    steady, timed = ([each for each in found if each.machine == kind] for kind in (False, True))
-    return TEXT("findings", count=len(found), steady=steady, timed=timed) if found else Part()
+    sentences = statements(store)
+    steady, timed = ([each for each in sentences if each.machine == kind] for kind in (False, True))
+    return TEXT("findings", count=len(sentences), steady=steady, timed=timed) if sentences else Part()
 
 
 CHAPTER = chapter(TEXT, appendix, needs=NEEDED)

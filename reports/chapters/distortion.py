@@ -20,13 +20,13 @@ DEFAULT = {"thickness_strain": "balanced", "membrane": "relaxed"}
 
 def distortion_part(store: Store) -> Part:
     """The whole section."""
-    data, shells, found = (store.table(name) for name in ("distortion", "distorted_shells", "distortion_orders"))
+    data, shells, orders = (store.table(name) for name in ("distortion", "distorted_shells", "distortion_orders"))
     own = shells[(shells[list(DEFAULT)] == pd.Series(DEFAULT)).all(axis=1)]
     most, middle = shells["amount"].max(), shells.loc[~shells.index.isin(own.index), "amount"].max()
-    kinds = list(dict.fromkeys(found[found["amount"] > 0]["distortion"]))
-    told = {"most": most, "middle": middle, "finest": found["n"].max(), "count": shells["scene"].nunique()}
+    kinds = list(dict.fromkeys(orders[orders["amount"] > 0]["distortion"]))
+    values = {"most": most, "middle": middle, "finest": orders["n"].max(), "count": shells["scene"].nunique()}
     rows = {
-        "measures": list(_measures(found, most)),
+        "measures": list(_measures(orders, most)),
         "shells": list(_shells(own[own["amount"] == most])),
         "options": list(_options(shells[(shells["amount"] == middle) & (shells["finer"] == 1)])),
     }
@@ -34,12 +34,12 @@ def distortion_part(store: Store) -> Part:
         "distortion-measures.svg": draw_measures(data[data["amount"].isin((0.0, most))]),
         "distortion-shells.svg": draw_shells(own[own["finer"] == own["finer"].min()], kinds),
     }
-    return TEXT("distortion", drawn, **told, **rows)
+    return TEXT("distortion", drawn, **values, **rows)
 
 
-def _measures(found: pd.DataFrame, most: float) -> Iterator[dict[Any, Any]]:
+def _measures(orders: pd.DataFrame, most: float) -> Iterator[dict[Any, Any]]:
     """A line a measure: the regular mesh, then what each distortion makes of it."""
-    for measure, own in found.groupby("measure", sort=False):
+    for measure, own in orders.groupby("measure", sort=False):
         (still,) = own[own["amount"] == 0].to_dict("records")
         moved = {row["distortion"]: row for row in own[own["amount"] == most].to_dict("records")}
         regular = {"error": still["error_displacement"], "order": still["order_displacement"]}

@@ -64,8 +64,8 @@ def cause(reason: str) -> str:
     for begin, short in TANGENT.items():
         if first.startswith(begin):
             return short
-    told = [short for clause in more for begin, short in TANGENT.items() if clause.startswith(begin)]
-    return ", ".join([re.split(r" \(|, \d|: ", first)[0] if told else first, *told[:1]])
+    tangent = [short for clause in more for begin, short in TANGENT.items() if clause.startswith(begin)]
+    return ", ".join([re.split(r" \(|, \d|: ", first)[0] if tangent else first, *tangent[:1]])
 
 
 def _limits(limits: pd.DataFrame) -> Iterator[dict[Any, Any]]:
@@ -237,8 +237,8 @@ def plain_ticks(values: np.ndarray) -> tuple[list[float], list[str]]:
         return list(np.interp(chosen, values[order], lines[order])), [f"{each + 0.0:g}" for each in chosen]
     few = lines[:: max(1, (len(values) - 1) // (TICKS - 1))]
     labels = ([f"{values[place]:.{count}g}" for place in few] for count in range(3, 17))
-    told = next((each for each in labels if _tell_apart(each, values)), [f"{values[place]!r}" for place in few])
-    return [float(place) for place in few], told
+    shown = next((each for each in labels if _tell_apart(each, values)), [f"{values[place]!r}" for place in few])
+    return [float(place) for place in few], shown
 
 
 def _tell_apart(labels: list[str], values: np.ndarray) -> bool:

@@ -24,12 +24,12 @@ COLUMNS = 4
 
 def faces_page(store: Store) -> Part:
     """The whole page."""
-    found, run, cost, spheres, ironed = map(store.table, TABLES)
-    found = found.assign(solved=found["outcome"].isin(SOLVED))
-    requests = found.drop_duplicates("command")
-    told: dict[str, Any] = {
-        "meshes": int(found.groupby("problem")["mesh"].nunique().max()),
-        "errors": list(_errors(found)),
+    readings, run, cost, spheres, ironed = map(store.table, TABLES)
+    readings = readings.assign(solved=readings["outcome"].isin(SOLVED))
+    requests = readings.drop_duplicates("command")
+    values: dict[str, Any] = {
+        "meshes": int(readings.groupby("problem")["mesh"].nunique().max()),
+        "errors": list(_errors(readings)),
         "asked": int((requests["pairing"] == "mortar").sum()),
         "odd": _short(requests[~requests["solved"]]),
         "commands": commands(requests.loc[requests["finest"].astype(bool), "command"]),
@@ -39,10 +39,10 @@ def faces_page(store: Store) -> Part:
     usual = run["case"].map(run[run["algorithm"] == names[0]].set_index("case")["substeps"])
     run = run.assign(usual=usual)
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
-    told["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
-    told["failed"] = _short(run[~run["outcome"].isin(SOLVED)])
-    told |= {"costs": list(_costs(cost)), "spheres": list(_spheres(spheres)), **_ironed(ironed)}
-    return TEXT("page", {"faces.svg": errors(found)}, **told)
+    values["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
+    values["failed"] = _short(run[~run["outcome"].isin(SOLVED)])
+    values |= {"costs": list(_costs(cost)), "spheres": list(_spheres(spheres)), **_ironed(ironed)}
+    return TEXT("page", {"faces.svg": errors(readings)}, **values)
 
 
 def _short(rows: pd.DataFrame) -> pd.DataFrame:
@@ -50,9 +50,9 @@ def _short(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(reason=rows["reason"].astype(str).str.split("; ").str[0])
 
 
-def _errors(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
+def _errors(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """A row a problem and quantity: the error on the finest mesh and its order, by pairing and slave."""
-    for (problem, name), own in found.groupby(["problem", "quantity"], sort=False):
+    for (problem, name), own in rows.groupby(["problem", "quantity"], sort=False):
         row = {"problem": problem, "quantity": name, "mesh": own["mesh"].iloc[-1]}
         row["known"] = share(own["known"].iloc[0]) if own["known"].iloc[0] else NOTHING
         for pairing, slave in KINDS:
@@ -81,8 +81,8 @@ def _spheres(spheres: pd.DataFrame) -> Iterator[dict[str, str]]:
         f"at_{delta:g}": f"{value:.3f} ± {share(known)}" for delta, value, known in band
     }
     for (faces, mesh), own in spheres.groupby(["faces", "mesh"], sort=False):
-        found = zip(own["delta_mm"], own["quarter_N"], strict=True)
-        forces = {f"at_{delta:g}": NOTHING if math.isnan(force) else f"{force:.4f}" for delta, force in found}
+        readings = zip(own["delta_mm"], own["quarter_N"], strict=True)
+        forces = {f"at_{delta:g}": NOTHING if math.isnan(force) else f"{force:.4f}" for delta, force in readings}
         ended = f"{own['outcome'].iloc[0]} ({own['iterations'].iloc[0]:.0f})"
         yield {"faces": code(str(faces)), "mesh": str(mesh), "ended": ended, **forces}
 
@@ -91,9 +91,9 @@ def _ironed(ironed: pd.DataFrame) -> dict[str, Any]:
     """The meshes; what H/V changes by between the last two of solids, and at most by the other slab."""
     before, last = (row for _, row in ironed[ironed["slab"] == "solid"].iloc[-2:].iterrows())
     by_slab = ironed.pivot(index="mesh", columns="slab", values="ratio").dropna()
-    told = {"changed": abs(last["ratio"] / before["ratio"] - 1), "ripple": last["ripple"] / last["ratio"]}
-    told["apart"] = float((by_slab["shell"] / by_slab["solid"] - 1).abs().max())
-    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], **told}
+    values = {"changed": abs(last["ratio"] / before["ratio"] - 1), "ripple": last["ripple"] / last["ratio"]}
+    values["apart"] = float((by_slab["shell"] / by_slab["solid"] - 1).abs().max())
+    return {"ironed": ironed, "coarser": before["mesh"], "finer": last["mesh"], **values}
 
 
 def _cell(row: dict[str, Any]) -> str:
@@ -112,9 +112,9 @@ def _costs(cost: pd.DataFrame) -> Iterator[dict[str, float]]:
 
 
 @svg
-def errors(found: pd.DataFrame) -> Figure:
+def errors(rows: pd.DataFrame) -> Figure:
     """A panel a problem and quantity, errors over elements along a face; none of requests without an answer."""
-    solved = found[found["outcome"].isin(SOLVED)]
+    solved = rows[rows["outcome"].isin(SOLVED)]
     groups = list(solved.groupby(["problem", "quantity"], sort=False))
     figure, panels = canvas(len(groups), COLUMNS, width=11.0, height=2.3, head=0.4)
     for axes, ((problem, name), own) in zip(panels, groups, strict=True):

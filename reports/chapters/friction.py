@@ -40,7 +40,7 @@ def friction_page(store: Store) -> Part:
     named = steps.assign(work=steps["dissipation_N_mm"] / 1e3, billions=steps["operations"] / 1e9)
     coarse = steps.sort_values("steps").iloc[0]
     many = "one step" if coarse["steps"] == 1 else f"{coarse['steps']:g} steps"
-    told = {
+    values = {
         "patch": patch.to_dict("records")[0],
         "order": orders,
         "coarse": coarse,
@@ -49,7 +49,7 @@ def friction_page(store: Store) -> Part:
     }
     parts = {"algorithms": algorithms_part(store), "checks": checks_part(store)}
     moved = {**_ends(store, drag, turn), **_certified(pd.concat([drag, turn]))}
-    return TEXT("page", drawn, rules=store.rules(), **moved, **told, **parts)
+    return TEXT("page", drawn, rules=store.rules(), **moved, **values, **parts)
 
 
 def _ends(store: Store, drag: pd.DataFrame, turn: pd.DataFrame) -> dict[str, Any]:
@@ -131,8 +131,8 @@ def _separating(store: Store) -> dict[str, Part | str]:
     if not public:
         return {"public": "", "separating": shown}
     contacts = files["contacts"]
-    told = TEXT("public", problems=files["problem"].nunique(), fewest=contacts.min(), most=contacts.max())
-    return {"public": told, "separating": machine(shown)}
+    sentence = TEXT("public", problems=files["problem"].nunique(), fewest=contacts.min(), most=contacts.max())
+    return {"public": sentence, "separating": machine(shown)}
 
 
 def _plate(finest: pd.DataFrame, name: str, bound: float) -> str:

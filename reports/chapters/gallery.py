@@ -58,13 +58,13 @@ def with_appearances(texts: Mapping[str, str], chapters: Iterable[Chapter]) -> d
     known = list(chapters)
     own = {each.file: each for each in known if each.under == CHAPTER.name}
     others = {each.file: each.title for each in known if each.file not in own and each.name != CHAPTER.name}
-    found = dict(texts)
+    pages = dict(texts)
     for file, sheet in own.items():
         _, _, part = sheet.name.partition("/")[2].partition("-")
         named = re.compile(NAMED.format(part=re.escape(part)))
         links = [f"[{title}]({relative(page, file)})" for page, title in others.items() if named.search(texts[page])]
-        found[file] += f"\n## On other pages\n\n{' · '.join(links) if links else 'None names it.'}\n"
-    return found
+        pages[file] += f"\n## On other pages\n\n{' · '.join(links) if links else 'None names it.'}\n"
+    return pages
 
 
 def scene_sheet(catalogue: Catalogue, sheet: Any) -> Part:

@@ -47,21 +47,21 @@ def index_page(store: Store, contents: str) -> Part:
 def _section(title: str, store: Store, names: tuple[str, ...], more: Part | str = "") -> Part:
     """Sentences by their names, in order, those that depend on the machine marked; nothing where there are none."""
     by_name = {each.name: each for each in statements(store)}
-    told = [by_name[name] for name in names if name in by_name]
-    return TEXT("section", title=title, **by_machine(told), more=more) if told else Part()
+    sentences = [by_name[name] for name in names if name in by_name]
+    return TEXT("section", title=title, **by_machine(sentences), more=more) if sentences else Part()
 
 
 def limitations(store: Store) -> Part:
     """What does not hold, as computed, and what is not covered at all."""
-    found = [each for each in statements(store) if each.role == "limitation" and each.name not in ABOVE]
-    return TEXT("limitations", **by_machine(found))
+    sentences = [each for each in statements(store) if each.role == "limitation" and each.name not in ABOVE]
+    return TEXT("limitations", **by_machine(sentences))
 
 
 def campaign_page(store: Store, contents: str) -> Part:
     """The whole page; contents: the list of the other pages. Times are those of its last block."""
     parts = {"origin": origin(store), "refusals": refusals(store), "completeness": completeness(store)}
-    found = [each for each in store.planned if each.ended in ("wrong", "not-converged", "cap-hit")]
-    parts |= {"unfinished": TEXT("unfinished", cells=found) if found else Part("None.")}
+    failed = [each for each in store.planned if each.ended in ("wrong", "not-converged", "cap-hit")]
+    parts |= {"unfinished": TEXT("unfinished", cells=failed) if failed else Part("None.")}
     pages = f"## Pages\n\n{contents}" if contents else ""
     named = {"title": INDEX_TITLE, "store": store, "pages": pages}
     return TEXT("campaign", **named, sequences=_sequences(store), groups=_groups(store), **parts)
@@ -76,9 +76,9 @@ def _sequences(store: Store) -> Part:
     known = known.assign(known=known["value"])[["sequence", "known", "kind", "error", "model_part"]]
     meshes = own.groupby("sequence")["mesh"].agg(", ".join).rename("meshes")
     finest = own.drop_duplicates("sequence", keep="last").join(meshes, on="sequence")
-    found = finest.merge(known, how="left", on="sequence")
-    found["off"] = found["error"].where(found["limit"].isna(), found["model_part"])
-    return TEXT("sequences", rows=found)
+    sequences = finest.merge(known, how="left", on="sequence")
+    sequences["off"] = sequences["error"].where(sequences["limit"].isna(), sequences["model_part"])
+    return TEXT("sequences", rows=sequences)
 
 
 def _groups(store: Store) -> list[dict[str, Any]]:

@@ -131,9 +131,9 @@ def _check(own: pd.DataFrame) -> dict[str, Any]:
     counts = {word: int((own["class"] == kind).sum()) for word, kind in kinds}
     largest = own[own["class"] != DESIGN]["deviation"].max()
     design = own[own["class"] == DESIGN].groupby("measure", sort=False)["deviation"].max()
-    told = ", ".join(f"{code(name)} {digits(value, 2)}" for name, value in design.items())
+    deviations = ", ".join(f"{code(name)} {digits(value, 2)}" for name, value in design.items())
     unchanged = len(own) - sum(counts.values())
-    return {"cases": len(own), "unchanged": unchanged, **counts, "largest": largest, "deviations": told}
+    return {"cases": len(own), "unchanged": unchanged, **counts, "largest": largest, "deviations": deviations}
 
 
 def _random(store: Store) -> Part:

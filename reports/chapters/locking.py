@@ -29,14 +29,14 @@ def locking_part(store: Store) -> Part:
     data = store.table("membrane_locking")
     known = data.dropna(subset=["yardstick_reduced"])
     by_h, by_l = rates(data)
-    told = {
+    values = {
         "count": len(known),
         "better": int((known["energy_norm_error"] < known["yardstick_reduced"]).sum()),
         "least": float((known["yardstick_unreduced"] / known["energy_norm_error"]).min()),
         "still": STILL,
     }
     drawn = {"locking-membrane.svg": draw_membrane(data[data["membrane"] == DEFAULT])}
-    return TEXT("locking", drawn, rows=list(_rows(store, data)), by_h=by_h, by_l=by_l, **told)
+    return TEXT("locking", drawn, rows=list(_rows(store, data)), by_h=by_h, by_l=by_l, **values)
 
 
 def _rows(store: Store, data: pd.DataFrame) -> Iterator[dict[str, Any]]:

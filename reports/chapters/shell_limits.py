@@ -28,14 +28,14 @@ LAW = "solid hencky"
 
 def limits_page(store: Store) -> Part:
     """The whole page."""
-    found, points = store.table("shell_boundaries"), store.table("shell_limits")
-    headline = found[found["headline"]]
+    boundaries, points = store.table("shell_boundaries"), store.table("shell_limits")
+    headline = boundaries[boundaries["headline"]]
     usual = headline[headline["variant"] == DEFAULT]
     never, times = usual[usual["boundary_1"] == math.inf]["case"], usual["seconds_ratio"]
     within = f"; within what was solved the error stays below 1 % in: {', '.join(never)}" if len(never) else ""
     exact = usual[usual["judge"] == "closed form"]
-    doubtful = found[~found["decided"].astype(bool) & (found["variant"] == DEFAULT)]
-    told = {
+    doubtful = boundaries[~boundaries["decided"].astype(bool) & (boundaries["variant"] == DEFAULT)]
+    values = {
         **{"far": int((usual["boundary_5"] < math.inf).sum()), "scenes": len(usual), "never": within},
         **{"usual": _worded(usual), "exact": len(exact), "worst": exact.sort_values("solid_off").iloc[-1]},
         **{"quickest": times.min(), "slowest": times.max(), "median": times.median(), "timed": times.count()},
@@ -47,7 +47,7 @@ def limits_page(store: Store) -> Part:
         "law": law_part(store),
         "ring": ring_part(store),
     }
-    return TEXT("page", {"shell-limits.svg": errors(points, usual)}, **told, **parts)
+    return TEXT("page", {"shell-limits.svg": errors(points, usual)}, **values, **parts)
 
 
 @svg
@@ -112,9 +112,9 @@ def _surfaces(headline: pd.DataFrame) -> Part:
         rows(lambda row: f"{row['at_thickest']:+.2%}, {digits(row['seconds_ratio'], 2)}"),
     )
     enough = [own[(own["variant"] == name) & (own["boundary_1"] == math.inf)]["case"] for name in (DEFAULT, *counts)]
-    told = [f"{name} in {len(cases)}" for name, cases in zip(heads, enough, strict=True)]
+    counted = [f"{name} in {len(cases)}" for name, cases in zip(heads, enough, strict=True)]
     tried = [int((own["variant"] == name).sum()) for name in (DEFAULT, *counts)]
-    words = [f"{each} of {n}" for each, n in zip(told, tried, strict=True)]
+    words = [f"{each} of {n}" for each, n in zip(counted, tried, strict=True)]
     return TEXT("surfaces", enough="; ".join(words), passed=passed, thickest=thickest)
 
 
@@ -128,7 +128,7 @@ def ring_part(store: Store) -> Part:
     known = dict(store.table("ring_inputs")[["input", "value"]].to_numpy())
     outer, inner = known["outer_mm"], known["inner_mm"]
     counts = data.groupby("body", sort=False)["within"].agg(["sum", "size"]).reset_index()
-    told = {
+    values = {
         **{
             "known": known,
             "thick": thick,
@@ -138,7 +138,7 @@ def ring_part(store: Store) -> Part:
         **{"bodies": end.merge(counts, on="body"), "cancelling": _cancelling(data, thick)},
         "commands": commands(data["command"]),
     }
-    return TEXT("ring", {"experiment.svg": draw_budget(data)}, **told)
+    return TEXT("ring", {"experiment.svg": draw_budget(data)}, **values)
 
 
 def _cancelling(data: pd.DataFrame, thick: pd.Series) -> Part:

@@ -51,22 +51,22 @@ def patch_picture(store: Store) -> Part:
 
 def _budget(store: Store) -> Part:
     """Every error of the force at 20 mm, those of the mesh beside those of the model."""
-    found = store.table("tyre_budget").to_dict("records")
-    early = {row["changed"]: row for row in found if row["delta_mm"] != DELTA}
-    rows = [{**row, "early": _change(early.get(row["changed"]))} for row in _at_delta(found)]
+    budget = store.table("tyre_budget").to_dict("records")
+    early = {row["changed"]: row for row in budget if row["delta_mm"] != DELTA}
+    rows = [{**row, "early": _change(early.get(row["changed"]))} for row in _at_delta(budget)]
     other = next((f"{row['delta_mm']:g}" for row in early.values()), "")
     return TEXT("budget", delta=DELTA, other=other, rows=rows)
 
 
 def model_table(store: Store) -> Part:
     """The same of the mesh, the load, the section and the shell; nothing where the campaign does not have them."""
-    found = _at_delta(store.rows("tyre_budget").to_dict("records"))
-    return TEXT("model", delta=DELTA, rows=[row for row in found if row["part"] != "measure"])
+    budget = _at_delta(store.rows("tyre_budget").to_dict("records"))
+    return TEXT("model", delta=DELTA, rows=[row for row in budget if row["part"] != "measure"])
 
 
-def _at_delta(found: list[dict[Any, Any]]) -> list[dict[Any, Any]]:
+def _at_delta(rows: list[dict[Any, Any]]) -> list[dict[Any, Any]]:
     """The rows of the last travel, with words for what is changed and by how much that changes the force."""
-    return [{**row, "name": _name(row), "now": _change(row)} for row in found if row["delta_mm"] == DELTA]
+    return [{**row, "name": _name(row), "now": _change(row)} for row in rows if row["delta_mm"] == DELTA]
 
 
 def _name(row: Mapping[Any, Any]) -> str:
@@ -79,8 +79,8 @@ def _change(row: Mapping[Any, Any] | None) -> str:
         return NOTHING
     if row["change"] == 0.0:
         return f"± {formatted(row['within'], '.1%')}"
-    told = f"{formatted(row['change'], '+.1%')} ± {formatted(row['within'], '.1%')}"
-    return told if str(row["settled"]) == "True" else f"{told}, not settled"
+    worded = f"{formatted(row['change'], '+.1%')} ± {formatted(row['within'], '.1%')}"
+    return worded if str(row["settled"]) == "True" else f"{worded}, not settled"
 
 
 def _printed(store: Store) -> Part:
@@ -92,13 +92,13 @@ def _printed(store: Store) -> Part:
         for per_label in (HALF, LITERAL)
     )
     kinds = {kind: readings[readings["kind"] == kind] for kind in ("model", "data")}
-    told = {"rules": store.rules(), "first": first, "literal": literal, "commands": commands(readings["command"])}
-    return TEXT("printed", delta=DELTA, **told, **kinds, **_crown(cell), **_symmetry(store, cell))
+    values = {"rules": store.rules(), "first": first, "literal": literal, "commands": commands(readings["command"])}
+    return TEXT("printed", delta=DELTA, **values, **kinds, **_crown(cell), **_symmetry(store, cell))
 
 
-def _at_delta_and_best(found: pd.DataFrame) -> pd.DataFrame:
+def _at_delta_and_best(readings: pd.DataFrame) -> pd.DataFrame:
     """A row a reading: its values at the stated travel, and those of the travel of best fit as ``best_``."""
-    stated, best = (found[found[name].astype(str) == "True"] for name in ("stated", "best"))
+    stated, best = (readings[readings[name].astype(str) == "True"] for name in ("stated", "best"))
     names = {"delta_mm": "best_mm", "force_N": "best_N", "core_rms": "best_rms", "in_one_only": "best_nodes"}
     return stated.merge(best[["reading", *names]].rename(columns=names), on="reading")
 
@@ -132,7 +132,7 @@ def solid_part(store: Store) -> Part:
     forces, growth = data[data["quantity"] == "force_N"], data[data["quantity"].str.startswith("inflated")]
     order = data["body"].map({"solid": 0, "shell": 2}).fillna(1).argsort(kind="stable")  # the soft plane between them
     cells = {name: store.cell(label).result for name, label in BODIES.items()}
-    told = {
+    values = {
         "rules": store.rules(),
         "finest": forces["mesh"].iloc[-1],
         "changes": ", ".join(filled("{value:+.2%} at {at} mm", data[data["quantity"] == "penalty"])),
@@ -140,7 +140,7 @@ def solid_part(store: Store) -> Part:
         "cancellation": float(growth["cancellation"].iloc[0]),
         "commands": commands(data["command"].iloc[order]),
     }
-    return TEXT("solid", **cells, **told, forces=_both(forces), growth=_both(growth))
+    return TEXT("solid", **cells, **values, forces=_both(forces), growth=_both(growth))
 
 
 def _both(data: pd.DataFrame) -> Iterator[dict[Any, Any]]:

@@ -30,28 +30,28 @@ KEPT = ("inflated_equator_outer_mm", "force_N")
 
 def what_if_page(store: Store) -> Part:
     """The whole page."""
-    found, asked, every = (store.table(name) for name in ("what_if", "even_footprint", "every_footprint"))
-    early, late = found["delta_mm"].min(), found["delta_mm"].max()
-    meshes = list(dict.fromkeys(found["mesh"]))
-    own = found[(found["delta_mm"] == late) & (found["mesh"] == meshes[-1])]
+    derivatives, asked, every = (store.table(name) for name in ("what_if", "even_footprint", "every_footprint"))
+    early, late = derivatives["delta_mm"].min(), derivatives["delta_mm"].max()
+    meshes = list(dict.fromkeys(derivatives["mesh"]))
+    own = derivatives[(derivatives["delta_mm"] == late) & (derivatives["mesh"] == meshes[-1])]
     drawn = {"what-if.svg": tornado(own[own["quantity"].isin(DRAWN)], f"{late:g} mm")}
-    told = {"meshes": " and ".join(meshes), "early": early, "late": late, **_sums(own), **_rounded(own)}
-    told |= {"rows": list(_rates(found)), "growth": own.loc[own["quantity"] == KEPT[0], "value"].iloc[0]}
+    values = {"meshes": " and ".join(meshes), "early": early, "late": late, **_sums(own), **_rounded(own)}
+    values |= {"rows": list(_rates(derivatives)), "growth": own.loc[own["quantity"] == KEPT[0], "value"].iloc[0]}
     drawn["even-footprint.svg"] = design(every, asked)
-    return TEXT("page", drawn, **told, **_designed(asked, every), commands=commands(COMMANDS))
+    return TEXT("page", drawn, **values, **_designed(asked, every), commands=commands(COMMANDS))
 
 
-def _rates(found: pd.DataFrame) -> Iterator[dict[str, str]]:
+def _rates(derivatives: pd.DataFrame) -> Iterator[dict[str, str]]:
     """A row a setting, the strongest first: what it does on the finer mesh, and by how much that differs from the
     coarser one, by quantity and travel.
     """
     keys = ["setting", "quantity", "delta_mm"]
-    both = found.fillna({"relative": 0.0}).groupby(keys, sort=False)["relative"]
-    told = pd.DataFrame({"last": both.last(), "apart": (both.last() - both.first()).abs()})
-    late = found["delta_mm"].max()
-    order = told["last"].xs(("force_N", late), level=("quantity", "delta_mm")).abs()
+    both = derivatives.fillna({"relative": 0.0}).groupby(keys, sort=False)["relative"]
+    rates = pd.DataFrame({"last": both.last(), "apart": (both.last() - both.first()).abs()})
+    late = derivatives["delta_mm"].max()
+    order = rates["last"].xs(("force_N", late), level=("quantity", "delta_mm")).abs()
     for setting in order.sort_values(ascending=False).index:
-        own = told.loc[setting]
+        own = rates.loc[setting]
         row = {"setting": str(setting)}
         for (name, at), rate in own.iterrows():
             row[f"{name}_{'late' if at == late else 'early'}"] = f"{rate['last']:+.2f} ± {rate['apart']:.2f}"
@@ -88,9 +88,9 @@ def _designed(asked: pd.DataFrame, every: pd.DataFrame) -> dict[str, Any]:
         "angle_apart": float(np.ptp(spread["gamma_deg"])),
         "goal_apart": float(np.ptp(spread[GOAL]) / spread[GOAL].min()),
     }
-    told = {"members": len(every), "allowed": len(allowed), "best": best.to_dict(), "first": optima[0]["mesh"]}
+    values = {"members": len(every), "allowed": len(allowed), "best": best.to_dict(), "first": optima[0]["mesh"]}
     above = best[GOAL] / optima[0][GOAL] - 1
-    return {**ends, **told, **apart, "optima": optima, "above": above, "travel": asked["delta_mm"].iloc[0]} | {
+    return {**ends, **values, **apart, "optima": optima, "above": above, "travel": asked["delta_mm"].iloc[0]} | {
         "force": limits[1],
         "shrinks": -limits[0],
     }

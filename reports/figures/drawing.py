@@ -196,11 +196,11 @@ def _rounded(text: str) -> str:
 
 def with_values(figure: Figure, svg: str) -> str:
     """The SVG of a figure that was just drawn; each point of its lines and clouds has a title."""
-    found = [each for axes in figure.axes for each in _points(figure, axes)]
-    if len(found) > MOST:
-        found = [each for each in found if each[1]][:MOST]
+    points = [each for axes in figure.axes for each in _points(figure, axes)]
+    if len(points) > MOST:
+        points = [each for each in points if each[1]][:MOST]
     titles: dict[Place, str] = {}
-    for at, name, values in found:
+    for at, name, values in points:
         titles.setdefault(at, f"{name}: {values}" if name else values)
 
     def titled(use: re.Match[str]) -> str:

@@ -55,8 +55,8 @@ class Pictures:
         """The inside of a figure: the picture, named by its caption, and the caption. Raises ValueError."""
         if name not in self.plain:
             raise ValueError(f"no picture {name!r}")
-        told = f'class="{self.kinds[name]}" role="img" aria-label="{escape(words)}"'
-        svg = self._inlined(name).replace("<svg", f"<svg {told}", 1)
+        attributes = f'class="{self.kinds[name]}" role="img" aria-label="{escape(words)}"'
+        svg = self._inlined(name).replace("<svg", f"<svg {attributes}", 1)
         if name in self.twice:
             svg = f'{svg[: svg.index(">")].rstrip("/")}><use href="#{self.names[name]}"/></svg>'
         return f"{svg}<figcaption>{escape(words)}</figcaption>"
@@ -105,8 +105,8 @@ def _smaller(svg: str) -> str:
     return "\n".join(line.strip() for line in body.splitlines() if line.strip())
 
 
-def _style_of_its_own(found: re.Match[str]) -> str:
-    return found[0] if found[0].startswith("<style") and EVERYWHERE not in found[0] else ""
+def _style_of_its_own(match: re.Match[str]) -> str:
+    return match[0] if match[0].startswith("<style") and EVERYWHERE not in match[0] else ""
 
 
 def _coordinates(text: str) -> str:

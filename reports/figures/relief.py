@@ -117,10 +117,15 @@ def raster(seen: np.ndarray, quads: np.ndarray, values: np.ndarray, window: Wind
     inside = (x >= 0) & (x < shape[1]) & (y >= 0) & (y < shape[0])
     order = np.flatnonzero(inside)[np.argsort(depth[inside], kind="stable")]
     where = y[order].astype(np.intp) * shape[1] + x[order].astype(np.intp)
-    found = Raster(np.full(shape, -np.inf), np.zeros(shape), np.zeros(shape), np.zeros(shape, bool))
-    for layer, each in ((found.depth, depth), (found.value, value), (found.light, light), (found.line, line * lined)):
+    layers = Raster(np.full(shape, -np.inf), np.zeros(shape), np.zeros(shape), np.zeros(shape, bool))
+    for layer, each in (
+        (layers.depth, depth),
+        (layers.value, value),
+        (layers.light, light),
+        (layers.line, line * lined),
+    ):
         layer.ravel()[where] = each[order]
-    return found
+    return layers
 
 
 def _samples(at: np.ndarray, lights: np.ndarray, along: np.ndarray, across: np.ndarray, n: int, m: int) -> np.ndarray:
@@ -140,10 +145,10 @@ def _normals(seen: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.asarray(normals / np.where(length > 0, length, 1.0)[:, None])
 
 
-def webp(found: Raster, colours: np.ndarray) -> str:
+def webp(layers: Raster, colours: np.ndarray) -> str:
     """The picture as base64 of a lossless WebP with few colours, clear where nothing is; colours (..., 3) of points."""
-    there = np.isfinite(found.depth)
-    lit = colours * (found.light * np.where(found.line, 1 - LINE_SHADE, 1.0))[..., None]
+    there = np.isfinite(layers.depth)
+    lit = colours * (layers.light * np.where(layers.line, 1 - LINE_SHADE, 1.0))[..., None]
     lit = np.where(there[..., None], lit, 1.0)
     height, width = (n // FINER for n in there.shape)
     mean = lit.reshape(height, FINER, width, FINER, 3).mean(axis=(1, 3))

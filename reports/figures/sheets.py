@@ -71,11 +71,11 @@ def _at_rest(body: Body, marks: pd.DataFrame, at: tuple[int, int]) -> Iterator[s
     seen = view.of_points(body.rest)
     planes = [corners_of(n, float((body.rest @ n).max()) + 0.04 * body.size, body.rest) for n in _normals(marks)]
     window = Window.around(np.concatenate([seen, *map(view.of_points, planes)]), WIDE, HIGH, margin=0.13)
-    found = raster(seen, body.quads, np.zeros(len(seen)), window)
+    layers = raster(seen, body.quads, np.zeros(len(seen)), window)
     yield text("At rest: supports and loads", at[0] + 4, 16, 13)
     yield f'<g transform="translate({at[0]} {at[1]})">'
     yield from (plane(each, view, window) for each in planes)
-    yield image(webp(found, np.full((*found.value.shape, 3), GREY)), WIDE, HIGH)
+    yield image(webp(layers, np.full((*layers.value.shape, 3), GREY)), WIDE, HIGH)
     yield from symbols(marks, view, window)
     yield "</g>"
     yield from axes(view, (at[0] + 34, at[1] + HIGH - 30))
@@ -90,14 +90,14 @@ def _deformed(body: Body, marks: pd.DataFrame, at: tuple[int, int]) -> Iterator[
     seen, before = view.of_points(moved), view.of_points(body.rest)
     planes = [corners_of(n, float((moved @ n).max()), body.rest) for n in _normals(marks)]
     window = Window.around(np.concatenate([seen, before, *map(view.of_points, planes)]), WIDE, HIGH)
-    found = raster(seen, body.quads, body.moved, window)
+    layers = raster(seen, body.quads, body.moved, window)
     largest = float(body.moved.max())
-    told = "" if factor == 1 else f", motion magnified {factor:g} times"
-    yield text(f"Deformed{told}; at rest dashed", at[0] + 4, 16, 13)
+    factor_text = "" if factor == 1 else f", motion magnified {factor:g} times"
+    yield text(f"Deformed{factor_text}; at rest dashed", at[0] + 4, 16, 13)
     yield f'<g transform="translate({at[0]} {at[1]})">'
     yield from (plane(each, view, window) for each in planes)
     yield dashed(before, body.quads, window)
-    yield image(webp(found, palette(found.value, 0.0, largest)), WIDE, HIGH)
+    yield image(webp(layers, palette(layers.value, 0.0, largest)), WIDE, HIGH)
     yield "</g>"
     yield from bar("displacement |u| [mm]", largest, (at[0] + 40, at[1] + HIGH + 10))
 
@@ -147,10 +147,10 @@ def filmstrip(bodies: Sequence[tuple[str, Body]]) -> str:
     parts = []
     for number, ((words, body), points) in enumerate(zip(bodies, seen, strict=True)):
         x, y = width * (number % columns), 20 + (height + 24) * (number // columns)
-        found = raster(points, body.quads, body.pressure, window)
-        colours = palette(found.value, 0.0, largest)
-        colours[found.value <= 0] = GREY
-        parts += [text(words, x + width / 2, y, 13, "middle"), image(webp(found, colours), width, height, (x, y + 4))]
+        layers = raster(points, body.quads, body.pressure, window)
+        colours = palette(layers.value, 0.0, largest)
+        colours[layers.value <= 0] = GREY
+        parts += [text(words, x + width / 2, y, 13, "middle"), image(webp(layers, colours), width, height, (x, y + 4))]
     rows = -(-len(bodies) // columns)
     foot = 20 + rows * (height + 24)
     parts += bar("contact pressure [MPa]; grey: none", largest, (40, foot))
@@ -165,10 +165,10 @@ def thumbnails(bodies: Sequence[tuple[str, Body]]) -> str:
     for number, (scene, body) in enumerate(bodies):
         x, y = width * (number % columns), (height + 26) * (number // columns)
         seen = body.view.of_points(body.rest + body.magnified * body.u)
-        found = raster(seen, body.quads, body.moved, Window.around(seen, width, height, margin=0.08))
-        colours = palette(found.value, 0.0, float(body.moved.max()))
+        layers = raster(seen, body.quads, body.moved, Window.around(seen, width, height, margin=0.08))
+        colours = palette(layers.value, 0.0, float(body.moved.max()))
         parts += [
-            image(webp(found, colours), width, height, (x, y)),
+            image(webp(layers, colours), width, height, (x, y)),
             text(scene, x + width / 2, y + height + 14, 12, "middle"),
         ]
     return svg(columns * width, (height + 26) * -(-len(bodies) // columns), parts)

@@ -117,8 +117,8 @@ def pressure_map(pressures: pd.DataFrame, developed: Developed) -> Figure:
 
 def _span(wanted: np.ndarray) -> slice:
     """From the one before the first to the one behind the last; all where there is none."""
-    found = np.flatnonzero(wanted)
-    return slice(max(found[0] - 1, 0), found[-1] + 2) if len(found) else slice(None)
+    places = np.flatnonzero(wanted)
+    return slice(max(places[0] - 1, 0), places[-1] + 2) if len(places) else slice(None)
 
 
 def _around_the_patch(axes: Axes, inside: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
@@ -190,7 +190,7 @@ def pressure_along_psi(title: str, curves: Mapping[str, pd.Series]) -> Figure:
 def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequence[bool]) -> Figure:
     """Force over travel about the first limit point, on the way there and behind it; the limit points are marked."""
     figure, (axes,) = canvas()
-    first = next(i for i, found in enumerate(limit) if found)
+    first = next(i for i, turns in enumerate(limit) if turns)
     behind = deltas[first] - min(deltas[first:])
     axes.plot(deltas, forces, marker="o", markersize=3)
     marked = np.flatnonzero(limit)

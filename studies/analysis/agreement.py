@@ -25,10 +25,10 @@ def solves(answers: Answers) -> pd.DataFrame:
     asked for.  reference: it is that solve by semismooth.  off: the largest relative difference of a force from it;
     nodes: the most that are in contact in only one of the two; NaN where a travel is missing.
     """
-    found = answers.those(agreement())
-    usual = {(*_case(each), each.record["contact"]): each for each in reversed(found)}
+    solved = answers.those(agreement())
+    usual = {(*_case(each), each.record["contact"]): each for each in reversed(solved)}
     rows = []
-    for each in found:
+    for each in solved:
         reference = answers.get(" ".join(["agreement", DEFAULT, *_case(each), "exact"]))
         if reference is None:
             continue

@@ -78,8 +78,8 @@ def _further(cells: Sequence[dict[Any, Any]], names: Sequence[str]) -> Iterator[
 
 def _apart(one: dict[Any, Any], other: dict[Any, Any], names: Sequence[str]) -> tuple[float, str]:
     """The largest difference of what both have, over the largest value in its unit, and its name."""
-    found = {name: (float(one[f"q.{name}"]), float(other[f"q.{name}"])) for name in names}
-    both = {name: pair for name, pair in found.items() if not any(map(math.isnan, pair))}
+    pairs = {name: (float(one[f"q.{name}"]), float(other[f"q.{name}"])) for name in names}
+    both = {name: pair for name, pair in pairs.items() if not any(map(math.isnan, pair))}
     size: dict[str, float] = {}
     for name, pair in both.items():
         size[unit_of(name)] = max(size.get(unit_of(name), 0.0), *map(abs, pair))

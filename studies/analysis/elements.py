@@ -72,22 +72,22 @@ def thickness_share(answers: Answers, sequences: pd.DataFrame, errors: pd.DataFr
         half, default = meshes_of(ladder)
         finer: dict[str, Answer] = {}
         for mesh, coarse in ((default, False), (half, True)):
-            found, at = dict(_answers(answers, ladder, mesh)), read_at(ladder)
-            off = {share: each.value(ladder.quantities[0], **at) / known - 1 for share, each in found.items()}
+            by_share, at = dict(_answers(answers, ladder, mesh)), read_at(ladder)
+            off = {share: each.value(ladder.quantities[0], **at) / known - 1 for share, each in by_share.items()}
             near = nearest(off, within)
-            for share, each in found.items():
+            for share, each in by_share.items():
                 sure = confirmed(each.record, finer[share].record) if share in finer else None
                 of = {"ladder": ladder.name, "share": share, "coarse": coarse}
                 rows.append(of | {"nearest": share in near, "confirmed": sure})
-            finer = found
+            finer = by_share
     return pd.DataFrame(rows, columns=list(SHARE_COLUMNS))
 
 
 def _answers(answers: Answers, ladder: Ladder, mesh: str) -> Iterator[tuple[str, Answer]]:
     for share in THICKNESS_STRAINS:
-        found = answers.get(SHARE_LABEL.format(ladder=ladder.name, mesh=mesh, share=share))
-        if found is not None:
-            yield share, found
+        answer = answers.get(SHARE_LABEL.format(ladder=ladder.name, mesh=mesh, share=share))
+        if answer is not None:
+            yield share, answer
 
 
 def limit_of(ladder: Ladder, sequences: pd.DataFrame, errors: pd.DataFrame) -> tuple[float, float]:

@@ -88,10 +88,10 @@ def rules() -> dict[str, float]:
 
 def fitted(tables: Tables) -> dict[str, pd.DataFrame]:
     """What is fitted to the tables of experiments that are there."""
-    found = {name: (tables(source), fit) for name, (source, fit) in DECLARED["fitted"].items()}
-    made = {name: resolve_name(fit)(table) for name, (table, fit) in found.items() if table is not None}
-    families = {name: (tables(f"friction_{name}"), told) for name, told in DECLARED["friction_orders"].items()}
-    if each := [orders(name, table, **told) for name, (table, told) in families.items() if table is not None]:
+    sources = {name: (tables(source), fit) for name, (source, fit) in DECLARED["fitted"].items()}
+    made = {name: resolve_name(fit)(table) for name, (table, fit) in sources.items() if table is not None}
+    families = {name: (tables(f"friction_{name}"), options) for name, options in DECLARED["friction_orders"].items()}
+    if each := [orders(name, table, **options) for name, (table, options) in families.items() if table is not None]:
         made["friction_orders"] = pd.concat(each, ignore_index=True)
     return made
 

@@ -86,9 +86,9 @@ class Evidence:
         """A table that is of this campaign, or of none; None where it is missing or empty."""
         if name not in self._read:
             path = self.store / "tables" / f"{name}.csv"
-            found = pd.read_csv(path) if path.exists() and path.stat().st_size > 1 else pd.DataFrame()
-            own = "campaign" not in found or bool((found["campaign"] == self.campaign).all())
-            self._read[name] = found if own and len(found) else None
+            rows = pd.read_csv(path) if path.exists() and path.stat().st_size > 1 else pd.DataFrame()
+            own = "campaign" not in rows or bool((rows["campaign"] == self.campaign).all())
+            self._read[name] = rows if own and len(rows) else None
         return self._read[name]
 
     def get(self, name: str) -> Any:
@@ -98,8 +98,8 @@ class Evidence:
 
 def given_to(function: Callable[..., Any], tables: Callable[[str], Any]) -> dict[str, Any] | None:
     """What a function asks for: its parameters are the names of the tables it reads. None where one is missing."""
-    found = {name: tables(name) for name in signature(function).parameters}
-    return found if all(value is not None for value in found.values()) else None
+    arguments = {name: tables(name) for name in signature(function).parameters}
+    return arguments if all(value is not None for value in arguments.values()) else None
 
 
 def read_declarations(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -139,10 +139,10 @@ def _rows(
 ) -> pd.DataFrame:
     """The rows that a declaration is of, or of these those that it asks for."""
     if "from" in declaration:
-        found = tables(declaration["from"])
-        if found is None:
+        table = tables(declaration["from"])
+        if table is None:
             raise NothingError(f"no table {declaration['from']}")
-        rows = found
+        rows = table
     for name, expression in declaration.get("columns", {}).items():
         rows = rows.assign(**{name: _column(rows, expression)})
     queries = declaration.get("where") or ()
@@ -160,16 +160,16 @@ def _value(declared: Any, rows: pd.DataFrame, tables: Tables, values: Mapping[st
         return float(declared)
     if declared.startswith("= "):
         return evaluated(declared[2:], values)
-    found = VALUE.fullmatch(declared)
-    assert found is not None, declared
-    asked = {"where": found["where"], **({"from": found["table"]} if found["table"] else {})}
+    match = VALUE.fullmatch(declared)
+    assert match is not None, declared
+    asked = {"where": match["where"], **({"from": match["table"]} if match["table"] else {})}
     rows = _rows(asked, rows, tables, values)
-    take = COUNTS.get(found["take"])
+    take = COUNTS.get(match["take"])
     if take is None:
-        take = AGGREGATES[found["take"]]
+        take = AGGREGATES[match["take"]]
         if rows.empty:
             raise NothingError(declared)
-    taken: Any = _column(rows, found["of"]) if found["of"] else rows
+    taken: Any = _column(rows, match["of"]) if match["of"] else rows
     return take(taken)
 
 
@@ -197,14 +197,16 @@ def _numbered(
     """The values of each row, or of each group of rows, and under _name their texts, joined."""
     rows = _rows(declared, rows, tables, values)
     groups = rows.groupby(declared["by"] if "by" in declared else np.arange(len(rows)), sort=False)
-    found: dict[str, Value] = {}
+    declared_values: dict[str, Value] = {}
     texts = []
     for n, (_, own) in enumerate(groups):
         number = own[declared["number"]].iloc[0] if "number" in declared else n
         number = number if isinstance(number, str) else f"{number:g}"
-        found |= {key.replace("#", number): _value(each, own, tables, values) for key, each in declared["each"].items()}
+        declared_values |= {
+            key.replace("#", number): _value(each, own, tables, values) for key, each in declared["each"].items()
+        }
         texts.append(declared["text"].replace("#", number))
-    return {**found, f"_{name}": _joined(texts, declared)}
+    return {**declared_values, f"_{name}": _joined(texts, declared)}
 
 
 def _joined(words: list[str], declared: Mapping[str, Any]) -> str:

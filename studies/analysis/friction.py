@@ -58,8 +58,8 @@ def _command(mu: float, key: str, stops: np.ndarray) -> str:
     """What solves the path of a coefficient."""
     way = ["drag_deg=90"] if key == "drag_mm" else []
     settings = [f"delta_mm={DELTA:g}", f"mu={mu:g}", f"{key}={','.join(f'{at:g}' for at in stops)}", *way]
-    told = " ".join(f"--set {each}" for each in settings)
-    return f"footprint solve tyre --model full --mesh {MESH} {told} --out DIR"
+    options = " ".join(f"--set {each}" for each in settings)
+    return f"footprint solve tyre --model full --mesh {MESH} {options} --out DIR"
 
 
 def _from(at: np.ndarray, holds: np.ndarray) -> float:

@@ -67,8 +67,8 @@ class Rungs:
     @property
     def sequence(self) -> MeshSequence:
         """Its values, NaN where a mesh was not solved."""
-        found = (math.nan if answer is None else answer.value(self.quantity, **self.at) for answer in self.answers)
-        return MeshSequence(self.sizes, tuple(found))
+        values = (math.nan if answer is None else answer.value(self.quantity, **self.at) for answer in self.answers)
+        return MeshSequence(self.sizes, tuple(values))
 
     @property
     def references(self) -> list[Reference]:
@@ -119,31 +119,31 @@ def _of_ladder(
     meshes, labels = tuple(of), tuple(of.values())
     if not any(label in answers.planned for label in labels):
         return
-    found = tuple(map(answers.get, labels))
+    solved = tuple(map(answers.get, labels))
     sizes = tuple(1 / int(mesh.split("x")[0]) for mesh in meshes)
     for quantity in ladder.quantities:
         cause = ladder.causes.get(quantity, "")
         for at in loads:
-            yield Rungs(ladder.name, ladder.family, element, quantity, at, meshes, labels, found, sizes, cause)
+            yield Rungs(ladder.name, ladder.family, element, quantity, at, meshes, labels, solved, sizes, cause)
 
 
 def _others(answers: Answers, table: pd.DataFrame) -> Iterator[Rungs]:
     """All requests that have converged on three meshes or more: their quantities with references, else the first."""
     for group in ladders(table):
         labels, sizes = tuple(group["label"]), tuple(group["size"].astype(float))
-        found = tuple(map(answers.get, labels))
-        assert found[-1] is not None
+        solved = tuple(map(answers.get, labels))
+        assert solved[-1] is not None
         every = [
-            Rungs("", "", "", quantity, {}, tuple(group["mesh"]), labels, found, sizes)
-            for quantity in found[-1].record["quantities"]
+            Rungs("", "", "", quantity, {}, tuple(group["mesh"]), labels, solved, sizes)
+            for quantity in solved[-1].record["quantities"]
         ]
         yield from [rungs for rungs in every if rungs.references] or every[:1]
 
 
 def _rows(i: int, rungs: Rungs, sequence: MeshSequence) -> Iterator[list[object]]:
     orders = (math.nan, math.nan, *sequence.orders)
-    found = rungs.finest
-    who = ["", ""] if found is None else [found.record[key] for key in ("scene", "measure")]
+    finest = rungs.finest
+    who = ["", ""] if finest is None else [finest.record[key] for key in ("scene", "measure")]
     at = ",".join(f"{key}={value:g}" for key, value in rungs.at.items())
     verdict = [sequence.verdict, sequence.asymptotic, rungs.cause, sequence.limit, sequence.uncertainty]
     for j, (mesh, answer) in enumerate(zip(rungs.meshes, rungs.answers, strict=True)):

@@ -81,8 +81,8 @@ def states(table: pd.DataFrame, axis: str) -> pd.DataFrame:
     if rows.empty:
         return pd.DataFrame(columns=list(COLUMNS))
     texts = rows.reindex(columns=["outcome", "path_end", "reason"]).astype(object).fillna("")
-    found = [_state(*each) for each in texts.to_numpy().tolist()]
-    rows = _passed(rows.assign(state=[state for state, _ in found], cause=[cause for _, cause in found]))
+    judged = [_state(*each) for each in texts.to_numpy().tolist()]
+    rows = _passed(rows.assign(state=[state for state, _ in judged], cause=[cause for _, cause in judged]))
     costs = rows.reindex(columns=list(PRICES.values())).set_axis(list(PRICES), axis=1).astype(float)
     rows = rows.drop(columns=[name for name in costs if name in rows]).join(costs)
     best = rows.assign(order=rows["state"].map(STATES.index)).sort_values("order", kind="stable")
@@ -140,24 +140,24 @@ def contact_summary(table: pd.DataFrame) -> pd.DataFrame:
     causes: of failures, with the scenes.  refusals: why it was not tried.
     """
     rows: list[tuple[object, ...]] = []
-    found = states(table, "contact")
-    for name, own in found.groupby("name", sort=False):
+    judged = states(table, "contact")
+    for name, own in judged.groupby("name", sort=False):
         lost = own[own["state"] == FAILED]
         causes = counted(lost["cause"] + " in " + lost["scene"])
         refusals = counted(own.loc[own["state"] == REFUSED, "cause"])
         said = (own["scene"].nunique(), *totals(own), causes, refusals, DEFAULT)
-        rows.append((name, *said, *ratios(found, str(name), DEFAULT)))
+        rows.append((name, *said, *ratios(judged, str(name), DEFAULT)))
     summary = pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
     return summary.sort_values(["solved_share", "seconds_ratio"], ascending=[False, True], ignore_index=True)
 
 
-def ratios(found: pd.DataFrame, name: str, base: str) -> list[float]:
+def ratios(judged: pd.DataFrame, name: str, base: str) -> list[float]:
     """RATIO_COLUMNS of ``name`` over ``base``; NaN for what rests on fewer than FEWEST problems, or on one scene.
 
     both: problems that both solve, of both_scenes scenes.  found: of states.  The intervals are those of drawing
     scenes, whose problems are alike.
     """
-    solved = found[found["state"] == SOLVED_STATE].set_index(["scene", "problem"])
+    solved = judged[judged["state"] == SOLVED_STATE].set_index(["scene", "problem"])
     own, other = (solved.loc[solved["name"] == each, list(PRICES)] for each in (name, base))
     pair = own.join(other.add_suffix(".base"), how="inner")
     scenes = pair.index.get_level_values("scene").to_numpy()

@@ -147,11 +147,11 @@ def orders(data: pd.DataFrame, case: Sequence[str], errors: Sequence[str]) -> pd
     rows = []
     for key, group in data.groupby(list(case), sort=False, dropna=False):
         own = group.sort_values("n")
-        found = {name: _slopes(own["n"].to_numpy(float), own[name].to_numpy(float)) for name in errors}
-        last = {name.replace("error_", "order_"): slopes[-1] for name, slopes in found.items()}
+        slopes_of = {name: _slopes(own["n"].to_numpy(float), own[name].to_numpy(float)) for name in errors}
+        last = {name.replace("error_", "order_"): slopes[-1] for name, slopes in slopes_of.items()}
         changes = {
             name.replace("error_", "change_"): slopes[-1] - slopes[-2] if len(slopes) > 1 else np.nan
-            for name, slopes in found.items()
+            for name, slopes in slopes_of.items()
         }
         finest = {name: float(own[name].iloc[-1]) for name in errors}
         rows.append(dict(zip(case, key, strict=True)) | last | changes | finest | {"n": own["n"].iloc[-1]})
@@ -169,12 +169,12 @@ def manufactured_orders(data: pd.DataFrame) -> pd.DataFrame:
     coarse: whether the order of the means is more than BELOW below the theory; rising: and has risen.
     """
     named = data.assign(settings=data["settings"].astype(object).where(data["settings"].notna(), ""))
-    found = orders(named, CASE, tuple(THEORY))
+    fitted = orders(named, CASE, tuple(THEORY))
     solved = [bool(own["class"].isin(SOLVED).all()) for _, own in named.groupby(list(CASE), sort=False)]
-    off = (found["order_displacement"] - THEORY["error_displacement"]).abs()
-    coarse = found["order_mean_resultants"] < THEORY[MEANS] - BELOW
-    rising = coarse & (found["change_mean_resultants"] > 0)
-    return found.assign(near=(off <= NEAR) & pd.Series(solved), coarse=coarse, rising=rising)
+    off = (fitted["order_displacement"] - THEORY["error_displacement"]).abs()
+    coarse = fitted["order_mean_resultants"] < THEORY[MEANS] - BELOW
+    rising = coarse & (fitted["change_mean_resultants"] > 0)
+    return fitted.assign(near=(off <= NEAR) & pd.Series(solved), coarse=coarse, rising=rising)
 
 
 def distortion_orders(data: pd.DataFrame) -> pd.DataFrame:
@@ -182,9 +182,9 @@ def distortion_orders(data: pd.DataFrame) -> pd.DataFrame:
 
     times: error of the displacement on the finest mesh over that of the same mesh whose nodes stay.
     """
-    found = orders(data, ("measure", "distortion", "amount"), tuple(THEORY))
-    still = found[found["amount"] == 0].set_index("measure")["error_displacement"]
-    return found.assign(times=found["error_displacement"] / found["measure"].map(still))
+    fitted = orders(data, ("measure", "distortion", "amount"), tuple(THEORY))
+    still = fitted[fitted["amount"] == 0].set_index("measure")["error_displacement"]
+    return fitted.assign(times=fitted["error_displacement"] / fitted["measure"].map(still))
 
 
 def contact_orders(data: pd.DataFrame) -> pd.DataFrame:
@@ -195,10 +195,10 @@ def contact_orders(data: pd.DataFrame) -> pd.DataFrame:
     the size of the finest elements.
     """
     case = ["measure", "surface", "radius"]
-    found = orders(data, case, tuple(THEORY))
+    fitted = orders(data, case, tuple(THEORY))
     groups = [own.sort_values("n") for _, own in data.groupby(case, sort=False)]
     for name in ("error_displacement", "error_pressure", "error_edge"):
         slopes = [-power_of(own["n"], own[name]) for own in groups]
         finest = [float(own[name].iloc[-1]) for own in groups]
-        found = found.assign(**{name.replace("error_", "order_"): slopes, name: finest})
-    return found.assign(edge_elements=found["error_edge"] * found["radius"] * found["n"] / 2)
+        fitted = fitted.assign(**{name.replace("error_", "order_"): slopes, name: finest})
+    return fitted.assign(edge_elements=fitted["error_edge"] * fitted["radius"] * fitted["n"] / 2)

@@ -95,8 +95,8 @@ def tyre_readings(answers: Answers) -> pd.DataFrame:
         for delta, own in pressure_maps(answer).items():
             beside = beside_printed(answer, delta, HALF, on_printed_nodes(own, printed, HALF), printed)
             rows.append({**named, **beside, "stated": delta == DELTA})
-    found = pd.DataFrame(rows, columns=list(READING_COLUMNS))
-    return found.assign(best=found.index.isin(found.groupby("label", sort=False)["core_rms"].idxmin()))
+    readings = pd.DataFrame(rows, columns=list(READING_COLUMNS))
+    return readings.assign(best=readings.index.isin(readings.groupby("label", sort=False)["core_rms"].idxmin()))
 
 
 def words(label: str) -> tuple[str, str]:
@@ -124,8 +124,8 @@ def beside_printed(
 ) -> dict[str, Any]:
     """A reading at a travel: what ``compare`` finds, the force of the plane, and the sum of the printed pressures."""
     printed_sum = force(printed, per_label, answer.settings)
-    found = {"delta_mm": delta, "phi_per_label": per_label, **compare(own, printed), "printed_sum_N": printed_sum}
-    return {**found, "force_N": answer.value("force_N", delta_mm=delta)}
+    row = {"delta_mm": delta, "phi_per_label": per_label, **compare(own, printed), "printed_sum_N": printed_sum}
+    return {**row, "force_N": answer.value("force_N", delta_mm=delta)}
 
 
 def printed_map() -> pd.DataFrame:

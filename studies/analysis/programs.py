@@ -28,12 +28,12 @@ def peer_factors(table: pd.DataFrame) -> pd.DataFrame:
         {**dict(zip(("problem", "program", "family"), key, strict=True)), **_line(own)}
         for key, own in table.groupby(["problem", "program", "family"], sort=False)
     ]
-    found = pd.DataFrame(rows)
-    ours = found[found["program"] == OURS].sort_values("seconds", kind="stable").drop_duplicates("problem")
-    cheapest = ours.dropna(subset="seconds").set_index("problem").reindex(found["problem"]).set_axis(found.index)
-    factors = {"factor": found["seconds"] / cheapest["seconds"], "bare": found["seconds"] / cheapest["factorisation"]}
-    told = found.assign(**factors, apart=found["value"] / cheapest["value"] - 1)
-    return told.drop(columns=["value", "factorisation"])
+    peers = pd.DataFrame(rows)
+    ours = peers[peers["program"] == OURS].sort_values("seconds", kind="stable").drop_duplicates("problem")
+    cheapest = ours.dropna(subset="seconds").set_index("problem").reindex(peers["problem"]).set_axis(peers.index)
+    factors = {"factor": peers["seconds"] / cheapest["seconds"], "bare": peers["seconds"] / cheapest["factorisation"]}
+    factored = peers.assign(**factors, apart=peers["value"] / cheapest["value"] - 1)
+    return factored.drop(columns=["value", "factorisation"])
 
 
 def _line(own: pd.DataFrame) -> dict[str, object]:

@@ -37,8 +37,8 @@ def tyre_budget(answers: Answers, tables: Tables, solid_shell: pd.DataFrame) -> 
     rests_on: in words, what the change is read from.
     """
     rows = [*_meshes(answers, tables), *_measures(tables), *_changed(answers), *_solid(solid_shell)]
-    found = pd.DataFrame(rows, columns=["part", "changed", "delta_mm", "change", "within", "rests_on"])
-    return found.assign(settled=found["change"].abs() > found["within"])[list(BUDGET_COLUMNS)]
+    budget = pd.DataFrame(rows, columns=["part", "changed", "delta_mm", "change", "within", "rests_on"])
+    return budget.assign(settled=budget["change"].abs() > budget["within"])[list(BUDGET_COLUMNS)]
 
 
 def _meshes(answers: Answers, tables: Tables) -> Iterator[tuple[object, ...]]:
@@ -118,7 +118,7 @@ def solid_shell(answers: Answers) -> pd.DataFrame:
     the change of the force [-] by a soft plane.
     """
     bodies = {name: answers.those(cells) for name, cells in BODIES.items()}
-    if any(len(found) < len(BODIES[name]) for name, found in bodies.items()):
+    if any(len(solved) < len(BODIES[name]) for name, solved in bodies.items()):
         return pd.DataFrame(columns=list(SOLID_COLUMNS))
     printed = read_reference(FILE)
     rows: list[dict[str, Any]] = []
@@ -132,8 +132,8 @@ def solid_shell(answers: Answers) -> pd.DataFrame:
         hard = next(each for each in bodies["solid"] if each.record["mesh"] == soft.record["mesh"])
         for step in soft.steps:
             change = step["force_N"] / hard.value("force_N", delta_mm=step["delta_mm"]) - 1
-            told = {"at": f"{step['delta_mm']:g}", "value": change, "command": soft.command}
-            rows.append({"quantity": "penalty", **told})
+            about = {"at": f"{step['delta_mm']:g}", "value": change, "command": soft.command}
+            rows.append({"quantity": "penalty", **about})
     return pd.DataFrame(rows, columns=list(SOLID_COLUMNS))
 
 
@@ -182,10 +182,10 @@ def tyre_models(answers: Answers) -> pd.DataFrame:
 
     pressure_off: infinite for another contact set; NaN where DELTA was not reached.
     """
-    found = answers.those(MODELS)
-    wholes = {_plies(each): each for each in found if each.record["model"] == "full"}
+    models = answers.those(MODELS)
+    wholes = {_plies(each): each for each in models if each.record["model"] == "full"}
     rows: list[list[object]] = []
-    for each in found:
+    for each in models:
         if (whole := wholes.get(_plies(each))) is None:
             continue
         off = differences(each, whole)
@@ -225,9 +225,9 @@ def grids_reaching(grids: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for within in WITHIN:
         for element, own in grids.groupby("element", sort=False):
-            found = {str(family): reaching(each, within) for family, each in own.groupby("family", sort=False)}
-            uniform = found.get("uniform")
-            for family, grid in found.items():
+            families = {str(family): reaching(each, within) for family, each in own.groupby("family", sort=False)}
+            uniform = families.get("uniform")
+            for family, grid in families.items():
                 row = {} if grid is None else grid.to_dict()
                 if grid is not None and uniform is not None:
                     row["share"] = grid["unknowns"] / uniform["unknowns"]

@@ -97,11 +97,11 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     scale = wanted.abs().fillna(own["limit"].abs()).fillna(rows["value"].abs())
     scale = scale.where(scale > 0)
     off, within = (tight["limit"] - wanted).abs() / scale, uncertainty + tight["limit_uncertainty"] / scale
-    found = rows.assign(
+    checked = rows.assign(
         **{"against": words, "uncertainty": uncertainty, "error": (rows["value"] - wanted).abs() / scale},
         formulation_error=off.where(~(off <= within), 0.0),
     )
-    return found[list(COLUMNS)]
+    return checked[list(COLUMNS)]
 
 
 def _claims(table: pd.DataFrame) -> pd.DataFrame:
@@ -142,6 +142,6 @@ def limits(table: pd.DataFrame) -> pd.DataFrame:
         for name in names[last["scene"]]:
             values = rungs[f"q.{name}"].astype(float).tolist()
             if not np.isnan(values).any():
-                found = limit_of(rungs["size"].tolist(), values)
-                rows.append((*asked, name, *who, found.value, found.uncertainty))
+                limit = limit_of(rungs["size"].tolist(), values)
+                rows.append((*asked, name, *who, limit.value, limit.uncertainty))
     return pd.DataFrame(rows, columns=[*LIMIT_NAMES, *LIMIT_NUMBERS]).astype(dict.fromkeys(LIMIT_NUMBERS, float))

@@ -77,10 +77,10 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
     """
     rows = list[dict[str, Any]]()
     for ask in shipped_asks() if asks is None else asks:
-        for found in _found(ask, errors):
+        for choice in _found(ask, errors):
             settings = " ".join(f"{key}={text_of(value)}" for key, value in ask.settings.items())
-            head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": found.quantity}
-            rows += [{**head, "asked": found.question.error, **row} for row in _rows(found)]
+            head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": choice.quantity}
+            rows += [{**head, "asked": choice.question.error, **row} for row in _rows(choice)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -121,13 +121,13 @@ def measure_limits(table: pd.DataFrame) -> pd.DataFrame:
     return first.assign(coarse=(finest < COARSE * most).to_numpy()).sort_index().drop(columns="lost")
 
 
-def _rows(found: Choice) -> Iterator[dict[str, Any]]:
-    if not found.offers:
-        yield {"row": OFFER, "said": found.reason}
-    yield from ({"row": OFFER, **_offer(offer)} for offer in found.offers[:OFFERS])
-    for kind, each in chain(product((VARIANT,), found.variants), product((GRID,), found.grids)):
+def _rows(choice: Choice) -> Iterator[dict[str, Any]]:
+    if not choice.offers:
+        yield {"row": OFFER, "said": choice.reason}
+    yield from ({"row": OFFER, **_offer(offer)} for offer in choice.offers[:OFFERS])
+    for kind, each in chain(product((VARIANT,), choice.variants), product((GRID,), choice.grids)):
         yield {"row": kind, **each, "seconds": each["path_seconds"]}
-    for each in found.trials:
+    for each in choice.trials:
         names = {"contact": each["name"], "iterations": each["newton_iterations"], "verdict": each["ended"]}
         yield {"row": ALGORITHM, "axis": ALGORITHM, **each, **names}
 

@@ -254,8 +254,8 @@ def _manufactured(measure: StrainMeasure, element: Element) -> Iterator[Check]:
     """Under the loads of a given motion the error of the displacement falls with the second order; a measure of the
     catalogue has the coefficients that it states. Any other is taken at its own word for its strains.
     """
-    found = [manufactured_error(measure, element, n) for n in FEW]
-    order = math.log(found[0] / found[1]) / math.log(FEW[1] / FEW[0])
+    errors = [manufactured_error(measure, element, n) for n in FEW]
+    order = math.log(errors[0] / errors[1]) / math.log(FEW[1] / FEW[0])
     yield Check("error of a manufactured solution falls with the order", order, *SECOND)
     if isinstance(measure, QuadraticMeasure) and measure.name in STATEMENTS:
         wrong = wrong_coefficients(measure, STATEMENTS[measure.name])

@@ -80,8 +80,8 @@ def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPS
         for epsilon in (*epsilons, np.inf):
             for form in FORMS if np.isfinite(epsilon) else FORMS[:1]:
                 solve = _solved if form == "multiplier" else by_displacements
-                found = solve(problem, start, epsilon)
-                numbers = _measured(problem, exact, found, form, epsilon)
+                solution = solve(problem, start, epsilon)
+                numbers = _measured(problem, exact, solution, form, epsilon)
                 row = {"case": case.label, "form": form, "epsilon": epsilon} | numbers
                 yield row | {"mesh": case.options["mesh"], "command": command(case, epsilon)}
 
@@ -163,18 +163,18 @@ def condition(A: sparse.csc_matrix) -> float:
 
 
 def _measured(
-    problem: ContactProblem, exact: ContactSolution, found: ContactSolution, form: str, epsilon: float
+    problem: ContactProblem, exact: ContactSolution, solution: ContactSolution, form: str, epsilon: float
 ) -> Row:
-    lin, of_matrix = problem.linearise(found.u, None), np.nan
+    lin, of_matrix = problem.linearise(solution.u, None), np.nan
     if form == "displacement":
-        of_matrix = condition(penalised(problem, lin, found.u, found.active, epsilon))
+        of_matrix = condition(penalised(problem, lin, solution.u, solution.active, epsilon))
     elif np.isinf(epsilon):
-        of_matrix = condition(saddle(problem, lin, found.u, found.active))
-    force, wanted = (float(problem.nodal_forces(state.pressure).sum()) for state in (found, exact))
+        of_matrix = condition(saddle(problem, lin, solution.u, solution.active))
+    force, wanted = (float(problem.nodal_forces(state.pressure).sum()) for state in (solution, exact))
     return {
-        "outcome": found.outcome.word,
-        "iterations": int(found.counters["newton_iterations"]),
-        "penetration_mm": float(np.max(-problem.gap(found.u), initial=0.0)),
+        "outcome": solution.outcome.word,
+        "iterations": int(solution.counters["newton_iterations"]),
+        "penetration_mm": float(np.max(-problem.gap(solution.u), initial=0.0)),
         "force_error": force / wanted - 1,
         "condition": of_matrix,
     }

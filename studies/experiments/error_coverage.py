@@ -102,15 +102,15 @@ def uniform_grids(case: Case) -> list[Grid]:
     """Coarse to fine, those that carry the load."""
     scene, request = coarsest(case.scene, case.settings)
     most = FINEST if min(request.mesh) > 1 else FINEST / 10
-    found = list[Grid]()
+    grids = list[Grid]()
     for times in range(10):
         n1, n2 = (n * 2**times if n > 1 else 1 for n in request.mesh)
         grid = _cold(scene, replace(request, mesh=(n1, n2)))
         if grid.quantities:
-            found.append(grid)
+            grids.append(grid)
         if 4 * grid.unknowns > most:
             break
-    return found
+    return grids
 
 
 def limit_of_grids(grids: Sequence[Grid], quantity: str) -> Truth | None:
@@ -150,7 +150,7 @@ def _meshes(result: Result) -> set[tuple[int, int]]:
 
 def _row(case: Case, quantity: str, error: float, result: Result, *, known: bool) -> Row:
     """What was asked for, and what was stated."""
-    told = result.quantities
+    quantities = result.quantities
     row = {
         "scene": case.scene,
         "settings": " ".join(f"{key}={value}" for key, value in case.settings.items()),
@@ -160,23 +160,23 @@ def _row(case: Case, quantity: str, error: float, result: Result, *, known: bool
         "reason": "" if known else result.reason,
         "unknowns": int(result.counters["dofs"]),
     }
-    if "uncertainty" not in told:
+    if "uncertainty" not in quantities:
         return row
     stated = {"stated": f"extrapolated_{quantity}", "low": "error_low", "high": "error_high"}
-    known_to = {name: told[key] for name, key in stated.items()} | {"uncertainty": told["uncertainty"]}
-    return row | {"value": told[quantity]} | known_to
+    known_to = {name: quantities[key] for name, key in stated.items()} | {"uncertainty": quantities["uncertainty"]}
+    return row | {"value": quantities[quantity]} | known_to
 
 
 def _against(row: Mapping[str, Any], truth: Truth) -> Row:
     """What is stated, beside the truth."""
-    found: Row = {"true": truth.limit, "known": truth.known}
+    errors: Row = {"true": truth.limit, "known": truth.known}
     if "stated" not in row:
-        return found
+        return errors
     known, coarser = truth.known, row["unknowns"] < truth.unknowns
     off, error = abs(row["stated"] / truth.limit - 1), abs(row["value"] / truth.limit - 1)
     inside = off <= row["uncertainty"] + known
     value_inside = row["low"] - known <= error <= row["high"] + known
-    return found | {
+    return errors | {
         "value_error": error,
         "value_decided": coarser and (known <= KNOWN * (row["high"] - row["low"]) or not value_inside),
         "value_inside": value_inside,

@@ -202,10 +202,10 @@ def _found(limit: Limit, measure: str, contact: str, solve: Solve) -> Row:
     def shown(value: float | None) -> float:
         return float("nan") if value is None else limit.told(value)
 
-    told = {"limit": limit.name, "symbol": limit.symbol, "value": shown(last), "bound": fails is None}
-    told |= {"right": shown(right)}
-    told |= {"error": error(last), "error_ordinary": error(limit.start if last is not None else None)}
-    told |= {"ordinary": limit.told(limit.start), "searched_to": limit.told(limit.bound), "fails": shown(fails)}
+    row = {"limit": limit.name, "symbol": limit.symbol, "value": shown(last), "bound": fails is None}
+    row |= {"right": shown(right)}
+    row |= {"error": error(last), "error_ordinary": error(limit.start if last is not None else None)}
+    row |= {"ordinary": limit.told(limit.start), "searched_to": limit.told(limit.bound), "fails": shown(fails)}
     why = seen[fails] if fails is not None else Found("")
     cell = limit.cell(measure, contact, limit.start if last is None else last)
-    return told | {"kind": why.kind, "reason": why.reason, "reference": limit.reference, "command": cell.command}
+    return row | {"kind": why.kind, "reason": why.reason, "reference": limit.reference, "command": cell.command}

@@ -113,13 +113,13 @@ class Chart:
 
     def located(self, at: Callable[[Cell], Found], *, whole: bool = False) -> tuple[Located, dict[Point, Found]]:
         """The map, and what the points that were asked for gave; whole: all of them, without a search."""
-        found: dict[Point, Found] = {}
+        points: dict[Point, Found] = {}
 
         def class_at(i: int, j: int) -> str:
-            found[i, j] = at(self.cell(i, j))
-            return found[i, j].kind
+            points[i, j] = at(self.cell(i, j))
+            return points[i, j].kind
 
-        return locate(class_at, self.shape, 1 if whole else self.stride, rows_apart=self.y.named), found
+        return locate(class_at, self.shape, 1 if whole else self.stride, rows_apart=self.y.named), points
 
 
 # --- one point ------------------------------------------------------------------------------------------------------
@@ -151,11 +151,11 @@ def _followed(model: SceneModel, request: Request, smallest: float) -> Found:
             refused = f"{request.contact} does not apply: " if point.outcome is Outcome.REFUSED else ""
             return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None)
         tolerance = request.number("tolerance")
-        told = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed)
-        failures, why, stable = failures + told["failures"], why + told["diagnosis"], told["stability"]
+        verdict = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed)
+        failures, why, stable = failures + verdict["failures"], why + verdict["diagnosis"], verdict["stability"]
         if failures and visited.ends_stage:
-            names, found = (", ".join(dict.fromkeys(words)) for words in (failures, why))
-            return Found(WRONG, f"the judge finds {names} beyond its bounds: {found}")
+            names, reasons = (", ".join(dict.fromkeys(words)) for words in (failures, why))
+            return Found(WRONG, f"the judge finds {names} beyond its bounds: {reasons}")
     if stable["word"] == NOT_STABLE:
         return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}")
     touched = visited.state.active.any()
@@ -163,10 +163,10 @@ def _followed(model: SceneModel, request: Request, smallest: float) -> Found:
     return Found(CONVERGED if touched else UNTOUCHED, "", seen)
 
 
-def _failed(outcome: Outcome, told: str, end: PathEnd | None) -> Found:
+def _failed(outcome: Outcome, verdict: str, end: PathEnd | None) -> Found:
     """The class of a path that does not arrive."""
     kind = REFUSED if outcome is Outcome.REFUSED else END if end in ENDS else FAILED
-    return Found(kind, told or outcome.value)
+    return Found(kind, verdict or outcome.value)
 
 
 # --- the maps -------------------------------------------------------------------------------------------------------
@@ -233,20 +233,20 @@ WHOLE = ("ball-travel", "one-node", "length-unit")
 
 def chart_of(name: str) -> Chart:
     """The map of a name; raises UsageError."""
-    found = [chart for chart in CHARTS if chart.name == name]
-    if not found:
+    charts = [chart for chart in CHARTS if chart.name == name]
+    if not charts:
         raise UsageError(f"map {name!r} must be one of {', '.join(chart.name for chart in CHARTS)}")
-    return found[0]
+    return charts[0]
 
 
 @tabulated
 def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = attempt) -> Iterator[Row]:
     """Maps beside all of their points: how far the boundary is from the true one, and how many points are unlike."""
     for chart in map(chart_of, names):
-        where, found = chart.located(at)
+        where, points = chart.located(at)
         whole = np.full(chart.shape, "", dtype=object)
         for i, j in np.ndindex(chart.shape):
-            whole[i, j] = (found.get((i, j)) or at(chart.cell(i, j))).kind
+            whole[i, j] = (points.get((i, j)) or at(chart.cell(i, j))).kind
         cells, unlike = distance(where.classes, whole, rows_apart=chart.y.named), int(np.sum(where.classes != whole))
         yield {"map": chart.name, "points": whole.size, "distance": cells, "unlike": unlike}
 
@@ -255,10 +255,10 @@ def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = atte
 def extremes_table(charts: Sequence[Chart] = PAIRS, at: Callable[[Cell], Found] = attempt) -> Iterator[Row]:
     """All points of maps, one row each: indices, values, class, and whether it was asked for."""
     for chart in charts:
-        where, found = chart.located(at, whole=chart.name in WHOLE)
+        where, points = chart.located(at, whole=chart.name in WHOLE)
         for (i, j), kind in np.ndenumerate(where.classes):
             row = {"map": chart.name, "i": i, "j": j, "y": chart.y.values[i], "x": chart.x.values[j], "class": kind}
-            own = found.get((i, j))
+            own = points.get((i, j))
             row["asked"] = own is not None
             yield row if own is None else row | {"reason": own.reason, "command": chart.command(i, j)}
 

@@ -130,10 +130,10 @@ def _read() -> Iterator[Row]:
             spent = {"iterations": result.counters.get("newton_iterations", 0), "unknowns": result.counters["dofs"]}
             for quantity, reference in exact.items():
                 value = result.quantities.get(quantity, np.nan)
-                found = {"quantity": quantity, "value": value, "reference": reference}
-                found["error"] = value / reference - 1 if reference else value
+                reading = {"quantity": quantity, "value": value, "reference": reference}
+                reading["error"] = value / reference - 1 if reference else value
                 known = {"known": problem.known, "finest": mesh == problem.meshes[-1]}
-                yield {**shared, **found, **known, **spent, "cpu_s": result.timing["cpu"], **ended}
+                yield {**shared, **reading, **known, **spent, "cpu_s": result.timing["cpu"], **ended}
 
 
 def _beside(problem: Problem) -> dict[str, float]:
@@ -171,18 +171,18 @@ def algorithms_table() -> Iterator[Row]:
         first: Result | None = None
         for name in sorted(ALGORITHMS, key=lambda each: each != "semismooth"):
             given = {**settings, "tolerance": TOLERANCE} | ({"epsilon": "inf"} if is_exact(name) else {})
-            command, found = _solved(Cell("", scene, {"mesh": mesh, "contact": name}, given))
-            first = first or found
+            command, result = _solved(Cell("", scene, {"mesh": mesh, "contact": name}, given))
+            first = first or result
             yield {
                 "case": case,
                 "algorithm": name,
-                "outcome": found.verdict,
-                "reason": found.reason or found.unsupported,
-                "loads": len(found.steps),
-                "judged": sum(not step["failures"] for step in found.steps),
-                "substeps": sum(step["substeps"] for step in found.steps),
-                "force_error": _apart(found, first),
-                "iterations": found.counters.get("newton_iterations", 0),
+                "outcome": result.verdict,
+                "reason": result.reason or result.unsupported,
+                "loads": len(result.steps),
+                "judged": sum(not step["failures"] for step in result.steps),
+                "substeps": sum(step["substeps"] for step in result.steps),
+                "force_error": _apart(result, first),
+                "iterations": result.counters.get("newton_iterations", 0),
                 "command": command,
             }
 
@@ -207,10 +207,10 @@ def spheres_table() -> Iterator[Row]:
     for faces, mesh in product(SHAPES, SPHERES):
         given = {"mu": f"{RUB}", "faces": faces, "delta_mm": ",".join(f"{delta:g}" for delta in known)}
         command, result = _solved(Cell("", "half-spheres", {"mesh": mesh}, given))
-        found = {step["delta_mm"]: step["quarter_N"] for step in result.steps}
+        forces = {step["delta_mm"]: step["quarter_N"] for step in result.steps}
         for delta, reference in known.items():
             read = {"reference": reference.value, "known": reference.uncertainty}
-            shared = {"faces": faces, "mesh": mesh, "delta_mm": delta, "quarter_N": found.get(delta, np.nan), **read}
+            shared = {"faces": faces, "mesh": mesh, "delta_mm": delta, "quarter_N": forces.get(delta, np.nan), **read}
             spent = {"iterations": result.counters["newton_iterations"], "cpu_s": result.timing["cpu"]}
             yield {**shared, **spent, "outcome": result.verdict, "reason": result.reason, "command": command}
 
@@ -232,8 +232,8 @@ def cost_table() -> Iterator[Row]:
         least = np.min([[cpu for cpu, _ in run] for run in runs], axis=0)
         for (scene, own), (_, unknowns), cpu in zip(KINDS, runs[0], least, strict=True):
             pairing = own.get("pairing", "rigid plane")
-            found = {"size": size, "unknowns": unknowns, "cpu_s": cpu, "ratio": cpu / least[0]}
-            yield {"scene": scene, "pairing": pairing, **found}
+            costs = {"size": size, "unknowns": unknowns, "cpu_s": cpu, "ratio": cpu / least[0]}
+            yield {"scene": scene, "pairing": pairing, **costs}
 
 
 def _an_iteration(cell: Cell) -> tuple[float, float]:
@@ -264,9 +264,9 @@ def ironing_table() -> Iterator[Row]:
         over = table.loc[1.0 + stops[-2] - 1e-9 :]
         way = over.index.to_numpy()
         V, H = (float(np.trapezoid(over[name], way) / np.ptp(way)) if len(way) > 1 else np.nan for name in FORCES)
-        told = {"slab": slab, "mesh": mesh, "V_press": press["V_N_mm"], "H_press": press["H_N_mm"]}
+        row = {"slab": slab, "mesh": mesh, "V_press": press["V_N_mm"], "H_press": press["H_N_mm"]}
         ripple = float(over["H_over_V"].max() - over["H_over_V"].min())
-        yield {**told, "V": V, "H": H, "ratio": H / V, "ripple": ripple, "states": len(table)}
+        yield {**row, "V": V, "H": H, "ratio": H / V, "ripple": ripple, "states": len(table)}
 
 
 def _ironed(mesh: str, settings: Mapping[str, Any], parts: int) -> pd.DataFrame:

@@ -106,9 +106,9 @@ def by_algorithm(name: str, **settings: object) -> Contender:
         algorithm = ALGORITHMS[name](**settings)
         if algorithm.supports(problem) is not None:
             return Claim(body.start, np.zeros_like(problem.weights), False)
-        found = algorithm.solve(problem, body.begin())
+        solution = algorithm.solve(problem, body.begin())
         tolerance = getattr(algorithm, "tolerance", BOUND)
-        return Claim(found.u, found.pressure, found.outcome.converged, algorithm.epsilon, tolerance)
+        return Claim(solution.u, solution.pressure, solution.outcome.converged, algorithm.epsilon, tolerance)
 
     return claim
 

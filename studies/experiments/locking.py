@@ -133,12 +133,12 @@ def _bending_stiffness(load: str, section: str, nu: float, n: int, h: float) -> 
     v = _solve(discretisation, forces, section=section)
     deflection = -float(v[grid.node_at(1.0, 1.0), 4:].mean())
     shear = 1 / (2 * h / (2 * (1 + nu)))  # of the strip under pressure, p L^2/(2 G h)
-    found = {
+    stiffness = {
         "moment": 1 / (2 * deflection),
         "pressure": 1 / (8 * (deflection - shear)),
         "equibiaxial": 1 / ((1 + nu) * deflection),
     }[load]
-    return found / (h**3 / (12 * (1 - nu**2)))
+    return stiffness / (h**3 / (12 * (1 - nu**2)))
 
 
 def _discretised(surface: Surface, grid: Grid, h: float, nu: float, supports: Supports) -> Discretisation:

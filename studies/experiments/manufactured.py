@@ -92,8 +92,8 @@ def manufactured_contact() -> Iterator[Row]:
         result = solve(*complete("manufactured-contact", {"surface": surface}, f"{n}x{n}", measure=measure))
         case = {"measure": measure, "surface": surface, "n": n, "class": result.verdict}
         for step in result.steps:
-            found = {key: step[key] for key in step if key.startswith("error_") or key == "radius"}
-            yield {**case, **found, "newton_iterations": step["newton_iterations"]}
+            errors = {key: step[key] for key in step if key.startswith("error_") or key == "radius"}
+            yield {**case, **errors, "newton_iterations": step["newton_iterations"]}
 
 
 @tabulated

@@ -123,12 +123,12 @@ def membrane_table(meshes: Mapping[str, Sequence[int]] = MESHES, algorithms: Seq
                     continue
                 solution = ALGORITHMS[name](epsilon=math.inf).solve(membrane.body.problem(), membrane.body.begin())
                 first = solution.u if first is None else first
-                found = {
+                row = {
                     **{"element": element, "level": level, "algorithm": name, "unknowns": len(membrane.interior)},
                     "outcome": solution.outcome.word,
                     "apart": float(np.max(np.abs(solution.u - first)) / np.max(np.abs(first))),
                 }
-                rows.append(found | membrane.errors(solution))
+                rows.append(row | membrane.errors(solution))
     table = pd.DataFrame(rows)
     families = table.groupby(["element", "algorithm"], sort=False)
     return table.assign(**{f"order_{key}": families[key].transform(_order) for key in FITTED})

@@ -225,7 +225,7 @@ def cycles() -> Iterator[Row]:
     for body in problems():
         row: Row = {"problem": body.name, "plain_period": plain_period(body)}
         for way, (name, settings) in WAYS.items():
-            found = ALGORITHMS[name](**{"epsilon": math.inf} | settings).solve(body.problem(), _begin(body))
-            noticed = events(found.history, EventKind.CYCLE)
-            row[way] = found.outcome.word + (", cycle detected" if noticed else "")
+            solution = ALGORITHMS[name](**{"epsilon": math.inf} | settings).solve(body.problem(), _begin(body))
+            noticed = events(solution.history, EventKind.CYCLE)
+            row[way] = solution.outcome.word + (", cycle detected" if noticed else "")
         yield row

@@ -60,8 +60,8 @@ def turned_panel(element: Element, n: int = ELEMENTS) -> tuple[ShellModel, np.nd
 
         def linearise(u: np.ndarray, memory: object) -> Linearised:
             """Measured by FORCE at the least: in a body that moves rigidly no force is in balance."""
-            found = held.linearise(u, memory)
-            return Linearisation(found.residual, found.tangent, max(found.scale, FORCE), found.remember)
+            lin = held.linearise(u, memory)
+            return Linearisation(lin.residual, lin.tangent, max(lin.scale, FORCE), lin.remember)
 
         return without_contact(linearise, body.n_free, ordered=held.ordered)
 

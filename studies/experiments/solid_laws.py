@@ -96,8 +96,8 @@ def _solved(body: Body, cell: Cell, study: str, n: int, key: str = "", change: f
     own = {"study": study, "body": body.name, "kind": body.kind, "of": body.of, "input": key, "change": change}
     own |= {"mesh": cell.options["mesh"], "size": 1 / n}
     read = ("delta_mm", "force_N", "least_stretch", "largest_stretch")
-    told = {"command": cell.command}
-    return [own | {name: step.get(name, np.nan) for name in read} | told for step in result.steps]
+    about = {"command": cell.command}
+    return [own | {name: step.get(name, np.nan) for name in read} | about for step in result.steps]
 
 
 NU = 0.45  # of the bodies made here, with Young's modulus 1
@@ -136,8 +136,8 @@ def scene_points(
     scene: str, mesh: str, settings: Mapping[str, str], stage: str, quantity: str, law: str
 ) -> Iterator[Point]:
     """What a scene of a solid reports in one of its stages; raises RuntimeError where a load is not reached."""
-    found, request = complete(scene, {**settings, "law": law}, mesh)
-    model = found.build(request)
+    built, request = complete(scene, {**settings, "law": law}, mesh)
+    model = built.build(request)
     assert isinstance(model, SolidTyreModel | SolidRingModel)
     for visited in walk(model.stages(), Semismooth()):
         if not visited.converged:

@@ -69,8 +69,8 @@ def what_if() -> pd.DataFrame:
                 given = travel if each.setting == "delta_mm" else PRINTED[each.setting]
                 unit = half_a_unit(given)
                 here = {"mesh": mesh, "delta_mm": float(travel), "quantity": each.quantity, "value": each.value}
-                found = {"relative": each.relative, "rounding": abs(each.above * unit / each.value)}
-                rows.append({**here, "setting": each.setting, "printed": float(given), "half_a_unit": unit, **found})
+                relative = {"relative": each.relative, "rounding": abs(each.above * unit / each.value)}
+                rows.append({**here, "setting": each.setting, "printed": float(given), "half_a_unit": unit, **relative})
     return pd.DataFrame(rows)
 
 
@@ -124,8 +124,8 @@ class Design:
         least = np.sign([*LEAST.values()])
         kept = NonlinearConstraint(lambda x: self.values(x)[1:], least, math.inf, jac=lambda x: self.slopes(x)[1:])
         inside = [(0.0, 1.0)] * len(BOUNDS)
-        found = minimize(goal, np.array(start), jac=slope, method="SLSQP", bounds=inside, constraints=kept, tol=CLOSE)
-        return tuple(self.settings(found.x)) if found.success else None
+        result = minimize(goal, np.array(start), jac=slope, method="SLSQP", bounds=inside, constraints=kept, tol=CLOSE)
+        return tuple(self.settings(result.x)) if result.success else None
 
 
 def even_footprint() -> pd.DataFrame:

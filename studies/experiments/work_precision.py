@@ -61,8 +61,8 @@ def work_precision_study(
     tables = []
     for element, each in own.items():
         tensor = work_precision(each, families, elements, reference=reference)
-        found = pd.concat([tensor, _with_error(local[element].rows, reference)], ignore_index=True)
-        tables.append(found.assign(element=element, reference_N=reference, apart=apart, known=known))
+        grids = pd.concat([tensor, _with_error(local[element].rows, reference)], ignore_index=True)
+        tables.append(grids.assign(element=element, reference_N=reference, apart=apart, known=known))
     return pd.concat(tables, ignore_index=True)
 
 
@@ -103,8 +103,8 @@ def local_grids(settings: Mapping[str, str], least: float, root: tuple[int, int]
         raise RuntimeError(f"local refinement: {result.reason}")
     rounds = result.table("refinement").frame()
     before = time.process_time() - start - rounds["seconds"].sum()
-    found = result.quantities
-    return LocalGrids(found["extrapolated_force_N"], found["uncertainty"], rows_of_rounds(rounds, before))
+    quantities = result.quantities
+    return LocalGrids(quantities["extrapolated_force_N"], quantities["uncertainty"], rows_of_rounds(rounds, before))
 
 
 def rows_of_rounds(rounds: pd.DataFrame, before: float) -> pd.DataFrame:

@@ -107,12 +107,12 @@ def lines(advice: Advice) -> Iterator[str]:
     yield f"cheapest: {words_of(best)}: error at most {100 * best['bound']:.3g} %"
     yield f"  {best['command']}"
     yield f"  {_prices(best)}"
-    told = [("runner-up", advice.runner_up, "no other configuration qualifies")]
+    offers = [("runner-up", advice.runner_up, "no other configuration qualifies")]
     if not math.isnan(advice.next_step):
-        told.append((f"next step, {100 * advice.next_step:g} %", advice.next_best, "none qualifies"))
+        offers.append((f"next step, {100 * advice.next_step:g} %", advice.next_best, "none qualifies"))
     if advice.by_operations is not None and advice.by_operations["label"] != best["label"]:
-        told.append(("by operations", advice.by_operations, ""))
-    for name, other, without in told:
+        offers.append(("by operations", advice.by_operations, ""))
+    for name, other, without in offers:
         words = without if other is None else f"{words_of(other)}: {advice.times(other):.3g} times the {cost}"
         tied = other is not None and abs(advice.times(other) - 1) <= TIE
         yield f"{name}: {words}{', a tie' if tied else ''}"
@@ -150,10 +150,10 @@ def shipped_tables(table: pd.DataFrame, verified: pd.DataFrame) -> dict[str, pd.
         asked.append([number, question.scene, question.quantity, question.against, whole, settings])
         kept = _unbeaten(question.cells.reindex(columns=sorted({*question.cells.columns, *CELL_COLUMNS})))
         cells.append(kept.assign(question=number)[list(CELL_COLUMNS)])
-    found = pd.concat(cells, ignore_index=True) if cells else pd.DataFrame(columns=list(CELL_COLUMNS))
+    rounded = pd.concat(cells, ignore_index=True) if cells else pd.DataFrame(columns=list(CELL_COLUMNS))
     for name in ("bound", "cost.seconds", "t.seconds_low", "t.seconds_high"):
-        found[name] = found[name].map(lambda value: float(f"{value:.{DIGITS}g}"))
-    return {QUESTIONS: pd.DataFrame(asked, columns=list(QUESTION_COLUMNS)), CELLS: found}
+        rounded[name] = rounded[name].map(lambda value: float(f"{value:.{DIGITS}g}"))
+    return {QUESTIONS: pd.DataFrame(asked, columns=list(QUESTION_COLUMNS)), CELLS: rounded}
 
 
 def _unbeaten(cells: pd.DataFrame) -> pd.DataFrame:
@@ -182,12 +182,12 @@ def shipped_question(
     name = known_quantity(scene, quantity or str(own["quantity"].iloc[0]), sorted(set(own["quantity"])))
     cells = pd.read_csv(directory / f"{CELLS}.csv", dtype=dict.fromkeys(CONFIGURATION, str))
     cells = cells.fillna(dict.fromkeys(CONFIGURATION, "")).assign(price=cells[f"cost.{cost}"])
-    found = []
+    shipped = []
     for row in own[own["quantity"] == name].to_dict("records"):
         texts = dict(pair.split("=", 1) for pair in str(row["settings"]).split())
         its = cells[cells["question"] == row["question"]].sort_values("price", kind="stable", ignore_index=True)
-        found.append(Question(scene, name, str(row["against"]), cost, texts, its))
-    return meant(found, scene, settings or {})
+        shipped.append(Question(scene, name, str(row["against"]), cost, texts, its))
+    return meant(shipped, scene, settings or {})
 
 
 def question_of(

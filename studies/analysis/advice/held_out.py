@@ -98,11 +98,11 @@ def factors_of(others: list[pd.DataFrame]) -> dict[bool, float]:
 
 def factor_of(others: list[np.ndarray], without: float = UNSAFE) -> float:
     """The factor of safety from the ratios of other questions, each with the same weight; or the one without any."""
-    told = [ratios for ratios in others if len(ratios)]
-    if not told:
+    groups = [ratios for ratios in others if len(ratios)]
+    if not groups:
         return without
-    weights = np.concatenate([np.full(len(ratios), 1 / len(ratios)) for ratios in told])
-    return float(np.quantile(np.concatenate(told), COVER, method="inverted_cdf", weights=weights))
+    weights = np.concatenate([np.full(len(ratios), 1 / len(ratios)) for ratios in groups])
+    return float(np.quantile(np.concatenate(groups), COVER, method="inverted_cdf", weights=weights))
 
 
 def _advised(cells: pd.DataFrame) -> Iterator[list[object]]:
@@ -171,11 +171,11 @@ def _tolerances(cells: pd.DataFrame) -> dict[str, float]:
 
     Of several meshes of this size, which differ across the refined direction, the largest distance on any one counts.
     """
-    found: dict[str, float] = {}
+    tolerances: dict[str, float] = {}
     probes = pd.concat([_probe(own) for _, own in cells.groupby(keys(cells, "mesh", "tolerance"), sort=False)])
     for _, rows in probes.groupby(keys(probes, "tolerance"), sort=False):
         tightest = rows.sort_values("tolerance", kind="stable")["value"].iloc[0]
         for key, value in zip(keys(rows, "mesh"), rows["value"], strict=True):
             left = abs(value / tightest - 1) if tightest else math.inf
-            found[key] = max(left, found.get(key, 0.0))
-    return found
+            tolerances[key] = max(left, tolerances.get(key, 0.0))
+    return tolerances

@@ -54,8 +54,8 @@ class Question:
         """The settings that are not the scene's defaults, for people."""
         usual = complete(self.scene, {})[1].settings if self.scene in SCENES else {}
         texts = {key: text_of(value) for key, value in usual.items()}
-        told = (f"{key}={text}" for key, text in self.settings.items() if texts.get(key) != text)
-        return " ".join(told) or "defaults"
+        changed = (f"{key}={text}" for key, text in self.settings.items() if texts.get(key) != text)
+        return " ".join(changed) or "defaults"
 
 
 def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity: str, cost: str) -> list[Question]:
@@ -75,14 +75,14 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     cells = cells.assign(error=_lasting(cells), price=cells[f"cost.{cost}"])
     cells = cells.assign(bound=cells["error"] + cells["uncertainty"])
     cells = cells.dropna(subset="price").sort_values("price", kind="stable")
-    found, free = [], choices()
+    every, free = [], choices()
     for _, rows in cells.groupby(keys(cells, *free), sort=False):
         shared = {k: text_of(v) for k, v in rows["request"].iloc[0].settings.items() if k not in free}
         referred = rows["against"].str.startswith(REFERENCE)
         answered = rows[referred] if referred.any() else rows
         for against, same in answered.groupby("against", sort=False):
-            found.append(Question(scene, quantity, str(against), cost, shared, same.reset_index(drop=True)))
-    return sorted(found, key=lambda question: -len(question.cells))
+            every.append(Question(scene, quantity, str(against), cost, shared, same.reset_index(drop=True)))
+    return sorted(every, key=lambda question: -len(question.cells))
 
 
 def _lasting(cells: pd.DataFrame) -> pd.Series:
@@ -136,13 +136,13 @@ def known_quantity(scene: str, name: str, there: list[str]) -> str:
     return name
 
 
-def meant(found: list[Question], scene: str, settings: Mapping[str, str]) -> Question:
+def meant(candidates: list[Question], scene: str, settings: Mapping[str, str]) -> Question:
     """The first question with these settings; raises UsageError when there is none."""
     wanted = _parsed(scene, settings)
-    for question in found:
+    for question in candidates:
         if wanted.items() <= question.settings.items():
             return question
-    has = "; ".join(question.words for question in found)
+    has = "; ".join(question.words for question in candidates)
     raise UsageError(f"{scene} was not solved with {dict(settings)}; it was with: {has}")
 
 

@@ -95,7 +95,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
     values: Values = {"best": f"`{default}`", "share": best["solved_share"]}
     values |= {"problems": best["problems"] - best["path_ends"], "scenes": best["scenes"], "refused": best["refused"]}
     values |= {"error": trials["asked"].min(), "patience": PATIENCE}
-    told = []
+    clauses = []
     for n, (name, rows) in enumerate(trials[trials["name"] != default].groupby("name", sort=False)):
         over, other = rows["over"].dropna(), int(rows["other"].sum())
         values |= {f"name{n}": f"`{name}`", f"of{n}": len(rows), f"solved{n}": len(over)}
@@ -107,8 +107,8 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
         if other:
             values[f"other{n}"] = other
             place += f", {{other{n}:.0f}} with the penetration of its springs"
-        told.append(place)
-    yield values | {"_told": "; ".join(told), "_problems": best["problems"]}
+        clauses.append(place)
+    yield values | {"_told": "; ".join(clauses), "_problems": best["problems"]}
 
 
 def finest_trials(choices: pd.DataFrame) -> pd.DataFrame:

@@ -71,11 +71,11 @@ def always(exceptions: int, of: int, measured: str) -> Verdict:
 
 def read_claims() -> dict[str, dict[str, Any]]:
     """All declarations by name, each with its subject, its command, and what it shares with another one."""
-    found: dict[str, dict[str, Any]] = {}
+    claims: dict[str, dict[str, Any]] = {}
     for subject, claim in read_declarations(FILE):
         command = CAMPAIGN if "measured" in claim else ""
-        found[claim["name"]] = {"machine": False, "command": command, **claim, "subject": subject}
-    return found
+        claims[claim["name"]] = {"machine": False, "command": command, **claim, "subject": subject}
+    return claims
 
 
 def claims_table(store: Path, campaign: str) -> dict[str, pd.DataFrame]:

@@ -22,10 +22,10 @@ def settled(answers: Answers) -> Iterator[Values]:
     """On how many meshes the pressed tyre converges without a cut, by either rule of when an active set has settled."""
     counts = []
     for way in ("semismooth", "semismooth, settle 1"):
-        found = [answers.get(f"one step {way} {mesh}") for mesh in MESHES]
-        if None in found:
+        solved = [answers.get(f"one step {way} {mesh}") for mesh in MESHES]
+        if None in solved:
             return
-        counts.append(sum(each is not None and each.converged and not each.record["cuts"] for each in found))
+        counts.append(sum(each is not None and each.converged and not each.record["cuts"] for each in solved))
     ours, theirs = counts
     yield {"meshes": len(MESHES), "ours": ours, "theirs": theirs, "_problems": 2 * len(MESHES)}
 
@@ -56,11 +56,16 @@ def force_known(work_precision: pd.DataFrame, tyre_budget: pd.DataFrame) -> Iter
     """How far the force of the tyre is known: by its grids, and by what its model leaves out."""
     row, changes = work_precision.iloc[0], {each["changed"]: each for each in tyre_budget.to_dict("records")}
     values: Values = {"force": row["reference_N"], "known": row["known"]}
-    told, total = [], 0.0
+    clauses, total = [], 0.0
     for name, words in CHANGES.items():
         if name in changes:
             key, own = name.split()[0].replace("-", "_"), changes[name]
             values |= {key: own["change"], f"{key}_known": own["within"]}
-            told.append(f"{words} changes it by {{{key}:+.1%}} ± {{{key}_known:.1%}}")
+            clauses.append(f"{words} changes it by {{{key}:+.1%}} ± {{{key}_known:.1%}}")
             total += own["change"]
-    yield values | {"total": total, "_told": ", ".join(told), "_changes": len(told), "_problems": len(work_precision)}
+    yield values | {
+        "total": total,
+        "_told": ", ".join(clauses),
+        "_changes": len(clauses),
+        "_problems": len(work_precision),
+    }

@@ -48,16 +48,18 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Values]:
     stops = [own for _, own in friction_patch.groupby("stop")]
     mu = friction_patch["mu"].iloc[0]
     values: Values = {"mu": mu}
-    told = []
+    clauses = []
     for n, own in enumerate(stops):
         values |= {f"sticks{n}": own["sticks"].sum(), f"touch{n}": len(own), f"at{n}": own["drag_mm"].iloc[0]}
-        told.append(f"{{sticks{n}:.0f}} of {{touch{n}:.0f}}" + (f" at {{at{n}:g}} mm" if n else " once it is pressed"))
+        clauses.append(
+            f"{{sticks{n}:.0f}} of {{touch{n}:.0f}}" + (f" at {{at{n}:g}} mm" if n else " once it is pressed")
+        )
     last = stops[-1]
     back = len(stops) > 1 and last["drag_mm"].iloc[0] == 0.0
     if back:
         pull = last[["friction_x_N", "friction_y_N", "friction_z_N"]].sum().to_numpy(float)
         values |= {"left": np.linalg.norm(pull), "bound": mu * last["normal_N"].sum()}
-    values |= {"_told": listed(told), "_back": int(back), "_steps": friction_patch["steps"].iloc[0]}
+    values |= {"_told": listed(clauses), "_back": int(back), "_steps": friction_patch["steps"].iloc[0]}
     yield values | {"_problems": len(stops)}
 
 

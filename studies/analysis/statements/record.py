@@ -53,8 +53,10 @@ DEFAULTS: Mapping[str, Any] = {
 def worded(declaration: Mapping[str, Any], values: Values) -> Statement:
     """The words of a declaration, with values."""
     values = {**DEFAULTS, **values}
-    told = declaration["text"]
-    parts = [{"text": part} if isinstance(part, str) else part for part in ([told] if isinstance(told, str) else told)]
+    given = declaration["text"]
+    parts = [
+        {"text": part} if isinstance(part, str) else part for part in ([given] if isinstance(given, str) else given)
+    ]
     text = "".join(part["text"] for part in parts if evaluated(part.get("when", "True"), values))
     return Statement(
         name=re.sub(WORD, lambda found: str(values[f"_{found[1]}"]), declaration["name"]),

@@ -27,12 +27,12 @@ def read_sentences() -> list[dict[str, Any]]:
 def statements(store: Path, campaign: str) -> list[Statement]:
     """All that the tables of a campaign in its store allow to be said, in the order of the file."""
     evidence = Evidence(store, campaign)
-    found = [each for declaration in read_sentences() for each in said_by(declaration, evidence.get)]
-    names = [each.name for each in found]
+    sentences = [each for declaration in read_sentences() for each in said_by(declaration, evidence.get)]
+    names = [each.name for each in sentences]
     if len(set(names)) < len(names):
         twice = sorted({name for name in names if names.count(name) > 1})
         raise ValueError(f"said twice: {', '.join(twice)}")
-    return found
+    return sentences
 
 
 def said_by(declaration: dict[str, Any], tables: Callable[[str], Any]) -> Iterator[Statement]:
@@ -49,14 +49,14 @@ def said_by(declaration: dict[str, Any], tables: Callable[[str], Any]) -> Iterat
 def maker_of(declaration: dict[str, Any]) -> Maker:
     """The function that a declaration names."""
     module, _, name = declaration["maker"].partition(".")
-    found: Maker = getattr(MAKERS[module], name)
-    return found
+    maker: Maker = getattr(MAKERS[module], name)
+    return maker
 
 
 def statement_tables(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
     """``statements``, ``statement_values`` and ``asks``, of the tables that are written already."""
-    found = statements(store, campaign)
-    return {**as_tables(found), "asks": asks({each.name for each in found})}
+    sentences = statements(store, campaign)
+    return {**as_tables(sentences), "asks": asks({each.name for each in sentences})}
 
 
 def read_questions() -> list[dict[str, Any]]:

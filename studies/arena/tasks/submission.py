@@ -34,16 +34,16 @@ def read_submission(path: Path) -> dict[str, Claim]:
         tables = read_toml(path)
     except ValueError as error:
         raise UsageError(f"{path} is no submission: {str(error).splitlines()[0].partition(';')[0][:200]}") from None
-    found = {}
+    submission = {}
     for name, table in tables.items():
         task = tasks().get(name)
         if task is None:
             raise UsageError(f"{path}: {name[:40]!r} is none of the {len(tasks())} tasks, see footprint tasks")
         try:
-            found[name] = _claim(task, table)
+            submission[name] = _claim(task, table)
         except UsageError as error:
             raise UsageError(f"{path}: {name}: {error}") from None
-    return found
+    return submission
 
 
 def _claim(task: GradedTask, table: Any) -> Claim:

@@ -161,10 +161,10 @@ def drum_table(meshes: Sequence[int] = MESHES, sides: Sequence[str] = tuple(SIDE
     for side, n in product(sides, meshes):
         sign = SIDES[side]
         bar = Bar(n, RADIUS * WRAP, MU, curvature=sign / RADIUS, tension=sign * N0, held=True)
-        found = bar.follow([sign * (N1 - N0)])[-1].solution
-        end, angle = abs(float(found.u[-2])), front(bar, found.u[::2]) / RADIUS
+        solution = bar.follow([sign * (N1 - N0)])[-1].solution
+        end, angle = abs(float(solution.u[-2])), front(bar, solution.u[::2]) / RADIUS
         yield (
-            {"side": side, "elements": n, "outcome": found.outcome.word}
+            {"side": side, "elements": n, "outcome": solution.outcome.word}
             | {"end_error": end / DRUM_END - 1, "slip_error": angle / ANGLE - 1}
         )
 
@@ -179,9 +179,9 @@ def capstan_table(
     for side, (mu, theta), n in product(sides, turns, meshes):
         sign = SIDES[side]
         bar = Bar(n, RADIUS * theta, mu, curvature=sign / RADIUS, tension=sign * N0, driven=True)
-        found = bar.follow([sign * DRIVEN])[-1].solution
-        ratio = 1 - sign * float(np.sum(found.rubbed.force[:, 0])) / N0
+        solution = bar.follow([sign * DRIVEN])[-1].solution
+        ratio = 1 - sign * float(np.sum(solution.rubbed.force[:, 0])) / N0
         yield (
-            {"side": side, "mu": mu, "theta_rad": theta, "elements": n, "outcome": found.outcome.word}
+            {"side": side, "mu": mu, "theta_rad": theta, "elements": n, "outcome": solution.outcome.word}
             | {"error": ratio / math.exp(mu * theta) - 1}
         )

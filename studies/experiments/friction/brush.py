@@ -234,8 +234,8 @@ class Block:
             lam = (force @ (k * along) - bound * MU * self.normal_rate(way)) / (force @ (k * force))
             return np.append(along - lam * force, lam * bound**2)
 
-        found = solve_ivp(rate, (slips, WAY), np.append(drag(slips), 0.0), method="DOP853", rtol=TIGHT, atol=TIGHT)
-        return found.y[:2, -1], float(found.y[2, -1])
+        path = solve_ivp(rate, (slips, WAY), np.append(drag(slips), 0.0), method="DOP853", rtol=TIGHT, atol=TIGHT)
+        return path.y[:2, -1], float(path.y[2, -1])
 
     @property
     def brush(self) -> Brush:

@@ -129,14 +129,14 @@ def greco_table() -> Iterator[Row]:
     for element, n, load in product(ELEMENTS, (8, 16, 32), LOADS):
         plate, first = GrecoPlate(element, n, load), None
         for name in EXACT:
-            found = plate.solve(ALGORITHMS[name](epsilon=math.inf))
-            first = found.u if first is None else first
-            off = float(np.max(np.abs(found.pressure / TOP - 1)))
+            solution = plate.solve(ALGORITHMS[name](epsilon=math.inf))
+            first = solution.u if first is None else first
+            off = float(np.max(np.abs(solution.pressure / TOP - 1)))
             yield {
                 **{"element": element, "elements": n, "load": load, "algorithm": name},
-                **{"outcome": found.outcome.word, "slip_mm": float((plate.along @ found.u)[0])},
+                **{"outcome": solution.outcome.word, "slip_mm": float((plate.along @ solution.u)[0])},
                 "pressure_error": off if load == "uniform" else math.nan,
-                "apart": float(np.max(np.abs(found.u - first)) / np.max(np.abs(first))),
+                "apart": float(np.max(np.abs(solution.u - first)) / np.max(np.abs(first))),
             }
 
 
@@ -150,14 +150,14 @@ def friction_table(meshes: Sequence[int] = (16, 32)) -> Iterator[Row]:
         plate = GrecoPlate("Q2", n)
         for algorithm in algorithms(STIFF):
             before = SPENT.total()
-            found = plate.solve(algorithm, 1.0)
+            solution = plate.solve(algorithm, 1.0)
             spent = (SPENT.total() - before) / 1e6
-            slips = np.interp(PLACES, plate.x, plate.along @ found.u)
-            row = {"elements": n, "algorithm": algorithm.name, "outcome": found.outcome.word}
-            row |= {key: found.counters[key] for key in ("newton_iterations", "factorisations")}
+            slips = np.interp(PLACES, plate.x, plate.along @ solution.u)
+            row = {"elements": n, "algorithm": algorithm.name, "outcome": solution.outcome.word}
+            row |= {key: solution.counters[key] for key in ("newton_iterations", "factorisations")}
             row |= {"operations": spent, "error": np.max(np.abs(slips / SLIPS - 1))}
             row |= {f"slip_{place:g}": slip for place, slip in zip(PLACES, slips, strict=True)}
-            yield row | {"friction_N": float(np.sum(found.rubbed.force[:, 0]))}
+            yield row | {"friction_N": float(np.sum(solution.rubbed.force[:, 0]))}
 
 
 def tied(plate: GrecoPlate) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -170,7 +170,7 @@ def tied(plate: GrecoPlate) -> list[tuple[np.ndarray, np.ndarray]]:
     beside = K[inside][:, touching].toarray()
     condensed = K[touching][:, touching].toarray() - beside.T @ factor.solve(beside)
     load = f[touching] - beside.T @ factor.solve(f[inside])
-    found = []
+    answers = []
     for each in product((False, True), repeat=m):
         holds = np.array(each)
         free = np.flatnonzero(~np.tile(holds, 2))
@@ -179,8 +179,8 @@ def tied(plate: GrecoPlate) -> list[tuple[np.ndarray, np.ndarray]]:
         if np.all(np.where(holds, (condensed @ at - load)[:m], at[:m]) >= 0):
             u = np.zeros(len(f))
             u[touching], u[inside] = at, factor.solve(f[inside] - beside @ at)
-            found.append((u, holds))
-    return found
+            answers.append((u, holds))
+    return answers
 
 
 @tabulated
@@ -192,12 +192,12 @@ def tied_table(cases: Sequence[tuple[str, int]] = TIED) -> Iterator[Row]:
     """
     for (element, n), load in product(cases, LOADS):
         plate = GrecoPlate(element, n, load)
-        answers, found = tied(plate), plate.solve(Semismooth(), math.inf)
+        answers, solution = tied(plate), plate.solve(Semismooth(), math.inf)
         row = {"elements": n, "element": element, "load": load, "nodes": len(plate.x), "answers": len(answers)}
-        row |= {"outcome": found.outcome.word, "iterations": found.counters["newton_iterations"]}
+        row |= {"outcome": solution.outcome.word, "iterations": solution.counters["newton_iterations"]}
         row |= {"tied": math.nan, "otherwise": math.nan, "difference": math.nan}
         if answers:
             u, holds = answers[0]
-            row |= {"tied": int(holds.sum()), "otherwise": int(np.sum((found.rubbed.state == State.STICK) != holds))}
-            row |= {"difference": float(np.max(np.abs(found.u - u)) / np.max(np.abs(u)))}
+            row |= {"tied": int(holds.sum()), "otherwise": int(np.sum((solution.rubbed.state == State.STICK) != holds))}
+            row |= {"difference": float(np.max(np.abs(solution.u - u)) / np.max(np.abs(u)))}
         yield row

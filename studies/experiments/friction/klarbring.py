@@ -77,23 +77,23 @@ class Answer:
 
 def answers(springs: Springs) -> list[Answer]:
     """All answers, case by case; raises ValueError where one of the cases has no or endless answers by itself."""
-    k, found = springs, list[Answer]()
+    k, possible = springs, list[Answer]()
     determinant = k.tt * k.nn - k.nt**2
     slopes = {sense: k.tt + sense * k.mu * k.nt for sense in (1.0, -1.0)}
     if determinant == 0 or 0.0 in slopes.values():
         raise ValueError("a case of these springs is singular")
     u_t, u_n = (k.nn * k.along - k.nt * k.off) / determinant, (k.tt * k.off - k.nt * k.along) / determinant
     if u_n > 0:
-        found.append(Answer("open", u_t, u_n, 0.0, 0.0))
+        possible.append(Answer("open", u_t, u_n, 0.0, 0.0))
     f, t = -k.nt * k.slip0 - k.off, -k.tt * k.slip0 - k.along
     if f >= 0 and abs(t) <= k.mu * f:
-        found.append(Answer("stick", -k.slip0, 0.0, f, t))
+        possible.append(Answer("stick", -k.slip0, 0.0, f, t))
     for sense, slope in slopes.items():  # t = -sense mu f, f = K_nt u_t - F_n
         u_t = (k.along + sense * k.mu * k.off) / slope
         f = k.nt * u_t - k.off
         if f >= 0 and sense * (u_t + k.slip0) > 0:
-            found.append(Answer(f"slip {'+' if sense > 0 else '-'}", u_t, 0.0, f, -sense * k.mu * f))
-    return found
+            possible.append(Answer(f"slip {'+' if sense > 0 else '-'}", u_t, 0.0, f, -sense * k.mu * f))
+    return possible
 
 
 CASES: dict[str, Springs] = {  # K_tt, K_nt, K_nn, mu, F_t, F_n, s0
@@ -137,10 +137,10 @@ def klarbring_table() -> Iterator[Row]:
 def _found(solution: ContactSolution, there_are: Sequence[Answer]) -> str:
     if not solution.outcome.converged:
         return ""
-    told = np.array([*solution.u, solution.pressure[0], solution.rubbed.force[0, 0]])
+    values = np.array([*solution.u, solution.pressure[0], solution.rubbed.force[0, 0]])
     for answer in there_are:
         known = np.array([answer.u_t, answer.u_n, answer.f, answer.t])
         state = State[answer.word.split()[0].upper()]
-        if solution.rubbed.state[0] == state and np.max(np.abs(told - known)) <= SAME * np.max(np.abs(known)):
+        if solution.rubbed.state[0] == state and np.max(np.abs(values - known)) <= SAME * np.max(np.abs(known)):
             return answer.word
     return "wrong"

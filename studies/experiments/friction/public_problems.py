@@ -80,8 +80,8 @@ def small() -> dict[str, SiconosProblem]:
 
 def source() -> tuple[str, str]:
     """Where they are from, and their licence."""
-    told = _shipped()
-    return told["source"], told["licence"]
+    shipped = _shipped()
+    return shipped["source"], shipped["licence"]
 
 
 def _shipped() -> dict[str, Any]:
@@ -110,13 +110,13 @@ def limited(solve: Callable[[], Tried], limit_s: float = LIMIT_S) -> Tried:
     before, begun = signal.signal(signal.SIGPROF, stop), time.process_time()
     signal.setitimer(signal.ITIMER_PROF, limit_s)
     try:
-        found = solve()
+        attempt = solve()
     except TimeoutError as error:
-        found = Tried("time limit", reason=str(error))
+        attempt = Tried("time limit", reason=str(error))
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, before)
-    return replace(found, seconds=time.process_time() - begun)
+    return replace(attempt, seconds=time.process_time() - begun)
 
 
 def rows(name: str, problem: SiconosProblem, limit_s: float = LIMIT_S) -> Iterator[Row]:
@@ -132,8 +132,8 @@ def rows(name: str, problem: SiconosProblem, limit_s: float = LIMIT_S) -> Iterat
     yield head | {"algorithm": ORACLE} | _told(own, None, 0.0)
     step, free = with_own_ways(problem), float(np.max(np.abs(_free(problem))))
     for label, algorithm in algorithms().items():
-        found = limited(partial(_by_algorithm, algorithm, step), limit_s)
-        yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None, free)
+        attempt = limited(partial(_by_algorithm, algorithm, step), limit_s)
+        yield head | {"algorithm": label} | _told(attempt, own.ways if own.certified else None, free)
 
 
 def _free(problem: SiconosProblem) -> np.ndarray:
@@ -143,14 +143,14 @@ def _free(problem: SiconosProblem) -> np.ndarray:
     return problem.offset + problem.H.T @ checked_solve(factorise(problem.M), problem.M, problem.q)
 
 
-def _told(found: Tried, wanted: np.ndarray | None, free: float) -> Row:
+def _told(attempt: Tried, wanted: np.ndarray | None, free: float) -> Row:
     agrees: bool | str = ""
-    if found.ways is not None and found.certified and wanted is not None:
-        size = float(max(free, np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
-        agrees = float(np.max(np.abs(found.ways - wanted))) <= AGREEMENT * size
-    certified: bool | str = "" if found.certified is None else found.certified
-    told: Row = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
-    return told | {"seconds": f"{found.seconds:.2f}", "reason": found.reason}
+    if attempt.ways is not None and attempt.certified and wanted is not None:
+        size = float(max(free, np.max(np.abs(wanted)), np.max(np.abs(attempt.ways)))) or 1.0
+        agrees = float(np.max(np.abs(attempt.ways - wanted))) <= AGREEMENT * size
+    certified: bool | str = "" if attempt.certified is None else attempt.certified
+    row: Row = {"outcome": attempt.outcome, "certified": certified, "agrees": agrees}
+    return row | {"seconds": f"{attempt.seconds:.2f}", "reason": attempt.reason}
 
 
 def _by_algorithm(algorithm: ContactAlgorithm, step: FrozenFrictionalStep) -> Tried:
@@ -159,23 +159,23 @@ def _by_algorithm(algorithm: ContactAlgorithm, step: FrozenFrictionalStep) -> Tr
     if why is not None:
         return Tried(Outcome.REFUSED.word, reason=why)
     try:
-        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), m))
+        solution = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), m))
     except (ValueError, ArithmeticError) as error:
         return Tried(Outcome.REFUSED.word, reason=str(error).splitlines()[0])
-    if not found.outcome.converged:
-        return Tried(found.outcome.word)
+    if not solution.outcome.converged:
+        return Tried(solution.outcome.word)
     if np.isfinite(algorithm.epsilon):
-        return Tried(found.outcome.word, reason=f"by its own law, of springs of {algorithm.epsilon:g} MPa/mm")
-    return _judged(found.outcome.word, step, found.u, found.pressure, found.rubbed.force)
+        return Tried(solution.outcome.word, reason=f"by its own law, of springs of {algorithm.epsilon:g} MPa/mm")
+    return _judged(solution.outcome.word, step, solution.u, solution.pressure, solution.rubbed.force)
 
 
 def _by_oracle(problem: SiconosProblem) -> Tried:
     try:
         step = problem.step()
-        found: Known = minimise(step)
+        minimum: Known = minimise(step)
     except (SiconosError, OracleError) as error:
         return Tried("none", reason=str(error).splitlines()[0])
-    return _judged("converged", step, found.du, found.normal, found.friction)
+    return _judged("converged", step, minimum.du, minimum.normal, minimum.friction)
 
 
 def _judged(word: str, step: FrozenFrictionalStep, u: np.ndarray, normal: np.ndarray, friction: np.ndarray) -> Tried:
@@ -187,17 +187,17 @@ def _judged(word: str, step: FrozenFrictionalStep, u: np.ndarray, normal: np.nda
 def table(folders: Sequence[Path]) -> pd.DataFrame:
     """All problems of folders, each name once, and what is none with the reason, smallest files first."""
     paths = {path.name: path for folder in folders for path in sorted(folder.glob("*")) if path.is_file()}
-    found: list[Row] = []
+    lines: list[Row] = []
     for name, path in sorted(paths.items(), key=lambda item: (item[1].stat().st_size, item[0])):
         try:
             problem = read_any(path)
         except SiconosError as error:
             why = str(error).replace(str(path), "the file")
-            found.append({"problem": name, "outcome": UNDECIDED, "reason": why})
+            lines.append({"problem": name, "outcome": UNDECIDED, "reason": why})
             continue
-        found.extend(rows(name, problem))
+        lines.extend(rows(name, problem))
     columns = ["problem", "kind", "d", "contacts", "mu", "algorithm", "outcome", "certified", "agrees", "seconds"]
-    return pd.DataFrame(found, columns=[*columns, "reason"], dtype=object).fillna("")
+    return pd.DataFrame(lines, columns=[*columns, "reason"], dtype=object).fillna("")
 
 
 def main(arguments: Sequence[str]) -> None:

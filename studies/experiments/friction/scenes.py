@@ -97,13 +97,13 @@ def steps_table() -> pd.DataFrame:
 
     error: of a value, from the one that the two finest give by Richardson's rule at first order.
     """
-    found = []
+    counts = []
     for count in STEPS:
         result = rubbed(COARSE, {"drag_mm": 1.0}, steps=count)
         *_, last = rows(result)
         operations = sum(result.work.values())
-        found.append({"steps": count, **last, "operations": operations, "cpu_s": result.timing["cpu"]})
-    table = pd.DataFrame(found)
+        counts.append({"steps": count, **last, "operations": operations, "cpu_s": result.timing["cpu"]})
+    table = pd.DataFrame(counts)
     for name in ("friction_N", "dissipation_N_mm"):
         *_, before, finest = table[name]
         table[f"{name}_error"] = table[name] / (2 * finest - before) - 1
@@ -241,24 +241,24 @@ def _compared(case: str) -> Iterator[Row]:
     first = solved(scene, settings, mesh, contact="semismooth")
     for name in ALGORITHMS:
         law = {"epsilon": np.inf} if is_exact(name) else {}
-        found = solved(scene, {**settings, **law}, mesh, contact=name) if name != "semismooth" else first
-        reached = min(len(found.steps), len(first.steps))
-        errors = [_difference(found, first, k) for k in range(reached)]
+        result = solved(scene, {**settings, **law}, mesh, contact=name) if name != "semismooth" else first
+        reached = min(len(result.steps), len(first.steps))
+        errors = [_difference(result, first, k) for k in range(reached)]
         states, error = sum(each[0] for each in errors), max((each[1] for each in errors), default=np.nan)
         yield {
             "case": case,
             "algorithm": name,
-            "epsilon": found.request.number("epsilon"),
-            "outcome": found.verdict,
-            "reason": found.reason or found.unsupported,
-            "substeps": sum(step["substeps"] for step in found.steps),
+            "epsilon": result.request.number("epsilon"),
+            "outcome": result.verdict,
+            "reason": result.reason or result.unsupported,
+            "substeps": sum(step["substeps"] for step in result.steps),
             "states": states,
             "force_error": error,
-            "agrees": int(found.verdict == "converged" and states == 0 and error <= AGREED),
+            "agrees": int(result.verdict == "converged" and states == 0 and error <= AGREED),
             "finer_error": np.nan if is_exact(name) else _on_finer_mesh(case, name),
-            "iterations": found.counters.get("newton_iterations", 0),
-            "operations": sum(found.work.values()) / 1e6,
-            "cpu_s": found.timing["cpu"],
+            "iterations": result.counters.get("newton_iterations", 0),
+            "operations": sum(result.work.values()) / 1e6,
+            "cpu_s": result.timing["cpu"],
         }
 
 

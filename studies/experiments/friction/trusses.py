@@ -145,14 +145,14 @@ def joint_motion_table() -> Iterator[Row]:
                 x = body.out(was.into(truss.nodes + start.u.reshape(-1, 3)))
                 start = replace(start, u=(x - truss.nodes).ravel() + rng.uniform(-BENT, BENT, truss.nodes.size))
             stage = stage_at(truss, LOADS[name], body, ground, at.anchors)
-            found = Semismooth().solve(stage.problem, start)
-            at, was = PathState(0.0, found, stage.anchored(found.u), dissipation(stage.problem, found)), body
-            first = found if step == "loaded" else first
+            solution = Semismooth().solve(stage.problem, start)
+            at, was = PathState(0.0, solution, stage.anchored(solution.u), dissipation(stage.problem, solution)), body
+            first = solution if step == "loaded" else first
             yield (
-                {"load": name, "step": step, "outcome": found.outcome.word}
+                {"load": name, "step": step, "outcome": solution.outcome.word}
                 | {"turn_rad": float(np.linalg.norm(ground.turn)), "way_mm": float(np.linalg.norm(ground.translation))}
-                | {"friction_N": float(np.sum(np.linalg.norm(found.rubbed.force, axis=1)))}
-                | {"change_N": float(np.max(np.abs(found.rubbed.force - first.rubbed.force)))}
+                | {"friction_N": float(np.sum(np.linalg.norm(solution.rubbed.force, axis=1)))}
+                | {"change_N": float(np.max(np.abs(solution.rubbed.force - first.rubbed.force)))}
                 | {"dissipation_N_mm": at.dissipation}
             )
 
@@ -246,16 +246,16 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
     """
     truss, n = wheel.truss, wheel.n
     for state in wheel.follow([-0.5, 0.0, *(step * k for k in range(1, round(way / step) + 1))]):
-        found, s = state.solution, max(state.load, 0.0)
-        x = truss.nodes + found.u.reshape(-1, 3)
-        friction = found.rubbed
+        solution, s = state.solution, max(state.load, 0.0)
+        x = truss.nodes + solution.u.reshape(-1, 3)
+        friction = solution.rubbed
         was, now = ((each[:-1] - each[-1]) @ np.array([1.0, 0.0, 1.0j]) for each in (truss.nodes, x))
         turn = float(np.mean(np.angle(was / now)))
         sticks = (friction.state == State.STICK).reshape(2, n)
         lies = (sticks & np.roll(sticks, -1, axis=1)).any(axis=0)
         bars = np.linalg.norm(np.roll(x[:n], -1, axis=0) - x[:n], axis=1)[lies]
         yield (
-            {"way_mm": s, "outcome": found.outcome.word}
+            {"way_mm": s, "outcome": solution.outcome.word}
             | {"hub_mm": float(x[-1, 0]), "hub_error_mm": float(x[-1, 0] - s / 2)}
             | {"turn_rad": turn, "bar_mm": float(np.mean(bars)) if len(bars) else math.nan}
             | {"slipping": int(np.sum(friction.state == State.SLIP))}

@@ -120,10 +120,10 @@ def _of_variant(case: Case, ratio: float, variant: bodies.Variant, n: int) -> bo
 
 
 def _compared(shell: Ladder, solid: Ladder, quantity: str, exact: float | None) -> dict[str, float]:
-    found, body = shell.limit(quantity), solid.limit(quantity)
+    limit, body = shell.limit(quantity), solid.limit(quantity)
     judge = body if exact is None else exact
     return {
-        **{"exact": math.nan if exact is None else exact, "error": found / judge - 1},
+        **{"exact": math.nan if exact is None else exact, "error": limit / judge - 1},
         "known_to": shell.left(quantity) + (solid.left(quantity) if exact is None else 0.0),
         "solid_against_exact": math.nan if exact is None else body / exact - 1,
     }
