@@ -30,7 +30,7 @@ ELEMENTS = {"P1": "ElementTriP1", "Q1": "ElementQuad1", "Q2": "ElementQuad2"}
 MESHES = {"P1": (2, 3, 4, 5), "Q1": (2, 3, 4, 5), "Q2": (1, 2, 3, 4)}  # refinements of three quadrilaterals
 EXACT = tuple(filter(is_exact, ALGORITHMS))
 LARGEST = {"lcp": 1000}  # unknowns; from there on its pivots, one at a time, take a hundred times as long as all others
-FITTED = ("l2", "h1")
+ERRORS = ("l2", "h1", "force", "radius")
 INTEGRATION = 8  # degree; what is integrated is smooth but for the elements on the rim
 
 
@@ -86,7 +86,10 @@ class Membrane:
         return cls(exact, basis, interior, radii, body)
 
     def errors(self, solution: ContactSolution) -> dict[str, float]:
-        """L2 and H1 errors of u; relative ones of the resultant, and of the radius of a disc of equal contact area."""
+        """L2 and H1 errors of u; relative ones of the resultant and of the radius of the disc of the same contact area.
+
+        radius_by_force: the contact radius that belongs to the resultant, for the eye.
+        """
         from skfem import BilinearForm, Functional
 
         u = self.exact.deflection(self.radii)
@@ -104,15 +107,16 @@ class Membrane:
             "h1": math.sqrt(slope),
             "force": abs(force / self.exact.force - 1),
             "radius": abs(math.sqrt(area / math.pi) / self.exact.contact_radius - 1),
+            "radius_by_force": self.exact.radius_under(force),
         }
 
 
 def membrane_table(meshes: Mapping[str, Sequence[int]] = MESHES, algorithms: Sequence[str] = EXACT) -> pd.DataFrame:
-    """Errors over the meshes for every exact algorithm, and the orders of l2 and h1 fitted to all meshes of an element.
+    """Errors over the meshes for every exact algorithm, and the orders fitted to all meshes of an element.
 
-    meshes: refinements by element.  apart: the largest difference of u from that of the first algorithm, over the
-    largest u.  l2, h1, force, radius: see :meth:`Membrane.errors`; the orders: least squares of the logarithms. Single
-    halvings would give orders that jump, as the rim passes between the nodes.
+    meshes: refinements by element.  unknowns, contact_nodes, iterations; apart: the largest difference of u from that
+    of the first algorithm, over the largest u.  l2, h1, force, radius: see :meth:`Membrane.errors`; the orders: least
+    squares of the logarithms. Single halvings would give orders that jump, as the rim passes between the nodes.
     """
     exact, rows = SphereObstacle(), []
     for element, levels in meshes.items():
@@ -125,13 +129,14 @@ def membrane_table(meshes: Mapping[str, Sequence[int]] = MESHES, algorithms: Seq
                 first = solution.u if first is None else first
                 row = {
                     **{"element": element, "level": level, "algorithm": name, "unknowns": len(membrane.interior)},
-                    "outcome": solution.outcome.word,
+                    **{"outcome": solution.outcome.word, "contact_nodes": int(solution.active.sum())},
+                    "iterations": solution.counters["newton_iterations"],
                     "apart": float(np.max(np.abs(solution.u - first)) / np.max(np.abs(first))),
                 }
                 rows.append(row | membrane.errors(solution))
     table = pd.DataFrame(rows)
     families = table.groupby(["element", "algorithm"], sort=False)
-    return table.assign(**{f"order_{key}": families[key].transform(_order) for key in FITTED})
+    return table.assign(**{f"order_{key}": families[key].transform(_order) for key in ERRORS})
 
 
 def _order(errors: pd.Series) -> float:

@@ -216,6 +216,11 @@ class SphereObstacle:
         on_sphere = -inside / np.sqrt(self.r0**2 - inside**2)
         return np.where(r <= self.contact_radius, on_sphere, self.factor / np.maximum(r, self.contact_radius))
 
+    def radius_under(self, force: float) -> float:
+        """The contact radius a at which the resultant is the force: 2 pi a^2/sqrt(r0^2 - a^2)."""
+        squared = (force / (2 * np.pi)) ** 2
+        return float(np.sqrt(0.5 * (np.sqrt(squared**2 + 4 * squared * self.r0**2) - squared)))
+
 
 def _excess(a: float, r0: float) -> float:
     """a^2 (1 - ln a) - r0^2; grows with a < 1."""

@@ -30,6 +30,7 @@ def test_closed_form_is_the_solution(r0: float) -> None:
         return float(2 * np.pi * radius * (2 / phi + radius**2 / phi**3))
 
     assert quad(pressure, 0, a)[0] == pytest.approx(exact.force, rel=1e-10)
+    assert exact.radius_under(exact.force) == pytest.approx(a, rel=1e-12)
 
 
 def test_slope_is_that_of_the_deflection_and_contact_beyond_the_sphere_is_refused() -> None:
@@ -60,6 +61,7 @@ def test_all_exact_algorithms_find_the_same_membrane() -> None:
     assert (table["outcome"] == "converged").all()
     assert table["apart"].max() < SAME
     assert table["force"].max() < 0.02
+    assert table["radius_by_force"].to_numpy() == pytest.approx(PRINTED["contact_radius"], rel=0.01)
 
 
 @pytest.mark.slow
@@ -76,6 +78,8 @@ def test_orders_are_those_of_the_theory() -> None:
         else:
             assert orders["order_h1"] == pytest.approx(1, abs=0.02)
             assert orders["order_l2"] == pytest.approx(2, abs=0.1)
+        assert orders["order_radius"] == pytest.approx(1, abs=0.3)
+        assert orders["order_force"] > 1
 
 
 def test_another_radius_must_fail() -> None:
