@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from studies.answers import Chosen, Run, Swept
     from studies.ask.scene import UsageError
     from studies.catalogue.descriptions import Description
-    from studies.notebook import advise, card, choose, describe, gradient, judge, solve, sweep
+    from studies.notebook import advise, card, choose, describe, gradient, judge, scene, solve, sweep
 
 __all__ = [
     "Chosen",
@@ -26,6 +26,7 @@ __all__ = [
     "describe",
     "gradient",
     "judge",
+    "scene",
     "solve",
     "sweep",
 ]

@@ -16,6 +16,7 @@ from studies.answers import Chosen, Run, Swept
 from studies.ask.request import UsageError, text_of
 from studies.ask.settings import rubbing
 from studies.catalogue import descriptions
+from studies.catalogue.by_name import Scenes
 from studies.catalogue.descriptions import Description
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
@@ -126,6 +127,9 @@ def describe(name: str) -> Description:
     """A scene, a measure or an algorithm; raises UsageError for an unknown name."""
     load_entry_points()
     return descriptions.describe(name)
+
+
+scene = Scenes(solve, lambda name: describe(name).text)
 
 
 def gradient(scene: str, quantity: str, *settings: str, check: bool = False, **asked: Any) -> pd.DataFrame:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import subprocess
 import sys
+import typing
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -13,8 +15,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies import Run, UsageError, describe, solve, sweep
+from studies import Run, UsageError, describe, scene, solve, sweep
 from studies.cli import main
+from studies.scenes import SCENES
 
 
 @pytest.fixture(scope="module")
@@ -140,3 +143,22 @@ def test_a_sweep_and_a_choice_show_themselves() -> None:
     assert repr(swept) == "<Swept panel over delta_mm (2): 2 of 2 solved>"
     table = table_of(swept._repr_html_())
     assert table["delta_mm"].astype(float).tolist() == [0.1, 0.2]
+
+
+def test_scenes_are_functions_whose_settings_complete() -> None:
+    assert dir(scene) == sorted(name.replace("-", "_") for name in SCENES)
+    keywords = inspect.signature(scene.two_rings).parameters
+    for key in ("mesh", "measure", "contact", "delta_mm", "pairing", "mu", "tolerance", "settle"):
+        assert keywords[key].kind is inspect.Parameter.KEYWORD_ONLY
+    assert typing.get_args(keywords["pairing"].annotation) == ("nodes", "mortar")
+    assert keywords["pairing"].default == "mortar"
+    assert "two rings" in (scene.two_rings.__doc__ or "").lower()
+    with pytest.raises(AttributeError, match="no scene 'bicycle'"):
+        scene.bicycle  # noqa: B018
+
+
+def test_a_scene_as_a_function_is_solve() -> None:
+    given = {"mesh": "4x1", "mesh_error": False}
+    assert scene.cantilever(**given).quantities == solve("cantilever", **given).quantities
+    with pytest.raises(UsageError, match="must be"):
+        scene.cantilever(load_fraction="much")
