@@ -117,11 +117,11 @@ def why_it_ends(
     if not free:
         return Ending(PathEnd.NEITHER, "no limit point: nothing is free to move")
     least, before = (abs(each.eigenvalues[0]) for each in (spectra[-1], spectra[0]))
-    least_size = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
+    how_small = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
-        sentence = f"bifurcation near {last:.7g}: {least_size}, and the path does not speed up along its mode{passed}"
+        sentence = f"bifurcation near {last:.7g}: {how_small}, and the path does not speed up along its mode{passed}"
         return Ending(PathEnd.BIFURCATION, sentence)
-    sentence = f"no limit point: {least_size}{passed}; the solver fails, and the tangent gives no reason"
+    sentence = f"no limit point: {how_small}{passed}; the solver fails, and the tangent gives no reason"
     return Ending(PathEnd.NEITHER, sentence)
 
 

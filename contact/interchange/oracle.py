@@ -175,11 +175,11 @@ def confirm(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, epsilon: flo
     own, multipliers = minimise(step, epsilon)
     free = _superlu(step.K).solve(-step.r)
     size = float(max(np.linalg.norm(free), np.linalg.norm(own))) or 1.0
-    f, theirs = step.weights * pressure, step.weights * multipliers
-    largest = float(max(np.max(np.abs(f), initial=0.0), np.max(np.abs(theirs), initial=0.0))) or 1.0
-    pressed, other = f > AGREEMENT * largest, theirs > AGREEMENT * largest
+    f, own_force = step.weights * pressure, step.weights * multipliers
+    largest = float(max(np.max(np.abs(f), initial=0.0), np.max(np.abs(own_force), initial=0.0))) or 1.0
+    pressed, other = f > AGREEMENT * largest, own_force > AGREEMENT * largest
     return Confirmation(
         float(np.linalg.norm(du - own)) / size,
-        float(np.max(np.abs(f - theirs), initial=0.0)) / largest,
-        np.flatnonzero((pressed != other) & (np.abs(f - theirs) > AGREEMENT * largest)),
+        float(np.max(np.abs(f - own_force), initial=0.0)) / largest,
+        np.flatnonzero((pressed != other) & (np.abs(f - own_force) > AGREEMENT * largest)),
     )

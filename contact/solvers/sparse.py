@@ -228,12 +228,6 @@ def _beyond(negative: int, multipliers: int) -> int:
     return negative - multipliers if negative >= multipliers else 1
 
 
-def backward_error(A: sparse.csc_matrix, x: np.ndarray, b: np.ndarray) -> float:
-    """|b - A x| / (|A| |x| + |b|) in the largest component; 0 for A x = b = 0."""
-    left, size = _residual(A, x, b, row_norm(A))
-    return left / size if size > 0 else 0.0
-
-
 def row_norm(A: sparse.csc_matrix) -> float:
     """|A|: the largest sum of a row."""
     return float(np.max(np.bincount(A.indices, weights=np.abs(A.data), minlength=A.shape[0]), initial=0.0))

@@ -154,7 +154,7 @@ def contact_summary(table: pd.DataFrame) -> pd.DataFrame:
 def ratios(judged: pd.DataFrame, name: str, base: str) -> list[float]:
     """RATIO_COLUMNS of ``name`` over ``base``; NaN for what rests on fewer than FEWEST problems, or on one scene.
 
-    both: problems that both solve, of both_scenes scenes.  found: of states.  The intervals are those of drawing
+    both: problems that both solve, of both_scenes scenes.  judged: of states.  The intervals are those of drawing
     scenes, whose problems are alike.
     """
     solved = judged[judged["state"] == SOLVED_STATE].set_index(["scene", "problem"])

@@ -163,10 +163,10 @@ def _followed(model: SceneModel, request: Request, smallest: float) -> Found:
     return Found(CONVERGED if touched else UNTOUCHED, "", seen)
 
 
-def _failed(outcome: Outcome, verdict: str, end: PathEnd | None) -> Found:
+def _failed(outcome: Outcome, reason: str, end: PathEnd | None) -> Found:
     """The class of a path that does not arrive."""
     kind = REFUSED if outcome is Outcome.REFUSED else END if end in ENDS else FAILED
-    return Found(kind, verdict or outcome.value)
+    return Found(kind, reason or outcome.value)
 
 
 # --- the maps -------------------------------------------------------------------------------------------------------

@@ -72,6 +72,8 @@ def read_bounds(path: Path) -> tuple[Bound, ...]:
 
 
 def _bound(entry: Mapping[str, Any], where: str) -> Bound:
+    if not isinstance(entry, Mapping):
+        raise UsageError(f"{where} is no table: [[bound]] has two brackets")
     where += f" ({entry.get('column', 'no column')})"
     try:
         bound = Bound(**entry)

@@ -122,8 +122,10 @@ def _verdict(record: Mapping[str, Any], recomputed: Recomputed, opened: Opened) 
     """The class must follow from the failures and the stability of all loads, those of the last one as found."""
     steps, last = record["steps"], record["steps"][-1]
     failures = last.get("failures")
-    if failures is None or not {*recomputed.failures} <= {*failures}:
-        worst = recomputed.failures[0]
+    if not isinstance(failures, list):
+        raise ClaimError("failures", "is not claimed")
+    if not {*recomputed.failures} <= set(map(str, failures)):
+        worst = next(each for each in recomputed.failures if each not in failures)
         has = {**recomputed.kkt, **recomputed.verdict.balances}[worst]
         raise ClaimError("failures", f"claimed {failures or 'none'}, the judge finds {worst} = {has:.3g}")
     if any(step.keys() != last.keys() for step in steps):

@@ -20,10 +20,18 @@ from studies.run.archive import Archive, DamagedError
 from studies.scenes.complete import Cell
 from studies.solving.result import CLASSES
 
+MOST_CELLS = 50_000  # of a plan
 FIELDS = "fields.vtu"
 NAME, TABLE = re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
 ORIGIN = ("version", "commit", "date", "packages", "blas", "machine")
 OPTIONS = {**dict.fromkeys(("measure", "contact", "newton", "model", "mesh"), str), "steps": int}  # of a cell
+
+
+KEPT = (  # of a record; whatever else stands there is left
+    *("schema", "id", "scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings"),
+    *("outcome", "class", "path_end", "reason", "notes", "quantities", "steps", "cuts", "counters", "work"),
+    *("timing_s", "provenance", "files"),
+)
 
 
 class ClaimError(ValueError):
@@ -57,6 +65,8 @@ class Foreign:
             rows = archive.index(campaign)["cells"]
         except UsageError as error:
             raise ClaimError("plan", str(error)) from None
+        if len(rows) > MOST_CELLS:
+            raise ClaimError("plan", f"campaign {campaign} has {len(rows)} cells, more than {MOST_CELLS}")
         for row in rows:
             if not all(isinstance(value, OPTIONS.get(key, ())) for key, value in row["options"].items()):
                 raise ClaimError("plan", f"{row['label']!r} asks for what no cell can ask for")
@@ -99,7 +109,7 @@ class Foreign:
         lacks = [key for key in ORIGIN if data["provenance"].get(key) is None]
         if lacks or "threads" not in data["provenance"]["blas"]:
             raise ClaimError("provenance", f"lacks {', '.join(lacks) or 'the threads of BLAS'}")
-        return {"measure": "", "work": {}, "cuts": [], "notes": [], **data}
+        return {"measure": "", "work": {}, "cuts": [], "notes": [], **{key: data[key] for key in KEPT if key in data}}
 
     def table(self, cell_id: str, name: str) -> list[list[str]]:
         """The rows of a table beside a record, its head first; raises ClaimError."""

@@ -50,7 +50,7 @@ def as_written(model: SceneModel, state: ContactSolution) -> tuple[bytes, Arrays
 
 
 def arrays_of(text: bytes, expected: Arrays) -> dict[str, np.ndarray]:
-    """The arrays by name, each with the type and as many values as in ``wanted``; raises ClaimError."""
+    """The arrays by name, each with the type and as many values as in ``expected``; raises ClaimError."""
     there = packed_arrays(text)
     if there.keys() != expected.keys():
         raise ClaimError("field", f"has the arrays {', '.join(there) or 'of nothing'}, not {', '.join(expected)}")
@@ -58,7 +58,7 @@ def arrays_of(text: bytes, expected: Arrays) -> dict[str, np.ndarray]:
 
 
 def _unpacked(packed: PackedArray, expected: np.ndarray, name: str) -> np.ndarray:
-    """One array (k,), unpacked no further than wanted: what says that it is small may be huge."""
+    """One array (k,), unpacked no further than expected: what says that it is small may be huge."""
     most = expected.nbytes
     try:
         data = packed.unpacked(most + 1)

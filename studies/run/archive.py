@@ -120,6 +120,7 @@ class Archive:
 
         What a killed run was writing is swept away: it never had a name.
         """
+        self._refuse_others()
         import fcntl  # as killing a cell, not there on every system; reading a store does without
 
         try:
@@ -136,6 +137,19 @@ class Archive:
             for part in self.root.rglob(f"{PART}*"):
                 part.unlink(missing_ok=True)
             yield
+
+    def _refuse_others(self) -> None:
+        """Raise UsageError when another version of the program, or something else, has put its things here."""
+        if self.root.exists() and not self.root.is_dir():
+            raise UsageError(f"--store {self.root} is a file, not a directory")
+        schemas = {1} if (self.root / "campaign.json").exists() else set()
+        for name in self.campaigns():
+            try:
+                schemas.add(int(read_json(self.index_path(name))["schema"]))
+            except (OSError, ValueError, KeyError, TypeError):
+                continue  # it will be written anew
+        for schema in schemas - {SCHEMA}:
+            raise UsageError(f"{self.root} has schema {schema}, this program writes {SCHEMA}: choose another --store")
 
 
 def read_file(

@@ -68,7 +68,8 @@ class Step:
     def flat(self) -> dict[str, Any]:
         """The entry of ``steps`` in result.json."""
         judged = {key: self.certificate[key] for key in CERTIFICATE if key in self.certificate}
-        return {**self.seen, **judged, **self.counters}
+        taken = {*self.seen, *CERTIFICATE}  # no counter of an algorithm from outside stands in the place of these
+        return {**self.seen, **judged, **{key: value for key, value in self.counters.items() if key not in taken}}
 
 
 def seen_in(entry: Mapping[str, Any], counters: Iterable[str]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from studies.arena.tasks.submission import CANNOT, MET, NONE, Claim
 from studies.ask.request import UsageError
 from studies.run.children import Child
 from studies.run.task import Limits, Task
-from studies.solving.result import SOLVED
+from studies.solving.result import SOLVED, seen_in
 
 LIMIT_S, MEMORY_MB = 60.0, 2048.0  # of a task: wall time of all its configurations, and memory of the process
 COSTS = ("dofs", "operations")  # counted by the solve, not by the algorithm
@@ -123,7 +123,7 @@ def values_of(record: Mapping[str, Any]) -> dict[str, float]:
     """
     steps = record["steps"] or [{}]
     costs = {name: record["counters"][name] for name in COSTS}
-    values = {**costs, **steps[-1], **record["quantities"]}
+    values = {**seen_in(steps[-1], record["counters"]), **record["quantities"], **costs}
     numbers = {name: float(value) for name, value in values.items() if isinstance(value, int | float)}
     for step in steps:
         for name, value in step.get("kkt", {}).items():

@@ -148,6 +148,19 @@ def test_a_damaged_record_is_set_aside_with_a_line_and_solved_again(
     assert content(own) == content(solved)
 
 
+@pytest.mark.parametrize("place", ["old", "index"])
+def test_a_store_of_another_schema_is_refused_and_not_touched(
+    place: str, own: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (own / ("campaign.json" if place == "old" else "campaigns/other.json")).write_text('{"schema": 1}')
+    before = content(own)
+    assert main(["run", str(small(tmp_path)), "--store", str(own)]) == 2
+    assert capsys.readouterr().err == (
+        f"footprint: {own} has schema 1, this program writes 2: choose another --store\n"
+    )
+    assert content(own) == before
+
+
 @pytest.mark.slow
 def test_two_runs_of_one_store_are_one_and_a_refusal(
     solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
