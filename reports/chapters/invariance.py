@@ -73,7 +73,8 @@ def _power(row: dict | None) -> str:
 
 def _panel(store: Store) -> Part:
     """What the element adds, as its own rotations one after another show; nothing where they were not made."""
-    left = filled("{strain:size} ({interpolation})", store.rows("rotations"), size=_size)
+    there = store.rows("rotations", measure="exact", body="free", path="back")
+    left = filled("{strain:size} ({interpolation})", there[there["leg"] == 3], size=_size) if len(there) else []
     return TEXT("panel", left=", ".join(left)) if left else Part()
 
 

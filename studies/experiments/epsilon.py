@@ -67,9 +67,9 @@ def wall(case: Cell) -> tuple[float, float, float]:
 def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPSILONS) -> Iterator[Row]:
     """One row for each case, form and epsilon; every solve starts from the state before contact.
 
-    penetration_mm: the largest.  force_error: relative to the exact multiplier's sum of nodal forces.  condition: of
-    the matrix of the last iteration, of displacements and of the exact multiplier, an estimate in the 1-norm.  outcome:
-    of the solve; its numbers are those of the last iterate, whatever it is.
+    penetration_mm: the largest.  force_error: relative to the exact multiplier's sum of nodal forces.  nodes_unlike:
+    contact nodes in only one of the two sets.  condition: 1-norm estimate of the matrix of the last iteration, with
+    epsilon inf the saddle-point one.  outcome: of the solve; its numbers are those of the last iterate, whatever it is.
     command: solves the same case with the multiplier form, whose answer it is.
     """
     for case in cases:
@@ -140,10 +140,18 @@ def penalised(
     return sparse.csc_matrix(lin.tangent + epsilon * (G.T @ sparse.diags_array(problem.weights[active]) @ G))
 
 
-def saddle(problem: ContactProblem, lin: Linearised, u: np.ndarray, active: np.ndarray) -> sparse.csc_matrix:
-    """[[K, k G_A^T], [k G_A, 0]] of exact contact: beside du stand nodal forces over k, the mean diagonal of K."""
+def saddle(
+    problem: ContactProblem, lin: Linearised, u: np.ndarray, active: np.ndarray, epsilon: float
+) -> sparse.csc_matrix:
+    """[[K, G_A^T s], [s G_A, -s^2/(epsilon W)]]: the unknowns beside du are nodal forces over s.
+
+    s = min(k, sqrt(epsilon W k)), k the mean diagonal of K, so that the last block is never larger than K.
+    """
     G, k = problem.gap_jacobian(u)[np.flatnonzero(active)], float(np.mean(np.abs(lin.tangent.diagonal())))
-    above, below = sparse.hstack([lin.tangent, k * G.T]), sparse.hstack([k * G, sparse.csc_matrix((G.shape[0],) * 2)])
+    stiffness = epsilon * problem.weights[active]
+    s = np.minimum(k, np.sqrt(stiffness * k))
+    softness, scaled = sparse.diags_array(-(s**2) / stiffness), sparse.diags_array(s) @ G
+    above, below = sparse.hstack([lin.tangent, scaled.T]), sparse.hstack([scaled, softness])
     return sparse.csc_matrix(sparse.vstack([above, below]))
 
 
@@ -165,16 +173,15 @@ def condition(A: sparse.csc_matrix) -> float:
 def _measured(
     problem: ContactProblem, exact: ContactSolution, solution: ContactSolution, form: str, epsilon: float
 ) -> Row:
-    lin, of_matrix = problem.linearise(solution.u, None), np.nan
-    if form == "displacement":
-        of_matrix = condition(penalised(problem, lin, solution.u, solution.active, epsilon))
-    elif np.isinf(epsilon):
-        of_matrix = condition(saddle(problem, lin, solution.u, solution.active))
+    lin = problem.linearise(solution.u, None)
+    matrix = (saddle if form == "multiplier" else penalised)(problem, lin, solution.u, solution.active, epsilon)
     force, wanted = (float(problem.nodal_forces(state.pressure).sum()) for state in (solution, exact))
     return {
         "outcome": solution.outcome.word,
         "iterations": int(solution.counters["newton_iterations"]),
         "penetration_mm": float(np.max(-problem.gap(solution.u), initial=0.0)),
+        "force_N": force,
         "force_error": force / wanted - 1,
-        "condition": of_matrix,
+        "nodes_unlike": int(np.sum(solution.active != exact.active)),
+        "condition": condition(matrix),
     }

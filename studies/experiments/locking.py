@@ -105,12 +105,14 @@ def thickness_locking(
     """Poisson thickness locking: bending stiffness found over that of plane stress through the thickness.
 
     load: "moment" and "pressure" bend a cantilever strip that cannot move across (cylindrical bending), "equibiaxial"
-    a square by moments on its edges. Of full-3d it is (1 - nu)^2/(1 - 2 nu) in cylindrical and (1 - nu)/((1 + nu)(1 -
-    2 nu)) in equibiaxial bending, else 1: no refinement and no thinness makes it go away.
+    a square by moments on its edges. law: 1, and for full-3d (1 - nu)^2/(1 - 2 nu) in cylindrical and
+    (1 - nu)/((1 + nu)(1 - 2 nu)) in equibiaxial bending. No refinement and no thinness makes it go away.
     """
     for load, section, nu, n in product(("moment", "pressure", "equibiaxial"), sections, nus, meshes):
+        excess = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) if load == "equibiaxial" else (1 - nu) ** 2 / (1 - 2 * nu)
+        law = excess if section == "full-3d" else 1.0
         ratio = _bending_stiffness(load, section, nu, n, h_over_L)
-        yield {"load": load, "section": section, "nu": nu, "elements": n, "stiffness_ratio": ratio}
+        yield {"load": load, "section": section, "nu": nu, "elements": n, "stiffness_ratio": ratio, "law": law}
 
 
 def _bending_stiffness(load: str, section: str, nu: float, n: int, h: float) -> float:
@@ -150,15 +152,16 @@ def _discretised(surface: Surface, grid: Grid, h: float, nu: float, supports: Su
 def shear_locking(elements: int = 8) -> Iterator[Row]:
     """Straight cantilever under end shear, elements of increasing length over thickness l/h; nu = 0.
 
-    ratio: tip deflection over Timoshenko's P L^3/(3 E I) + P L/(G A). fully_integrated: 1/(1 + (5/12)(l/h)^2 ...), what
-    a fully integrated linear element (S l^2/(12 D) = (l/h)^2/2 without shear correction) would leave; a yardstick that
-    must fail.
+    ratio: tip deflection over Timoshenko's P L^3/(3 E I) + P L/(G A). two_node: 1 - 1/(4 n^2) in the bending part, of a
+    linear element without shear locking. fully_integrated: 1/(1 + (5/12)(l/h)^2 ...), what a fully integrated linear
+    element (S l^2/(12 D) = (l/h)^2/2 without shear correction) would leave; a yardstick that must fail.
     """
     for aspect in (1, 10, 100, 1e3, 1e4):
         h = 1.0 / (aspect * elements)
         tip = _tip_deflection(Plate(), 0, np.linspace(0, 1.0, elements + 1), h)
         bending, shear = 4 / h**3, 2 / h
-        row = {"l_over_h": aspect, "elements": elements, "ratio": tip / (bending + shear)}
+        softening = (bending * (1 - 1 / (4 * elements**2)) + shear) / (bending + shear)
+        row = {"l_over_h": aspect, "elements": elements, "ratio": tip / (bending + shear), "two_node": softening}
         yield row | {"fully_integrated": 1 / (1 + 5 / 12 * aspect**2)}
 
 

@@ -130,7 +130,8 @@ def joint_motion_table() -> Iterator[Row]:
 
     A solve starts from the body carried along, its nodes put out of place by ``BENT``; or, where the foundation moves
     alone, left where it is.  turn_rad, way_mm: of the motion.  friction_N: sum of |t|; change_N: largest change of t
-    since the load was there, in the frame of the foundation; dissipation_N_mm.
+    since the load was there, in the frame of the foundation; normal_change_N, bar_change_N: those of normal forces and
+    of bars; dissipation_N_mm.
     """
     truss = pyramid()
     rng = np.random.default_rng(0)
@@ -139,7 +140,7 @@ def joint_motion_table() -> Iterator[Row]:
         was, at = Motion.none(), PathState(0.0, standing, FEET)
         together = [("together", motion, motion) for motion in MOTIONS]
         first = standing
-        for step, body, ground in [("loaded", was, was), *together, ("alone", MOTIONS[-1], ALONE)]:
+        for index, (step, body, ground) in enumerate([("loaded", was, was), *together, ("alone", MOTIONS[-1], ALONE)]):
             start = at.solution
             if step == "together":
                 x = body.out(was.into(truss.nodes + start.u.reshape(-1, 3)))
@@ -149,10 +150,13 @@ def joint_motion_table() -> Iterator[Row]:
             at, was = PathState(0.0, solution, stage.anchored(solution.u), dissipation(stage.problem, solution)), body
             first = solution if step == "loaded" else first
             yield (
-                {"load": name, "step": step, "outcome": solution.outcome.word}
+                {"load": name, "index": index, "step": step, "outcome": solution.outcome.word}
                 | {"turn_rad": float(np.linalg.norm(ground.turn)), "way_mm": float(np.linalg.norm(ground.translation))}
+                | {"iterations": solution.counters["newton_iterations"]}
                 | {"friction_N": float(np.sum(np.linalg.norm(solution.rubbed.force, axis=1)))}
                 | {"change_N": float(np.max(np.abs(solution.rubbed.force - first.rubbed.force)))}
+                | {"normal_change_N": float(np.max(np.abs(solution.pressure - first.pressure)))}
+                | {"bar_change_N": float(np.max(np.abs(truss.forces(solution.u) - truss.forces(first.u))))}
                 | {"dissipation_N_mm": at.dissipation}
             )
 
@@ -241,8 +245,9 @@ class Wheel:
 def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
     """Squeezed in two steps, then state by state up to ``way`` [mm] by ``step`` [mm].
 
-    hub_error_mm: of the hub from s/2.  turn_rad: of the rim about the hub, forward positive, in the mean.  bar_mm: mean
-    length of the bars of the rim that lie on a plate, both ends sticking; else NaN.  slipping: nodes.
+    hub_error_mm: of the hub from s/2; middle_error_mm: from the middle between the plates.  turn_rad: of the rim
+    about the hub, forward positive, in the mean.  bar_mm: mean length of the bars of the rim that lie on a plate, both
+    ends sticking; else NaN.  press_N, drag_N: of the lower plate.  dissipation_N_mm: of the step.
     """
     truss, n = wheel.truss, wheel.n
     for state in wheel.follow([-0.5, 0.0, *(step * k for k in range(1, round(way / step) + 1))]):
@@ -255,10 +260,13 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
         lies = (sticks & np.roll(sticks, -1, axis=1)).any(axis=0)
         bars = np.linalg.norm(np.roll(x[:n], -1, axis=0) - x[:n], axis=1)[lies]
         yield (
-            {"way_mm": s, "outcome": solution.outcome.word}
+            {"way_mm": s, "outcome": solution.outcome.word, "iterations": solution.counters["newton_iterations"]}
             | {"hub_mm": float(x[-1, 0]), "hub_error_mm": float(x[-1, 0] - s / 2)}
+            | {"middle_error_mm": float(x[-1, 2] + wheel.squeeze * (1 + min(state.load, 0.0)) / 2)}
             | {"turn_rad": turn, "bar_mm": float(np.mean(bars)) if len(bars) else math.nan}
-            | {"slipping": int(np.sum(friction.state == State.SLIP))}
+            | {"press_N": float(solution.pressure[:n].sum()), "drag_N": float(friction.force[:n, 0].sum())}
+            | {"sticking": int(sticks.sum()), "slipping": int(np.sum(friction.state == State.SLIP))}
+            | {"dissipation_N_mm": state.dissipation}
         )
 
 
@@ -268,8 +276,9 @@ def rolling_table(
 ) -> Iterator[Row]:
     """A wheel rolled by a little more than two of its bars, a row each case: mu and step [mm].
 
-    hub_error_mm: the largest.  radius_error: of what the hub has come by while the wheel turned from one bar to the
-    next, over that turn, from n bars as they lie on a plate over 2 pi, relative.
+    hub_error_mm, middle_error_mm: the largest.  slips: steps in which a node slips, once it rolls.  dissipated_N_mm: by
+    these.  radius_mm: what the hub has come by while the wheel turned from one bar to the next, over that turn;
+    bars_mm: n bars as they lie on a plate over 2 pi; radius_error: of the first from the second, relative.
     """
     for mu, step in product(coefficients, steps):
         n, pitch = NODES, 2 * RADIUS * math.sin(math.pi / NODES)
@@ -278,6 +287,10 @@ def rolling_table(
         first, last = np.interp([2 * math.pi / n, 4 * math.pi / n], turn[1:], path["hub_mm"].to_numpy(float)[1:])
         radius, bars = (last - first) * n / (2 * math.pi), float(path["bar_mm"][rolls].mean()) * n / (2 * math.pi)
         yield (
-            {"mu": mu, "step_mm": step, "outcome": path["outcome"].iloc[-1]}
-            | {"hub_error_mm": float(path["hub_error_mm"].abs().max()), "radius_error": radius / bars - 1}
+            {"nodes": n, "mu": mu, "step_mm": step, "outcome": path["outcome"].iloc[-1]}
+            | {"iterations": path["iterations"].sum(), "turn_rad": float(turn[-1])}
+            | {name: float(path[name].abs().max()) for name in ("hub_error_mm", "middle_error_mm")}
+            | {"slips": int((path["slipping"] > 0)[rolls].sum())}
+            | {"dissipated_N_mm": float(path["dissipation_N_mm"][rolls].sum())}
+            | {"radius_mm": radius, "bars_mm": bars, "radius_error": radius / bars - 1}
         )
