@@ -129,7 +129,7 @@ def describe(name: str) -> Description:
     return descriptions.describe(name)
 
 
-scene = Scenes(solve, lambda name: describe(name).text)
+scene = Scenes(solve)
 
 
 def gradient(scene: str, quantity: str, *settings: str, check: bool = False, **asked: Any) -> pd.DataFrame:

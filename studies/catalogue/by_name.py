@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from studies.ask.scene import Setting, settings_beside
 from studies.ask.settings import parameters_of
+from studies.catalogue.descriptions import describe
 from studies.scenes import SCENES
 
 KINDS: dict[str, Any] = {"float": float, "int": int, "floats": Sequence[float], "path": Sequence[float]}
@@ -23,9 +24,9 @@ class Scenes:
     default.
     """
 
-    def __init__(self, solve: Callable[..., Any], text_of: Callable[[str], str]) -> None:
-        """text_of: the description of a scene by its name."""
-        self._solve, self._text_of = solve, text_of
+    def __init__(self, solve: Callable[..., Any]) -> None:
+        """solve: :func:`studies.notebook.solve`, which loads more than is known here."""
+        self._solve = solve
 
     def __dir__(self) -> list[str]:
         return [name.replace("-", "_") for name in SCENES]
@@ -38,7 +39,7 @@ class Scenes:
         def solved(**given: Any) -> Any:
             return self._solve(scene, **given)
 
-        solved.__name__, solved.__doc__ = name, self._text_of(scene)
+        solved.__name__, solved.__doc__ = name, describe(scene).text
         solved.__signature__ = self._signature(scene)  # type: ignore[attr-defined]  # what inspect reads
         return solved
 

@@ -155,7 +155,7 @@ def _among(among: Sequence[Any]) -> str:
 
 
 def _numbers(text: str) -> list[float]:
-    """The numbers of a text; NaN, which is in no range, for what is none."""
+    """The numbers of a text; NaN, which is in no range, for text that is not a number."""
     try:
         return [float(each) for each in text.split(",")]
     except ValueError:
