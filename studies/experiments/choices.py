@@ -29,19 +29,22 @@ COARSE = 0.5  # of the unknowns of the exact measure's finest grid, below which 
 KEYS = [*PROBLEM, "name"]
 OFFERS = 2  # the one recommended and the runner-up
 COLUMNS = (
-    *("regime", "scene", "settings", "quantity", "asked", "row", "axis", "name", "surfaces", "contact", "mesh"),
     *(
-        "unknowns",
-        "formulation_error",
-        "within",
-        "verdict",
-        "error_at_most",
-        "seconds",
-        "iterations",
-        "tried",
-        "agrees",
+        "regime",
+        "scene",
+        "settings",
+        "quantity",
+        "limit",
+        "asked",
+        "row",
+        "axis",
+        "name",
+        "surfaces",
+        "contact",
+        "mesh",
     ),
-    *("said", "command"),
+    *("unknowns", "formulation_error", "within", "verdict", "error_at_most", "seconds", "iterations", "tried"),
+    *("agrees", "said", "command"),
 )
 
 
@@ -70,8 +73,8 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
     What the smallest error takes says what larger ones take, too; where it has no answer they are asked for themselves.
     offer: what is recommended, and the runner-up; ``tried``: solved from rest and certified.  variant: a measure, an
     option of the element, a wall with more surfaces or a model, with its formulation_error in the limit of the grids,
-    known to ``within``, from that of the exact measure on the wall with the most surfaces.  surfaces: of its wall,
-    where they are not those of the scene.  grid: of the measures, with the most that it may be off.  algorithm: from
+    known to ``within``, from ``limit``, that of the exact measure on the wall with the most surfaces.
+    surfaces: of its wall, where they are not those of the scene.  grid: of the measures, with the most that it may be off.  algorithm: from
     rest on a mesh; ``agrees``: with the default, to the judge.  seconds: CPU time, of a path from the grid before in
     the rows of variants and grids.
     """
@@ -79,7 +82,13 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
     for ask in shipped_asks() if asks is None else asks:
         for choice in _found(ask, errors):
             settings = " ".join(f"{key}={text_of(value)}" for key, value in ask.settings.items())
-            head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": choice.quantity}
+            head: dict[str, Any] = {
+                "regime": ask.regime,
+                "scene": ask.scene,
+                "settings": settings,
+                "quantity": choice.quantity,
+            }
+            head["limit"] = np.nan if choice.truth is None else choice.truth.limit
             rows += [{**head, "asked": choice.question.error, **row} for row in _rows(choice)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 

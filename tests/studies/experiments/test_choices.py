@@ -28,6 +28,7 @@ def test_the_reference_is_the_limit_of_the_exact_measure_and_what_is_recommended
     assert tuple(roof.columns) == COLUMNS
     own, linear = (roof[(roof["row"] == VARIANT) & (roof["name"] == name)].iloc[0] for name in ("exact", "linear"))
     assert abs(own["formulation_error"]) <= own["within"]  # two faces are enough for so thin a wall
+    assert own["limit"] * (1 + linear["formulation_error"]) == pytest.approx(0.3010, rel=0.01)
     assert (linear["verdict"], own["verdict"]) == ("not enough", "enough")
     offer = roof[roof["row"] == OFFER].iloc[0]
     assert offer["error_at_most"] <= 0.1
@@ -43,6 +44,7 @@ def test_what_is_known_for_a_smaller_error_serves_a_larger_one() -> None:
     exact = table[(table["row"] == GRID) & (table["name"] == "exact")]
     coarse, fine = (exact[exact["asked"] == error].set_index("mesh") for error in (0.1, 0.01))
     assert coarse["error_at_most"].equals(fine["error_at_most"])
+    assert table["limit"].nunique() == 1
     offers = table[table["row"] == OFFER].drop_duplicates("asked").set_index("asked")
     meshes = offers["mesh"].map(lambda mesh: int(mesh.split("x")[1]))
     assert (meshes[0.1] < meshes[0.01], bool(offers.loc[0.1, "tried"])) == (True, True)
