@@ -74,9 +74,9 @@ def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS)
     offer: what is recommended, and the runner-up; ``tried``: solved from rest and certified.  variant: a measure, an
     option of the element, a wall with more surfaces or a model, with its formulation_error in the limit of the grids,
     known to ``within``, from ``limit``, that of the exact measure on the wall with the most surfaces.
-    surfaces: of its wall, where they are not those of the scene.  grid: of the measures, with the most that it may be off.  algorithm: from
-    rest on a mesh; ``agrees``: with the default, to the judge.  seconds: CPU time, of a path from the grid before in
-    the rows of variants and grids.
+    surfaces: of its wall, where they are not those of the scene.  grid: of the measures, with the most that it may be
+    off.  algorithm: from rest on a mesh; ``agrees``: with the default, to the judge.  seconds: CPU time, of a path from
+    the grid before in the rows of variants and grids.
     """
     rows = list[dict[str, Any]]()
     for ask in shipped_asks() if asks is None else asks:
