@@ -115,7 +115,7 @@ def api_pages() -> dict[str, str]:
 
 def users_names() -> Iterator[str]:
     """What ``import footprint`` has, each where it is defined."""
-    tree = ast.parse(modules()["studies"].read_text(encoding="utf-8"))
+    tree = ast.parse((ROOT / "studies" / "footprint" / "__init__.py").read_text(encoding="utf-8"))
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and str(node.module).startswith("studies."):
             yield from (f"{node.module}.{alias.name}" for alias in node.names)

@@ -1,4 +1,4 @@
-"""``from studies import solve, describe``: what a notebook calls, with Python's values, data frames and figures.
+"""``from footprint import solve, describe``: what a notebook calls, with Python's values, data frames and figures.
 
 It adds nothing of its own: requests are checked, solved and drawn as for the command line, and advice, cards and
 judgements are what the commands of the same names print.

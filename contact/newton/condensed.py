@@ -10,8 +10,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.newton.exchange import Exchange
+from contact.newton.held import Ports
 from contact.newton.pivots import Pivots, holding
-from contact.newton.ports import Ports
 from contact.newton.saddle import bound
 from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.newton.ports import Bound, Ports
+from contact.newton.held import Bound, Ports
 from contact.newton.solves import LinearSolves
 from contact.solvers.sparse import response, response_flops
 
@@ -25,7 +25,7 @@ REFINEMENTS = 3
 
 
 class Exchange:
-    """w = q + M z of d ways, see :class:`contact.newton.ports.Ports`.
+    """w = q + M z of d ways, see :class:`contact.newton.held.Ports`.
 
     now (d,): the ways before the step.  compliance (d,): of a way under its own force.  left (n,): the residual without
     forces of the foundation.

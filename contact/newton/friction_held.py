@@ -21,9 +21,8 @@ from scipy.linalg import qr
 
 from contact.coulomb import State
 from contact.newton.friction_states import Laws
-from contact.newton.held import Held
+from contact.newton.held import Bound, Held
 from contact.newton.pivots import Grip, largest
-from contact.newton.ports import Bound
 from contact.newton.saddle import Saddle
 
 Block = tuple[np.ndarray, np.ndarray]  # rows (r, k), and the columns (k,) that they are on

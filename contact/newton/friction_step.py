@@ -37,7 +37,7 @@ from contact.coulomb import State
 from contact.newton.exchange import Exchange
 from contact.newton.friction_held import DEPENDENT, Directions, held_states
 from contact.newton.friction_states import Laws
-from contact.newton.ports import Ports
+from contact.newton.held import Ports
 from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.solvers.sparse import SingularMatrixError, added, factor_flops

@@ -1,20 +1,68 @@
-"""A contact set put into the tangent as motions that obey it, without the zeros of a saddle point on its diagonal.
+"""What is asked of a contact set in a tangent, and a set put into it as motions that obey it.
 
-Gaps that share the unknowns that hold them do not enter here: :mod:`contact.newton.saddle`.
+Motions leave no zeros of a saddle point on its diagonal. No set is chosen here. Gaps that share the unknowns that hold
+them do not enter here: :mod:`contact.newton.saddle`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.pivots import Grip, largest
-from contact.newton.ports import Ports
 from contact.problem import ContactProblem
 from contact.solvers.sparse import added
+
+
+@dataclass(frozen=True, eq=False)
+class Ports:
+    """The d ways of all candidates: inputs are forces where ``forced`` (d,) bool, ways where the candidate is held.
+
+    rows, acting: J (d, n), and the same by which forces act.
+    to_slack (a, d): slacks of the held rows of unit ways; multiplied (d, a): forces along the ways of unit multipliers.
+    """
+
+    rows: sparse.csr_matrix
+    acting: sparse.csr_matrix
+    forced: np.ndarray
+    to_slack: sparse.csr_matrix
+    multiplied: sparse.csr_matrix
+
+    @property
+    def free(self) -> sparse.dia_array:
+        """1 on the diagonal (d, d) where the input is a force."""
+        return sparse.diags_array(self.forced.astype(float))
+
+
+class Bound(Protocol):
+    """The step K du - G_A^T f = -r, G_A du + E f = s - g of a set A with slacks s (a,), in unknowns y of its own."""
+
+    @property
+    def matrix(self) -> sparse.csc_matrix:
+        """Of y."""
+
+    @property
+    def multipliers(self) -> int:
+        """How many unknowns are forces: as many negative eigenvalues belong to no motion."""
+
+    def load(self, force: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """The right-hand side of y for forces (n,) and slacks s - g (a,)."""
+
+    def motion(self, y: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """du (n,)."""
+
+    def forces(self, y: np.ndarray, du: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """f (a,) [N]; residual (n,): r."""
+
+    def sides(self, ports: Ports) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """What there is of y in outputs, and what inputs put on the right-hand side of y, a column (d of them) each."""
+
+    def direct(self, ports: Ports, places: np.ndarray) -> np.ndarray:
+        """Outputs (d, p) of unit inputs at the ``places`` (p,) that do not go by way of y."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +174,7 @@ class Held:
         return sparse.csc_matrix((scaled, (inner.row, inner.col)), shape=inner.shape)
 
     def sides(self, ports: Ports) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
-        """As :class:`contact.newton.ports.Bound` says, (n, d) each."""
+        """As :class:`Bound` says, (n, d) each."""
         reciprocal = self.grip.reciprocal
         seen = sparse.csc_matrix(ports.rows.T @ ports.free + self.across.T @ reciprocal @ ports.multiplied.T)
         done = sparse.csc_matrix(ports.acting.T @ ports.free - self.columns @ reciprocal @ ports.to_slack)

@@ -18,16 +18,15 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.newton.held import Held
+from contact.newton.held import Bound, Held, Ports
 from contact.newton.pivots import holding
-from contact.newton.ports import Bound, Ports
 from contact.problem import ContactProblem
 from contact.solvers.sparse import least_degrees
 
 
 @dataclass(frozen=True, eq=False)
 class Saddle:
-    """The step of :class:`contact.newton.ports.Bound` with y = (du, f/c) (n + a,) in the order of their elimination.
+    """The step of :class:`contact.newton.held.Bound` with y = (du, f/c) (n + a,) in the order of their elimination.
 
     c [N/mm]: gives rows and columns of forces the size of those of K.
     """
@@ -93,7 +92,7 @@ class Saddle:
         return self.size * self._parts(y)[1]
 
     def sides(self, ports: Ports) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
-        """As :class:`contact.newton.ports.Bound` says, (n + a, d) each."""
+        """As :class:`contact.newton.held.Bound` says, (n + a, d) each."""
         seen = sparse.vstack([ports.rows.T @ ports.free, self.size * ports.multiplied.T], format="csr")
         done = sparse.vstack([ports.acting.T @ ports.free, -self.size * ports.to_slack], format="csr")
         return sparse.csc_matrix(seen[self.order]), sparse.csc_matrix(done[self.order])

@@ -13,9 +13,8 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.events import Event
-from contact.newton.held import holdable
+from contact.newton.held import Bound, holdable
 from contact.newton.pivots import Pivots
-from contact.newton.ports import Bound
 from contact.newton.saddle import Saddle, bound
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead

@@ -5,13 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+from studies.ask.model import SceneModel
 from studies.ask.request import Request, Settings
 from studies.ask.settings import Setting
-
-if TYPE_CHECKING:
-    from studies.ask.scene import SceneModel
 
 ROTATIONS, SNAP, LINEAR = "large rotations", "snap through", "linear shells"  # the families, whose pictures they are in
 CLOSED, CONTACT, TYRE = "closed forms", "contact", "tyre"

@@ -1,6 +1,6 @@
 """Meshes of quadrilaterals that follow no coordinates: what moving the nodes costs, by measure, option and shell.
 
-Each row is one solve. Nodes are moved as :mod:`formulations.geometry.distortion` says; an amount of 0 is the same
+Each row is one solve. Nodes are moved as :mod:`formulations.geometry.grid` says; an amount of 0 is the same
 element on the grid as it is, so that the difference is the distortion's alone.
 """
 
@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.geometry.distortion import DISTORTIONS
+from formulations.geometry.grid import DISTORTIONS
 from formulations.strains.catalogue import MEASURES
 from studies.experiments import Row, tabulated
 from studies.scenes.complete import complete

@@ -12,8 +12,7 @@ from formulations.element.arc_element import refusal
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
 from formulations.element.quad_geometry import FoldedQuadError
 from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
-from formulations.geometry.distortion import DISTORTIONS, LARGEST, distorted
-from formulations.geometry.grid import Grid, QuadGrid, TensorGrid
+from formulations.geometry.grid import DISTORTIONS, LARGEST, Grid, QuadGrid, TensorGrid, distorted
 from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import SECTIONS, Laminate, Ply

@@ -7,8 +7,8 @@ import numpy as np
 
 from contact.problem import ContactSolution
 from formulations.solid import SolidModel
+from studies.ask.layers import write_solid_fields
 from studies.ask.scene import Declared, Request, UsageError, candidates_at, nodal_pressure
-from studies.output.vtu import write_solid_fields
 
 
 class OfSolids(Declared):

@@ -1,4 +1,4 @@
-"""``from studies import solve, describe``: values or text, data frames, figures, one line for what is wrong."""
+"""``from footprint import solve, describe``: values or text, data frames, figures, one line for what is wrong."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies import Run, UsageError, describe, scene, solve, sweep
 from studies.cli import main
+from studies.footprint import Run, UsageError, describe, scene, solve, sweep
 from studies.scenes import SCENES
 
 
@@ -96,9 +96,9 @@ def test_describe_is_show() -> None:
 
 def test_the_package_is_light_and_its_names_stay_functions() -> None:
     code = (
-        "import sys, studies; heavy = [m for m in ('numpy', 'pandas') if m in sys.modules];"
-        "from studies import solve, describe; import studies.cli, studies.commands.solve;"
-        "from studies import solve as again; print(heavy, solve is again, callable(studies.describe))"
+        "import sys, studies.footprint as door; heavy = [m for m in ('numpy', 'pandas') if m in sys.modules];"
+        "from studies.footprint import solve, describe; import studies.cli, studies.commands.solve;"
+        "from studies.footprint import solve as again; print(heavy, solve is again, callable(door.describe))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[] True True"

@@ -8,19 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import studies
-from studies import UsageError, advise, gradient, judge, solve
+from studies import footprint
 from studies.cli import main
+from studies.footprint import UsageError, advise, gradient, judge, scene, solve
 
-KEPT = Path(studies.__file__).parent / "arena" / "kept"
+KEPT = Path(footprint.__file__).parents[1] / "arena" / "kept"
 
 
 def test_every_name_is_there() -> None:
-    assert sorted(dir(studies)) == sorted(studies.__all__)
-    assert all(callable(getattr(studies, name)) for name in studies.__all__ if name != "scene")
-    assert "two_rings" in dir(studies.scene)
+    assert sorted(dir(footprint)) == sorted(footprint.__all__)
+    assert all(callable(getattr(footprint, name)) for name in footprint.__all__ if name != "scene")
+    assert "two_rings" in dir(scene)
     with pytest.raises(AttributeError, match="no attribute 'solv'"):
-        studies.solv  # noqa: B018
+        footprint.solv  # noqa: B018
 
 
 def test_advice_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:

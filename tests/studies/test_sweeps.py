@@ -12,11 +12,11 @@ import pandas as pd
 import pytest
 
 from contact.problem import ContactSolution, Outcome
-from studies import UsageError
-from studies import sweep as sweep_in_notebook
 from studies.ask.request import Request
 from studies.cli import FAILED, NOT_CONVERGED, OK, WRONG_USE, main
 from studies.commands import INTERRUPTED
+from studies.footprint import UsageError
+from studies.footprint import sweep as sweep_in_notebook
 from studies.scenes.complete import complete
 from studies.scenes.tyre.grid_lines import TyreSizes
 from studies.solving.refinement.mesh_error import solve_with_error

@@ -22,9 +22,9 @@ from formulations.discretisation import Discretisation
 from formulations.element_modes import element_modes
 from formulations.geometry.grid import graded_lines
 from formulations.shell import ShellModel
+from studies.ask.layers import write_fields
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, ShellSceneModel, Stage, Units, UsageError, candidates_at
-from studies.output.vtu import write_fields
 from studies.scenes.element import Span, spaced_lines
 
 OUTER = 1  # the face that touches

@@ -20,7 +20,7 @@ from contact.faces.symmetry import motions
 from contact.problem import ContactProblem, Linearisation, Linearised
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
-from studies.output.vtu import Layer, shell_layer
+from studies.ask.layers import Layer, shell_layer
 
 
 class Body(Protocol):

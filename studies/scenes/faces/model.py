@@ -17,9 +17,9 @@ from contact.faces.several import Several
 from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import FACES
 from formulations.shell import ShellModel
+from studies.ask.layers import write_layers
 from studies.ask.request import Request, Value
 from studies.ask.scene import Begun, Observation, Setting, Stage
-from studies.output.vtu import write_layers
 from studies.scenes.faces.bodies import Bodies, Body, Pairing, Placed, Side
 
 PAIRING = Setting.one_of(

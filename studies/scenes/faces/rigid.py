@@ -11,7 +11,7 @@ from scipy import sparse
 
 from contact.faces.sampling import areas
 from contact.problem import Linearisation, Linearised
-from studies.output.vtu import Layer
+from studies.ask.layers import Layer
 
 
 @dataclass(frozen=True, eq=False)

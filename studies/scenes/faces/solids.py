@@ -14,8 +14,8 @@ from contact.problem import Linearised
 from formulations.section.laminate import Laminate
 from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
+from studies.ask.layers import Layer, solid_layer
 from studies.ask.scene import Request, UsageError
-from studies.output.vtu import Layer, solid_layer
 
 GROWTH = 1.3  # of elements, one beside the other
 

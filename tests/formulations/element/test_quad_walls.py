@@ -7,8 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from formulations.discretisation import Discretisation
-from formulations.geometry.distortion import DISTORTIONS, distorted
-from formulations.geometry.grid import Grid
+from formulations.geometry.grid import DISTORTIONS, Grid, distorted
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply

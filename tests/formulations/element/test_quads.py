@@ -13,8 +13,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.strain_operator import GAUSS
-from formulations.geometry.distortion import DISTORTIONS, distorted
-from formulations.geometry.grid import Grid, QuadGrid
+from formulations.geometry.grid import DISTORTIONS, Grid, QuadGrid, distorted
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import NodalSurface, Plate, cylinder, sphere, torus
 from formulations.loads.pressure import Pressure

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-import studies
+import studies.footprint
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.series_path import PowerSeries
 from studies.ask.scene import CurveStage
@@ -46,7 +46,7 @@ def test_what_does_not_apply_is_refused_in_one_line(tmp_path: Path, capsys: pyte
 
 
 def test_a_notebook_reads_the_curve_where_the_load_passes() -> None:
-    run = studies.solve("roof-a", mesh="4x4", load_fraction=[0.25, 1.0])
+    run = studies.footprint.solve("roof-a", mesh="4x4", load_fraction=[0.25, 1.0])
     at, step = run.at(0.25), run.result.loads[0].seen
     assert at == pytest.approx(step, rel=1e-9)
     assert run.at(0.25, passage=1)["w_C_mm"] > at["w_C_mm"]
@@ -54,14 +54,14 @@ def test_a_notebook_reads_the_curve_where_the_load_passes() -> None:
     with pytest.raises(LookupError):
         run.at(1.5)
     with pytest.raises(LookupError, match="points alone"):
-        studies.solve("roof-a", mesh="2x2", path="arc-length", load_fraction=0.25).at(0.25)
+        studies.footprint.solve("roof-a", mesh="2x2", path="arc-length", load_fraction=0.25).at(0.25)
     with pytest.raises(LookupError, match="load steps"):
-        studies.solve("cantilever", mesh="4x1").at(0.25)
+        studies.footprint.solve("cantilever", mesh="4x1").at(0.25)
 
 
 @pytest.mark.parametrize("path", ["series", pytest.param("arc-length", marks=pytest.mark.slow)])
 def test_the_picture_is_drawn_from_the_curve(path: str, tmp_path: Path) -> None:
-    run = studies.solve("roof-a", mesh="2x2", path=path)
+    run = studies.footprint.solve("roof-a", mesh="2x2", path=path)
     drawn = run.figures()[0].axes[0].lines[0].get_xydata()
     assert drawn[0].tolist() == [0.0, 0.0]  # rest, which is no row
     assert drawn[1:, 1].tolist() == pytest.approx(run.result.table("curve").columns["load_fraction"])

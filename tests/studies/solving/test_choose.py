@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from studies import choose as choose_in_notebook
 from studies.ask.scene import UsageError
 from studies.cli import INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE, main
+from studies.footprint import choose as choose_in_notebook
 from studies.scenes.complete import complete
 from studies.solving import choose as choosing
 from studies.solving.choice import ANSWERED, NOT_ANSWERED

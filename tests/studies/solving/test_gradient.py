@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 
 from contact.sensitivity import Change, Rates
-from studies import solve as solve_here
 from studies.ask.request import UsageError
 from studies.cli import main
+from studies.footprint import solve as solve_here
 from studies.scenes.complete import complete
 from studies.solving.derivatives import beside, gradient, sides, taylor
 from studies.solving.derivatives.gradient import Derivative

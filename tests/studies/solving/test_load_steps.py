@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from contact.events import Event, EventKind
-from studies import solve as solve_in_a_notebook
 from studies.cli import main
+from studies.footprint import solve as solve_in_a_notebook
 from studies.scenes.complete import complete
 from studies.solving.load_steps import TABLE, StepError, estimate, lines
 from studies.solving.result import Result

@@ -15,7 +15,7 @@ from contact.solvers.multifrontal import Multifrontal
 from contact.solvers.qp_backends import Programme, ask, operations
 from contact.solvers.sparse import Factor, checked_solve, factorise, response
 from formulations.operations import ASSEMBLY
-from studies import solve
+from studies.footprint import solve
 from studies.solving.solve import KINDS, counted
 
 N = 40

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-import studies
+import studies.footprint
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -84,10 +84,10 @@ def test_the_terminal_ends_with_the_condition_and_the_code_is_that_of_a_failed_c
 
 
 def test_a_notebook_reads_the_same() -> None:
-    run = studies.solve("ring", mesh="1x16", contact="liar", **LOADS)
+    run = studies.footprint.solve("ring", mesh="1x16", contact="liar", **LOADS)
     assert (run.outcome, run.verdict) == ("wrong", "wrong")
     assert run.reason.startswith("penetration ")
-    assert studies.solve("ring", mesh="1x16", **LOADS).verdict == "converged"
+    assert studies.footprint.solve("ring", mesh="1x16", **LOADS).verdict == "converged"
 
 
 def test_a_refinement_ends_with_a_state_that_is_wrong() -> None:
@@ -145,7 +145,7 @@ def test_an_interrupted_solve_writes_the_loads_that_were_finished(
     assert (told["outcome"], told["class"], len(told["steps"])) == ("interrupted", "not-converged", 1)
     assert told["steps"][0] == _whole()["steps"][0]
     with pytest.raises(KeyboardInterrupt):  # a loop in a notebook ends, too
-        studies.solve("ring", mesh="1x16", contact="stopped", **LOADS)
+        studies.footprint.solve("ring", mesh="1x16", contact="stopped", **LOADS)
 
 
 def _whole() -> dict[str, Any]:
@@ -167,7 +167,7 @@ def test_steps_have_their_columns_where_no_load_was_reached(
     scene: str, mesh: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(ALGORITHMS, "never", Never)
-    none, some = (studies.solve(scene, mesh=mesh, contact=contact) for contact in ("never", "semismooth"))
+    none, some = (studies.footprint.solve(scene, mesh=mesh, contact=contact) for contact in ("never", "semismooth"))
     assert (none.outcome, len(none.steps)) == ("step-limit", 0)
     seen = list(some.result.loads[0].seen)
     assert list(none.steps.columns) == seen == list(some.steps.columns)[: len(seen)]

@@ -13,9 +13,9 @@ from scipy.optimize import nnls
 from contact.catalogue import ALGORITHMS
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.verify import judge
-from studies import solve
 from studies.ask.settings import configured
 from studies.experiments.extremes import CONVERGED, FAILED, UNSTABLE, UNTOUCHED, attempt, chart_of
+from studies.footprint import solve
 from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate

@@ -11,8 +11,8 @@ from formulations.geometry.surfaces import Plate, Surface, annulus
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
+from studies.ask.layers import write_solid_fields
 from studies.ask.scene import UsageError
-from studies.output.vtu import write_solid_fields
 from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
