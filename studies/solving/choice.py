@@ -89,13 +89,14 @@ class Choice:
                 "name": each.contact,
                 "mesh": each.mesh,
                 "ended": each.ended,
-                "agrees": each.agrees(beside(each, self.algorithms, self.question.contact)),
+                "agrees": each.agrees(own),
                 "value": each.value,
                 "seconds": each.seconds,
                 "newton_iterations": each.iterations,
-                "said": each.said,
+                "said": each.against(own),
             }
             for each in self.algorithms
+            for own in (beside(each, self.algorithms, self.question.contact),)
         ]
 
     @property

@@ -14,7 +14,7 @@ from typing import Any
 
 from contact.catalogue import ALGORITHMS
 from studies.ask.request import PartError, Request, UsageError, text_of
-from studies.ask.scene import Scene
+from studies.ask.scene import EPSILON, Scene
 from studies.scenes.complete import complete
 from studies.solving.result import SOLVED, Result
 from studies.solving.solve import Interrupted, solve
@@ -132,6 +132,7 @@ class Trial:
     iterations: int = 0
     value: float | None = None
     notes: Sequence[str] = ()
+    epsilon: float | None = None  # of its contact condition, if it has one
     contact: str = ""
     mesh: str = ""
 
@@ -139,6 +140,12 @@ class Trial:
     def solved(self) -> bool:
         """Whether the judge certifies the answer."""
         return self.ended in SOLVED and self.value is not None
+
+    def against(self, other: Trial | None) -> str:
+        """What was said of it, or that its contact condition is another one, where that is why it does not agree."""
+        if self.said or other is None or self.agrees(other) is not False or self.epsilon == other.epsilon:
+            return self.said
+        return f"its epsilon is {self.epsilon:g}, that of {other.contact} {other.epsilon:g}"
 
     def agrees(self, other: Trial | None) -> bool | None:
         """Whether both have the same value, to the judge; None where one has none."""
@@ -179,7 +186,9 @@ def tried(
         return Trial(REFUSED, result.unsupported)
     why = "" if result.verdict == SOLVED[0] else str(result.as_json()["reason"])
     iterations = int(result.counters.get("newton_iterations", 0))
-    return Trial(result.verdict, why, spent, iterations, result.quantities.get(quantity), result.notes)
+    value, epsilon = result.quantities.get(quantity), result.request.settings.get(EPSILON.key)
+    known = epsilon if isinstance(epsilon, float) else None
+    return Trial(result.verdict, why, spent, iterations, value, result.notes, known)
 
 
 def race(

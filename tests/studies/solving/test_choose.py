@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import shlex
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +18,7 @@ from studies.solving import choose as choosing
 from studies.solving.choice import ANSWERED, NOT_ANSWERED
 from studies.solving.choose import choose, loosened
 from studies.solving.solve import solve
-from studies.solving.trials import Clock
+from studies.solving.trials import Clock, Trial
 from studies.solving.verdict import ENOUGH, NOT_ENOUGH, WORDS
 
 PLUGIN = Path(__file__).parents[2] / "plugin" / "stranger.py"
@@ -116,6 +118,13 @@ def test_the_files_of_an_answer(ring: Path) -> None:
     for name in ("measures", "surfaces", "elements"):
         drawn = (ring / "figures" / f"{name}.svg").read_text()
         assert drawn.startswith("<?xml")
+
+
+def test_another_contact_condition_is_named_where_values_differ() -> None:
+    asked, springs = Trial("converged", value=1.0, contact="qp"), Trial("converged", value=1.0001, epsilon=1e4)
+    assert springs.against(replace(asked, epsilon=math.inf)) == "its epsilon is 10000, that of qp inf"
+    assert replace(springs, said="stopped").against(replace(asked, epsilon=math.inf)) == "stopped"
+    assert springs.against(replace(asked, epsilon=1e4)) == replace(springs, value=1.0).against(asked) == ""
 
 
 def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
