@@ -49,6 +49,8 @@ class Ply:
         if not abs(TN) < limit:
             raise ValueError(f"ply nu_TT = {TN:g} must lie in (-{limit:g}, {limit:g})")
         determinant = 1 - (LT * LT * E_T + LN * LN * E_N + 2 * LT * LN * TN * E_N) / E_L - TN * TN * E_N / E_T
+        if (E_N, LN) == (E_T, LT):  # in factors, whose digits do not cancel as nu comes to -1
+            determinant = (1 + TN) * (1 - TN - 2 * LT * LT * E_T / E_L)
         if not determinant > 0:
             raise ValueError(
                 "ply is not positive definite: 1 - (nu_LT^2 E_T + nu_LN^2 E_N + 2 nu_LT nu_LN nu_TT E_N)/E_L "

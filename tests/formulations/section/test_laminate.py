@@ -252,6 +252,13 @@ def test_a_ply_is_accepted_exactly_when_its_compliance_is_definite(moduli, ratio
         assert smallest > 0
 
 
+def test_an_isotropic_ply_comes_close_to_both_of_its_limits() -> None:
+    """Twice the shear modulus, and three times the bulk modulus, as nu comes to -1 and to 1/2."""
+    for nu in (1e-9 - 1, 0.5 - 1e-9):
+        values = np.linalg.eigvalsh(Ply.isotropic(1.0, nu, 1.0).stiffness()[np.ix_([0, 1, 3], [0, 1, 3])])
+        assert values == pytest.approx(sorted([1 / (1 - 2 * nu), *[1 / (1 + nu)] * 2]), rel=1e-6)
+
+
 def test_unknown_section_is_refused_with_the_choices() -> None:
     with pytest.raises(ValueError, match="'plain' is not one of " + ", ".join(SECTIONS)):
         stacked().stiffness("plain")
