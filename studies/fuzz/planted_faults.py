@@ -25,7 +25,7 @@ from studies.ask.request import Request
 from studies.experiments import Row, tabulated
 from studies.fuzz import planted_in_friction
 from studies.fuzz.attempt import Asked
-from studies.fuzz.cases import SCENE, asked_of
+from studies.fuzz.cases import SCENE, asked_of, first_asked
 from studies.fuzz.examine import BROKEN, examine
 from studies.fuzz.planting import Fault, fault
 from studies.scenes.contact import panel
@@ -219,13 +219,18 @@ def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bo
     among: requests that are examined, and counted; the others are passed over.
     """
     kind = looked_for.kind or ("" if among is None else SCENE)
-    seeds = (seed for seed in itertools.count() if among is None or among(asked_of(seed)))
+    seeds = (seed for seed in itertools.count() if among is None or _drawn_among(seed, among))
     for cases, seed in enumerate(itertools.islice(seeds, most), 1):
         with looked_for.planted():
             report = examine(seed, kind)
         if report.verdict == BROKEN and examine(seed, kind).verdict != BROKEN:
             return {"fault": looked_for.name, "cases": cases, "law": report.law, "said": report.said}
     return {"fault": looked_for.name, "cases": 0, "law": "", "said": ""}
+
+
+def _drawn_among(seed: int, among: Callable[[Asked], bool]) -> bool:
+    """Of the request that is solved; its scene is built only where what was drawn first is among them, too."""
+    return among(first_asked(seed, SCENE)[0]) and among(asked_of(seed))
 
 
 @tabulated
