@@ -1,8 +1,8 @@
 """Recovery of smoother displacements, and what their strains say of the error of the elements.
 
-A cubic spline through the nodal displacements, along one coordinate at a time, is closer to the truth than their linear
-interpolation; its strains E*, taken by elements a few times shorter along that coordinate, are set against the strains
-E of the elements in the norm of D::
+Cubics through the nodal displacements on four lines, along one coordinate at a time, are closer to the truth than their
+linear interpolation; their strains E*, taken by elements a few times shorter along that coordinate, are set against the
+strains E of the elements in the norm of D::
 
     |dE|^2 = sum over the parts of the element of w dE . D dE,    dE = E* - E
 
@@ -15,6 +15,7 @@ shows it. No contact and no scene may enter here.
 import numpy as np
 
 from formulations.geometry.grid import TensorGrid
+from formulations.geometry.transfer import Transfer
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E
 
@@ -26,16 +27,19 @@ def refined(lines: np.ndarray) -> np.ndarray:
     return np.interp(np.arange(PARTS * (len(lines) - 1) + 1) / PARTS, np.arange(len(lines)), lines)
 
 
-def recovery_errors(shell: ShellModel, u: np.ndarray, finer: ShellModel, axis: int) -> np.ndarray:
+def recovery_errors(
+    shell: ShellModel, u: np.ndarray, finer: ShellModel, axis: int, around: tuple[TensorGrid, np.ndarray] | None = None
+) -> np.ndarray:
     """The dE (E, PARTS, 11) of the displacements u of the shell.
 
-    finer: the same shell on the grid whose lines along a_{axis+1} are :func:`refined`.
+    finer: the same shell on the grid whose lines along a_{axis+1} are :func:`refined`.  around: a grid that goes on
+    beyond the seams of a part, and the displacements (N, 6) of its nodes; without one, cubics are one-sided there.
     """
-    grid, fine = shell.discretisation.grid, finer.discretisation.grid
+    grid = shell.discretisation.grid
     assert isinstance(grid, TensorGrid)
-    assert isinstance(fine, TensorGrid)
-    v = _spline(grid, fine, shell.nodal_displacements(u), axis)
-    smooth = finer.mean_strains(finer.discretisation.map.restrict_nodal(v))
+    here, v = around or (grid, shell.nodal_displacements(u))
+    smooth_v = Transfer(here, finer.discretisation.grid).nodal(v)
+    smooth = finer.mean_strains(finer.discretisation.map.restrict_nodal(smooth_v))
     counts = [n - 1 + (axis_ == 1 and grid.periodic) for axis_, n in enumerate(grid.node_shape)]
     cut = smooth.reshape(counts[0], PARTS, counts[1], N_E) if axis == 0 else smooth.reshape(*counts, PARTS, N_E)
     parts = np.moveaxis(cut, axis + 1, 2).reshape(-1, PARTS, N_E)
@@ -50,16 +54,3 @@ def energy_products(shell: ShellModel, first: np.ndarray, second: np.ndarray) ->
     weight = shell.discretisation.geometry.weight / PARTS
     squares = [weight * np.einsum("epi,ij,epj->e", d, 0.5 * (D + D.T), d) for d in (first, second)]
     return np.sqrt(np.maximum(squares[0], 0.0) * np.maximum(squares[1], 0.0))
-
-
-def _spline(grid: TensorGrid, fine: TensorGrid, v: np.ndarray, axis: int) -> np.ndarray:
-    """Nodal values (N, k) of the grid on the finer one: not-a-knot at ends, periodic where the grid is."""
-    from scipy.interpolate import CubicSpline  # slow to load, and only adapted grids need it
-
-    lines, values = grid.nodes[:, axis].reshape(grid.node_shape), v.reshape(*grid.node_shape, -1)
-    at = fine.nodes[:, axis].reshape(fine.node_shape)
-    along, points = (lines[:, 0], at[:, 0]) if axis == 0 else (lines[0], at[0])
-    if axis == 1 and grid.periodic:
-        along, values = np.append(along, along[0] + 2 * np.pi), np.concatenate([values, values[:, :1]], axis=1)
-        return CubicSpline(along, values, axis=1, bc_type="periodic")(points).reshape(fine.n_nodes, -1)
-    return np.asarray(CubicSpline(along, values, axis=axis)(points).reshape(fine.n_nodes, -1))

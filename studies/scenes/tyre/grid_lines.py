@@ -21,12 +21,14 @@ import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
 from formulations.element.strain_operator import CORNER_MASS
-from formulations.geometry.grid import CORNERS, graded_lines
+from formulations.geometry.grid import CORNERS, Grid, TensorGrid, graded_lines
 from formulations.recovery import energy_products, recovery_errors, refined
+from formulations.shell import ShellModel
 from studies.ask.request import Request, Settings
 from studies.ask.scene import Setting, UsageError
 from studies.scenes.element import MOVED_NODES
-from studies.scenes.tyre.model import TyreModel
+from studies.scenes.tyre.model import TyreModel, inflated_shell
+from studies.scenes.tyre.parts import base_of, part_of
 from studies.scenes.tyre.press import PATH_SETTINGS
 from studies.scenes.walk import Visited, walk
 
@@ -40,6 +42,7 @@ FINE = 4000  # samples of a size along a line
 COARSE = (20, 20)
 PASSES = 2
 SECANT = 0.1  # of the travel, for the rate of the displacements
+LOOSE = 1e-4  # of the forces: what the estimate of an error leaves is far more
 LARGEST = (np.pi / 8, np.pi / 8)  # rad, along psi and phi: what no estimate of a coarse grid may exceed
 
 
@@ -161,7 +164,7 @@ class TyreSizes:
         left_out = {setting.key for setting in (*PATH_SETTINGS, *MOVED_NODES)}
         by_travel = Settings({key: value for key, value in request.settings.items() if key not in left_out})
         settings = by_travel.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
-        coarse = replace(request, settings=settings, mesh=COARSE, model="full")
+        coarse = replace(request, settings=settings, mesh=COARSE, model=base_of(settings))
         lines = tyre_lines(COARSE, request.number("clamp_deg"))
         estimates: list[TyreSizes] = []
         for _ in range(PASSES):
@@ -184,20 +187,31 @@ class TyreSizes:
 def _estimate(request: Request, psi: np.ndarray, phi: np.ndarray) -> tuple[LineSize, LineSize]:
     """Sizes along psi and phi from the error of the force in each element, summed across the other direction."""
     model = TyreModel.on(request, psi, phi)
+    grid, whole = model.part.grid, Grid.tensor(psi, phi, periodic=True)
+    assert isinstance(grid, TensorGrid)
     before, state = pressed(request, model)
-    finer = (TyreModel.on(request, refined(psi), phi), TyreModel.on(request, psi, refined(phi)))
     rim = 0.5 * (rim_errors(model, before) + rim_errors(model, state))
-    shape = (len(psi) - 1, len(phi) - 1)
     sizes = []
-    for axis, lines in enumerate((psi, phi)):
-        errors = strain_errors(model, before, state, finer[axis], axis) + rim[:, axis]
-        sizes.append(LineSize.equidistributing(lines, errors.reshape(shape).sum(axis=1 - axis)))
+    for axis, lines in enumerate(grid.lines):
+        finer = part_of(request.model, *(refined(line) if k == axis else line for k, line in enumerate((psi, phi))))
+        errors = strain_errors(model, before, state, inflated_shell(request, finer), whole, axis) + rim[:, axis]
+        by_line = errors.reshape([len(each) - 1 for each in grid.lines]).sum(axis=1 - axis)
+        sizes.append(LineSize.equidistributing(lines, model.part.copies * by_line))
     return sizes[0], sizes[1]
 
 
-def strain_errors(model: TyreModel, before: Visited, state: Visited, finer: TyreModel, axis: int) -> np.ndarray:
+def strain_errors(
+    model: TyreModel, before: Visited, state: Visited, finer: ShellModel, whole: TensorGrid, axis: int
+) -> np.ndarray:
     """(E,) [N]: what the size of each element along one coordinate adds to the error of the force, 2 |dE| |dE'|."""
-    dE, dE_before = (recovery_errors(model.shell, at.state.u, finer.shell, axis) for at in (state, before))
+    part, shell = model.part, model.shell
+    signs = np.repeat(part.sign[:, ::-1], 2, axis=1)  # of a1, a2, normal, which are z, y, x at the crown, on both faces
+
+    def error(at: Visited) -> np.ndarray:
+        around = signs * (part.view @ shell.nodal_displacements(at.state.u))
+        return recovery_errors(shell, at.state.u, finer, axis, (whole, around))
+
+    dE, dE_before = error(state), error(before)
     return 2 * energy_products(model.shell, dE, (dE - dE_before) / (state.point.requested - before.point.requested))
 
 
@@ -220,9 +234,7 @@ def rim_errors(model: TyreModel, state: Visited) -> np.ndarray:
 
 def pressed(request: Request, model: TyreModel) -> list[Visited]:
     """The states at the travels of the request; raises UsageError when one is not reached."""
-    algorithm = Semismooth(
-        epsilon=request.number("epsilon"), tolerance=request.number("tolerance"), solver=request.choice("solver")
-    )
+    algorithm = Semismooth(epsilon=request.number("epsilon"), tolerance=LOOSE, solver=request.choice("solver"))
     visited = list(walk(model.stages(), algorithm, request.steps))
     last = visited[-1]
     if not last.converged:
