@@ -6,8 +6,9 @@ Nothing here knows a particular scene; no picture is drawn here. What is recorde
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 from contact import operations as of_contact
 from contact.continuation.candidates import Starts
@@ -17,12 +18,22 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, SceneModel, Stage
 from studies.ask.settings import configured, rubbing
 from studies.scenes.plugins import blamed
-from studies.scenes.walk import no_starts, walk
+from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.recording import record
 from studies.solving.result import Result
 
 KINDS = (of_elements.ASSEMBLY, *of_contact.KINDS)  # of floating-point operations
 StartsOf = Callable[[SceneModel], Callable[[Stage], Starts]]
+
+
+@dataclass(frozen=True, eq=False)
+class Walked:
+    """A path that was followed already: its requested points, with the CPU and wall time and the operations spent."""
+
+    model: SceneModel
+    visits: Sequence[Visited]
+    clocks: Mapping[str, float]
+    work: Mapping[str, int]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -43,10 +54,12 @@ def solve(
     request: Request,
     progress: Callable[[str], None] = lambda text: None,
     starts: StartsOf | None = None,
+    walked: Walked | None = None,
 ) -> Result:
     """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised.
 
     starts: of the model, where its steps set out from; by default each from the last state of the path.
+    walked: the path, where it was followed already and only has to be judged.
     Raises Interrupted, and PartError where a part from outside breaks.
     """
 
@@ -55,7 +68,7 @@ def solve(
 
     start, spent, stop = time.perf_counter(), time.process_time(), KeyboardInterrupt()
     with counted() as work, blamed(request.contact, request.measure, scene):
-        model = scene.build(request)
+        model = scene.build(request) if walked is None else walked.model
         result = Result(request, model, work=work)
         built = time.perf_counter()
         result.counters["dofs"] = model.n_unknowns
@@ -66,8 +79,11 @@ def solve(
         else:
             result.epsilon = algorithm.epsilon
             try:
-                start_of = no_starts if starts is None else starts(model)
-                for visited in walk(stages_of(model, request), algorithm, request.steps, tell=tell, starts=start_of):
+                path: Iterable[Visited] = walked.visits if walked is not None else ()
+                if walked is None:
+                    start_of = no_starts if starts is None else starts(model)
+                    path = walk(stages_of(model, request), algorithm, request.steps, tell=tell, starts=start_of)
+                for visited in path:
                     record(visited, result)
                     if result.outcome is Outcome.WRONG:
                         break  # no equilibrium leads further
@@ -75,10 +91,13 @@ def solve(
                 stop = error
                 result.outcome = result.cause = Outcome.INTERRUPTED
                 result.reason = f"{word(stop)} with {len(result.loads) or 'no'} loads finished"
+    clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
+    if walked is not None:
+        clocks = {name: seconds + walked.clocks[name] for name, seconds in clocks.items()}
+        work.update({kind: done + walked.work[kind] for kind, done in work.items()})
     # last, so that nothing an algorithm counts under these names is added to them
     result.counters |= {"dofs": model.n_unknowns, "operations": sum(work.values())}
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
-    clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
     result.timing = {**clocks, "build": built - start, **times}
     result.counters = {key: int(value) for key, value in result.counters.items()}
     if result.outcome is Outcome.INTERRUPTED:

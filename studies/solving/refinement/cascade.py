@@ -19,16 +19,15 @@ from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
 from studies.solving.refinement.error_control import solve_to_error
 from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
-from studies.solving.refinement.limits import FEW, Estimate, Seen, estimate_of
-from studies.solving.refinement.mesh_error import headed, round_of
-from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
+from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estimate_of
+from studies.solving.refinement.mesh_error import round_of
+from studies.solving.refinement.nested import LOOSE, Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
 from studies.solving.result import Result
 
 FINER = math.sqrt(2)  # elements along a coordinate from grid to grid
 MOST = 100_000  # unknowns of a grid of a cascade
 TIGHT = 1e-2  # of the error asked for: what the iteration on a grid may leave of the forces
-LOOSEST, TIGHTEST = 1e-5, 1e-9
 DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those of the last grid
 ALMOST = 1.2  # of the unknowns of the next grid, up to which it is foreseen to be the last
 SLOW = 1.5  # the lowest order that a cascade is foreseen to have
@@ -46,28 +45,19 @@ class Cascade:
     quantity: str | None
     grids: list[Sketch] = field(default_factory=list)
 
-    def grow(self, asked: Request) -> bool:
-        """Follow the path on one grid more; False where it does not reach its end."""
-        loose = min(LOOSEST, max(TIGHTEST, TIGHT * self.error))
+    def grow(self, asked: Request, loose: float = LOOSE) -> bool:
+        """Follow the path on one grid more, to forces in balance to ``loose``; False where it does not reach its end.
+
+        The states of the first grids stay, where others may start from; those of finer ones until the next.
+        """
         path = sketch(self.scene, asked, self.grids[-1] if self.grids else None, loose)
-        if path is not None:
-            self.quantity = self.quantity or default_quantity(self.scene, path.quantities)
-            self._append(path)
-        return path is not None
-
-    def solved(self, asked: Request, progress: Callable[[str], None]) -> Result | None:
-        """The judged result on one grid more, from the last one, in place of a sketch; None where it is no answer."""
-        result = solve_from(self.scene, asked, self.last, progress)
-        if not result.outcome.converged:
-            return None
-        self._append(Sketch.of(result))
-        return result
-
-    def _append(self, path: Sketch) -> None:
-        """The states of the first grids stay, where others may start from; those of finer ones until the next."""
+        if path is None:
+            return False
+        self.quantity = self.quantity or default_quantity(self.scene, path.quantities)
         if len(self.grids) > STARTS:
             self.grids[-1] = self.grids[-1].values_only
         self.grids.append(path)
+        return True
 
     @property
     def name(self) -> str:
@@ -154,16 +144,12 @@ def answer(
     estimate: Estimate | str = FEW
     late = False
     widths: list[tuple[float, float]] = []
-    judged: Result | None = None  # on the last grid
     while grid is not None and not late:
-        head = round_of(len(cascade.grids) + 1, grid, cascade.grids)
-        progress(head)
-        if widths and _more(widths, error, ways(request)) <= ALMOST * FINER ** ways(request):
-            answered = cascade.solved(grid, headed(progress, head))  # the grid foreseen as the last is solved once
-            if answered is None:
-                break
-            judged = answered
-        elif not cascade.grow(grid) and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
+        progress(round_of(len(cascade.grids) + 1, grid, cascade.grids))
+        more = _more(widths, error, ways(request))
+        last = more <= ALMOST * FINER ** ways(request) if widths else len(cascade.grids) >= FEWEST
+        followed = cascade.grow(grid, 0.0 if last else TIGHT * error)
+        if not followed and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
             break
         if cascade.grids:
             cascade.check_quantity()
@@ -173,20 +159,16 @@ def answer(
                 widths.append((cascade.last.size, estimate.uncertainty))
                 if estimate.uncertainty <= error:
                     break
-            last, more = cascade.last, _more(widths, error, ways(request))
-            if math.isinf(budget) and last.unknowns * more > MOST:
+            if math.isinf(budget) and cascade.last.unknowns * _more(widths, error, ways(request)) > MOST:
                 break
             spent = time.process_time() - start
-            late = spent + DEARER * last.seconds > budget or last.unknowns > MOST
+            late = spent + DEARER * cascade.last.seconds > budget or cascade.last.unknowns > MOST
         grid = near(scene, grid, FINER)
     known = isinstance(estimate, Estimate) and (estimate.uncertainty <= error or late)
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
         left = budget - (time.process_time() - start)
         return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress, budget=left)
-    last = cascade.last
-    if judged is None or judged.request is not last.request:
-        judged = solve_from(scene, last.request, last, progress)
-    result = judged
+    result = solve_from(scene, cascade.last.request, cascade.last, progress)
     if not result.outcome.converged:
         return result, False
     longer = _longer(scene, result, request)
@@ -208,7 +190,7 @@ def _stated(result: Result, cascade: Cascade, estimate: Estimate | str) -> bool:
         result.reason = endless or f"the error of {name} is not known: {estimate}"
         return False
     value, sketched = result.quantities[name], cascade.last.quantities[name]
-    if abs(value - sketched) > max(estimate.uncertainty, LOOSEST) * max(abs(value), abs(sketched)):
+    if abs(value - sketched) > max(estimate.uncertainty, TIGHT * error) * max(abs(value), abs(sketched)):
         result.reason = f"from rest {name} is another than from coarser grids: there are two branches"
         return False
     record_estimate(result, name, estimate, error)

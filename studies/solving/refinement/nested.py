@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
@@ -35,7 +35,7 @@ from studies.scenes.plugins import blamed
 from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.refinement.grids import element_size
 from studies.solving.result import CONVERGED, Result
-from studies.solving.solve import StartsOf, solve, stages_of
+from studies.solving.solve import StartsOf, Walked, counted, solve, stages_of
 
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
@@ -46,30 +46,36 @@ MOSTLY = 0.5  # of the nodes around, in contact
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """A path on a coarser grid: the requested points, what is read off them, and the CPU time.
+    """A path that was followed and not judged: the requested points, what is read off them, and what it has cost.
 
-    model, visits: none where only the values are kept; no model of what is not one shell.
+    model, visits: none where only the values are kept.  tolerance: of the forces in balance.
     loads: a row a requested load, or the last point of a curve.
-    quantities: the headline values.  strayed: the largest distance of a state from its start on a coarser grid, over
-    its step; 0 where no step had one.
+    quantities: the headline values.  clocks: CPU and wall time [s].  work: floating-point operations by kind.
+    strayed: by stage the largest distance of a state from its start on a coarser grid, over its step; 0 without one.
     """
 
     request: Request
     unknowns: int
-    model: ShellSceneModel | None
+    model: SceneModel | None
     visits: Sequence[Visited]
+    tolerance: float
     loads: Sequence[dict[str, Any]]
     quantities: dict[str, float]
-    seconds: float
-    strayed: float = 0.0
+    clocks: Mapping[str, float]
+    work: Mapping[str, int]
+    strayed: Mapping[str, float] = field(default_factory=dict)
 
-    @classmethod
-    def of(cls, result: Result) -> Sketch:
-        """A path that was solved to its last load, with all that it cost."""
-        assert result.model is not None
-        shell = result.model if isinstance(result.model, ShellSceneModel) else None
-        loads, seconds = [step.seen for step in result.loads], result.timing["cpu"]
-        return cls(result.request, result.model.n_unknowns, shell, result.visits, loads, result.quantities, seconds)
+    @property
+    def seconds(self) -> float:
+        """CPU time."""
+        return self.clocks["cpu"]
+
+    @property
+    def as_good(self) -> Walked | None:
+        """What there is to judge of a path to the tolerance that its request has; None where it is but a start."""
+        if self.model is None or self.tolerance > self.request.number("tolerance"):
+            return None
+        return Walked(self.model, self.visits, self.clocks, self.work)
 
     @property
     def values_only(self) -> Sketch:
@@ -100,9 +106,14 @@ def touches(visited: Visited) -> bool:
 def solve_from(
     scene: Scene, request: Request, known: Sketch | None, progress: Callable[[str], None] = lambda text: None
 ) -> Result:
-    """The result on the grid of the request, its path started from a known one; from rest where that is not stable."""
+    """The result on the grid of the request, its path started from a known one; from rest where that is not stable.
+
+    A path that is known on this grid, to the tolerance of the request, is judged as it stands.
+    """
     known = known if known is not None and known.model is not None else None
-    result = solve(scene, request, progress, None if known is None else partial(starts_of, known))
+    walked = known.as_good if known is not None and known.request is request else None
+    starts = None if known is None or walked is not None else partial(starts_of, known)
+    result = solve(scene, request, progress, starts, walked)
     if known is None or result.verdict == CONVERGED or result.unsupported:
         return result
     again = solve(scene, request, progress)
@@ -125,21 +136,23 @@ def sketch(
     """
     if starts is None and coarser is not None:
         starts = partial(starts_of, coarser)
-    with blamed(request.contact, request.measure, scene):
-        return _sketched(scene, request, starts, loose)
+    wall, start = time.perf_counter(), time.process_time()
+    with counted() as work, blamed(request.contact, request.measure, scene):
+        path = _sketched(scene, request, starts, loose)
+    clocks = {"total": time.perf_counter() - wall, "cpu": time.process_time() - start}
+    return None if path is None else replace(path, clocks=clocks, work=work)
 
 
 def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: float) -> Sketch | None:
-    start = time.process_time()
     model = scene.build(request)
     tolerance = max(loose, request.number("tolerance"))
     visits, loads, quantities = list[Visited](), list[dict[str, Any]](), dict[str, float]()
-    shell = model if isinstance(model, ShellSceneModel) else None  # from others nothing is carried: they are values
     try:
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
     except ValueError:  # an invalid parameter: the solve reports it
         return None
-    given, smallest = Given(no_starts if starts is None else starts(model)), CUT if shell else SMALLEST
+    given = Given(no_starts if starts is None else starts(model))
+    smallest = CUT if isinstance(model, ShellSceneModel) else SMALLEST
     for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=smallest, starts=given.to):
         if not visited.converged:
             return None
@@ -153,9 +166,10 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
             loads.append(observation.step)
     if not loads:
         return None
-    strayed = max(map(given.strayed, visits))
-    seconds = time.process_time() - start
-    return Sketch(request, model.n_unknowns, shell, visits, loads, quantities, seconds, strayed)
+    strayed = dict[str, float]()
+    for visited in visits:
+        strayed[visited.stage.name] = max(strayed.get(visited.stage.name, 0.0), given.strayed(visited))
+    return Sketch(request, model.n_unknowns, model, visits, tolerance, loads, quantities, {}, {}, strayed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,10 +203,11 @@ class Given:
 
 
 def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
-    """Where the steps of a model set out from: the path that is known, unless its own starts were as far from it."""
-    if known.model is None or known.strayed >= FAR:
+    """Where the steps of a model set out from: the path that is known, but for stages whose starts were as far off."""
+    if not isinstance(known.model, ShellSceneModel):
         return no_starts
-    return starts_from(known.visits, known.model, model)
+    near = [visited for visited in known.visits if known.strayed.get(visited.stage.name, 0.0) < FAR]
+    return starts_from(near, known.model, model)
 
 
 def starts_from(visits: Sequence[Visited], here: ShellSceneModel, there: SceneModel) -> Callable[[Stage], Starts]:
