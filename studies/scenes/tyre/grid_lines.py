@@ -126,7 +126,7 @@ class LineSize:
             return np.append(0.0, np.cumsum(steps))
 
         low, high = -60.0, 60.0  # of ln c: the number falls with it
-        for _ in range(100):
+        for _ in range(60):  # halves, down to rounding
             middle = 0.5 * (low + high)
             low, high = (middle, high) if number(float(np.exp(middle)))[-1] > n / 2 else (low, middle)
         count = number(float(np.exp(high)))

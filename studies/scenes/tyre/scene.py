@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -178,8 +179,7 @@ class Tyre(Declared):
 
     def build(self, request: Request) -> TyreModel | InflatedTyre:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
-        model = InflatedTyre if request.model == "axisymmetric" else TyreModel
-        return model.on(request, *self.lines(request))
+        return _built(request, self) if self.sizes is None else _kept(request, self.sizes)
 
     def lines(self, request: Request) -> tuple[np.ndarray, np.ndarray]:
         """Grid lines psi, phi [rad]; raises UsageError on impossible geometry, plies or meshes."""
@@ -200,6 +200,17 @@ class Tyre(Declared):
         sizes = self.adapted(request).sizes
         assert sizes is not None
         return sizes.proportioned(elements)
+
+
+def _built(request: Request, scene: Tyre) -> TyreModel | InflatedTyre:
+    model = InflatedTyre if request.model == "axisymmetric" else TyreModel
+    return model.on(request, *scene.lines(request))
+
+
+@lru_cache(maxsize=1)
+def _kept(request: Request, sizes: TyreSizes) -> TyreModel | InflatedTyre:
+    """A grid of a cascade is tried, and then followed on."""
+    return _built(request, Tyre(sizes=sizes))
 
 
 SCENES = (Tyre(),)
