@@ -1,8 +1,9 @@
-"""A quantity to an error by a cascade of grids: each twice the unknowns of the one before, and started from it.
+"""A quantity to an error by a cascade of grids: each up to twice the unknowns of the one before, and started from it.
 
-It ends with the first grid whose interval is narrow enough, or with the last that a budget of seconds allows. A cascade
-that is foreseen to need more than MOST unknowns is left to grids that are cut where the error is
-(:mod:`studies.solving.refinement.error_control`), which pay where something singular decides.
+A grid that is foreseen to be enough has no more unknowns than that takes. It ends with the first grid whose interval is
+narrow enough, or with the last that a budget of seconds allows. A cascade that is foreseen to need more than MOST
+unknowns is left to grids that are cut where the error is (:mod:`studies.solving.refinement.error_control`), which pay
+where something singular decides.
 """
 
 from __future__ import annotations
@@ -25,11 +26,14 @@ from studies.solving.refinement.nested import LOOSE, Sketch, sketch, solve_from,
 from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
 from studies.solving.result import Result
 
-FINER = math.sqrt(2)  # elements along a coordinate from grid to grid
+FINER = math.sqrt(2)  # elements along a coordinate from grid to grid, at the most
+CLOSER = 1.3  # the same where the rim of contact is a curve, whose jumps average out, until a limit is stated
+CLOSEST = 1.2  # at the least
 MOST = 100_000  # unknowns of a grid of a cascade
 TIGHT = 1e-2  # of the error asked for: what the iteration on a grid may leave of the forces
 DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those of the last grid
 ALMOST = 1.2  # of the unknowns of the next grid, up to which it is foreseen to be the last
+USUAL = 0.04  # a first interval, where something touches
 SLOW = 1.5  # the lowest order that a cascade is foreseen to have
 TOO_FINE = 0.4  # size of elements over that of the first grid, below which a path that fails is not tried again
 ENOUGH = 2  # grids that show what quantities there are
@@ -144,26 +148,31 @@ def answer(
     estimate: Estimate | str = FEW
     late = False
     widths: list[tuple[float, float]] = []
+    more = least = FINER ** ways(request)
     while grid is not None and not late:
         progress(round_of(len(cascade.grids) + 1, grid, cascade.grids))
-        more = _more(widths, error, ways(request))
-        last = more <= ALMOST * FINER ** ways(request) if widths else len(cascade.grids) >= FEWEST
+        last = more <= ALMOST * least if widths else len(cascade.grids) >= FEWEST and error >= USUAL
         followed = cascade.grow(grid, 0.0 if last else TIGHT * error)
         if not followed and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
             break
+        finer, more = FINER, least
         if cascade.grids:
             cascade.check_quantity()
-            estimate = cascade.stated()
+            estimate, touching = cascade.stated(), touches(cascade.last.end)
+            finer = CLOSER if touching and ways(request) > 1 else FINER
             if isinstance(estimate, Estimate):
                 progress(f"{cascade.name} {estimate}")
                 widths.append((cascade.last.size, estimate.uncertainty))
                 if estimate.uncertainty <= error:
                     break
-            if math.isinf(budget) and cascade.last.unknowns * _more(widths, error, ways(request)) > MOST:
+            if widths:
+                more = _more(widths, error, ways(request), SLOW if touching else 2.0)
+                finer = float(np.clip(more ** (1 / ways(request)), CLOSEST, FINER))
+            if math.isinf(budget) and cascade.last.unknowns * max(more, least) > MOST:
                 break
             spent = time.process_time() - start
             late = spent + DEARER * cascade.last.seconds > budget or cascade.last.unknowns > MOST
-        grid = near(scene, grid, FINER)
+        grid = near(scene, grid, finer)
     known = isinstance(estimate, Estimate) and (estimate.uncertainty <= error or late)
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
         left = budget - (time.process_time() - start)
@@ -208,19 +217,17 @@ def _for_cuts(scene: Scene, request: Request) -> Request:
     return replace(request, mesh=(n1, n2))
 
 
-def _more(widths: Sequence[tuple[float, float]], error: float, ways: int) -> float:
+def _more(widths: Sequence[tuple[float, float]], error: float, ways: int, order: float) -> float:
     """How many times the unknowns the error takes, by the order that intervals (size, width) have shown.
 
-    ways: coordinates that are refined. The order is taken to be SLOW to 2, for it comes with finer grids.
+    ways: coordinates that are refined.  order: as long as none is seen. It is taken to be SLOW to 2, for it comes with
+    finer grids.
     """
-    least = FINER**ways
-    if not widths:
-        return least
-    (size, width), order = widths[-1], 2.0
+    size, width = widths[-1]
     if len(widths) > 2:
         before, wider = widths[-3]
         order = float(np.clip(math.log(wider / width) / math.log(before / size), SLOW, 2.0))
-    return max(least, (width / error) ** (ways / order))
+    return float((width / error) ** (ways / order))
 
 
 def _longer(scene: Scene, result: Result, request: Request) -> Request | None:
