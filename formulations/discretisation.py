@@ -34,7 +34,7 @@ class Discretisation:
     """Geometry on the grid, supports, and the sparse pattern; laminate: of the walls the first, where they differ.
 
     dofs (E, 24 and more): displacements of the elements, those of the faces first.  wall: what surfaces between the
-    faces need beside the geometry, None where there are none.
+    faces need beside the geometry, None where there are none.  met: the same with another turn of its hanging nodes.
     """
 
     surface: Surface
@@ -43,12 +43,12 @@ class Discretisation:
     map: DofMap
     geometry: ElementGeometry = field(repr=False)
     dofs: np.ndarray = field(repr=False)
-    pattern: Pattern = field(repr=False)
     scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
     ordered: bool = False
     hangers: Hangers | None = None
     walls: Walls | None = None
     wall: WallGeometry | None = field(default=None, repr=False)
+    met: Discretisation | None = field(default=None, repr=False)
 
     @classmethod
     def build(
@@ -88,11 +88,10 @@ class Discretisation:
         if inside:
             places = np.arange(grid.n_nodes * len(inside) * 3).reshape(grid.n_nodes, len(inside), 3)
             dofs = np.hstack([dofs, fixed.size + places[grid.elements].swapaxes(1, 2).reshape(len(dofs), -1)])
-        pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty(dofs.shape), np.empty((*dofs.shape, dofs.shape[1])))
         geometry = geometry_on(surface, grid, laminate, kinematics, interpolation, walls)
         wall = None if sampling is None else wall_on(surface, grid, laminate, sampling, geometry, walls)
-        parts = (surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
+        parts = (surface, grid, laminate, dof_map, geometry, dofs, scratch)
         return cls(*parts, ordered, hangers, walls, wall)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
@@ -145,7 +144,15 @@ class Discretisation:
         if self.hangers is None:
             return self
         dof_map = self.map.carrying(self.hangers.matrix(v))
-        return replace(self, map=dof_map, pattern=self.pattern.constraining(dof_map.of_elements(self.dofs)))
+        return replace(self, map=dof_map, met=self)
+
+    @cached_property
+    def pattern(self) -> Pattern:
+        """Where the entries of element matrices go; not every grid is assembled on."""
+        constrained = self.map.of_elements(self.dofs)
+        if self.met is not None:
+            return self.met.pattern.constraining(constrained)
+        return Pattern.build(self.map.number[self.dofs], self.map.n, constrained)
 
     def linearised(self) -> Discretisation:
         """The same for a linear measure: hanging nodes do not turn."""
