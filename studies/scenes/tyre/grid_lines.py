@@ -42,7 +42,7 @@ FINE = 4000  # samples of a size along a line
 COARSE = (20, 20)
 PASSES = 2
 SECANT = 0.1  # of the travel, for the rate of the displacements
-LOOSE = 1e-4  # of the forces: what the estimate of an error leaves is far more
+LOOSE = 1e-3  # of the forces: what the estimate of an error leaves is far more
 LARGEST = (np.pi / 8, np.pi / 8)  # rad, along psi and phi: what no estimate of a coarse grid may exceed
 
 
