@@ -3,6 +3,8 @@
 No algorithm may enter here.
 """
 
+from functools import cache
+
 import numpy as np
 
 from contact.problem import ContactProblem, Faces, Linearised
@@ -12,6 +14,7 @@ _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
 SAME = 1e-12  # sines squared between normals of planes that are one
 UNRESOLVED = 0.5  # change of a mismatch with the panels, over it: of the rule then, and not of the answer
+SIMPSON = ((0.0, 1 / 6), (0.5, 2 / 3), (1.0, 1 / 6))
 LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
 
 
@@ -25,10 +28,10 @@ def energy_balance(
 ) -> tuple[float | None, float]:
     """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
 
-    P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
-    pressures, not from r. Exact up to the eighth degree of P; strains quadratic in u make the fourth. Others may need
-    more panels: a mismatch of the rule changes with them, one of the answer does not. Where the rule resolves no way,
-    as through elements that turn inside out, there is no balance to tell.
+    P(u) - P(a) = int r.du by Simpson's rule, the last point of which is u: there the force is taken from the pressures,
+    not from r. Exact up to the fourth degree of P, which strains quadratic in u make. Others may need Lobatto's rule
+    with five points, up to the eighth, and more panels: a mismatch of the rule changes with them, one of the answer
+    does not. Where the rule resolves no way, as through elements that turn inside out, there is no balance to tell.
     Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
     by rounding, a frozen step at its own answer, there is no work to balance.
     """
@@ -38,23 +41,21 @@ def energy_balance(
     forces = max(at_end.scale, float(np.linalg.norm(contact)))
     last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
     ends = [problem.energy(u), -problem.energy(since)]
-    # what the pressures say less what the model says, with the same weight whatever the panels
+    # what the pressures say less what the model says, with the same weight whatever the rule and the panels
     refined = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
     noise = last_digits(at_end, u) * float(np.linalg.norm(du))
 
-    def residual(t: float) -> np.ndarray:
+    @cache
+    def power(t: float) -> float:
         if t == 1.0:
-            return at_end.residual
+            return float(at_end.residual @ du)
         at = since + t * du
-        return problem.linearise(at, None).residual if problem.residual is None else problem.residual(at)
+        residual = problem.linearise(at, None).residual if problem.residual is None else problem.residual(at)
+        return float(residual @ du)
 
     mismatches = []
-    for panels in PANELS:
-        works = [
-            weight / panels * float(residual((panel + t) / panels) @ du)
-            for panel in range(panels)
-            for t, weight in LOBATTO
-        ]
+    for rule, panels in ((SIMPSON, 1), *((LOBATTO, panels) for panels in PANELS)):
+        works = [weight / panels * power((panel + t) / panels) for panel in range(panels) for t, weight in rule]
         size = max(sum(map(abs, works + ends)), last_digit / BALANCE) or 1.0
         mismatches.append(abs(sum(ends) - sum(works) - refined) / size)
         if mismatches[-1] <= BALANCE:
