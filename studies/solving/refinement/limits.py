@@ -25,8 +25,9 @@ pressure, orthotropic and isotropic, at 5 to 20 mm, on lines that are even or cl
 their force contain the limit (86 with SPREAD 2), half of them narrower than 2.9 times the error of the last grid; on
 three grids 343 of 347 intervals of all their quantities. On tyres with dead and follower pressure, orthotropic and
 isotropic, and with cords at 40 deg, on lines that follow the error up to 80x80, 118 of 120 intervals of four grids
-contain it, and 48 of 48 of five; at 80x80 four state 1.2 to 1.7 %, five 0.95 to 1.8 %. Without contact 150 of 151 do,
-138 of 145 with SAFETY = 1.
+contain it, and 48 of 48 of five; at 80x80 four state 1.2 to 1.7 %, five 0.95 to 1.8 %. On 18 tyres, on
+grids 1.3 times as fine as the one before up to 44x44, then 1.2 to 1.4 times, 71 of 71 intervals meet that of five grids
+of 40x40 to 112x112, +- 0.1 to 1.3 %. Without contact 150 of 151 do, 138 of 145 with SAFETY = 1.
 """
 
 from __future__ import annotations

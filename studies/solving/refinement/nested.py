@@ -152,7 +152,8 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
     except ValueError:  # an invalid parameter: the solve reports it
         return None
     given = Given(no_starts if starts is None else starts(model))
-    smallest = CUT if isinstance(model, ShellSceneModel) else SMALLEST
+    answers = tolerance <= request.number("tolerance")
+    smallest = CUT if isinstance(model, ShellSceneModel) and not answers else SMALLEST
     for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=smallest, starts=given.to):
         if not visited.converged:
             return None
