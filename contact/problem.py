@@ -241,6 +241,7 @@ class Outcome(enum.Enum):
     SINGULAR = "the linear system is singular to working precision"
     ROUNDING = "rounding alone keeps the forces further out of balance than can be excused"
     CYCLING = "the contact set repeats itself and the fallback did not settle it"
+    ALTERNATING = "Newton's iterates alternate between two points, as where a gap has a kink between them"
     UNSOLVED = "the linearised contact problem was not solved"
     REFUSED = "the algorithm does not apply"
     LIMIT_POINT = "the path turns back before it gets there"

@@ -9,6 +9,7 @@ from functools import reduce
 from operator import add
 
 import numpy as np
+from scipy.linalg import norm
 
 from contact.events import Event, EventKind
 from contact.newton.friction_compliance import Choose, reach
@@ -22,6 +23,7 @@ from contact.solvers.sparse import SingularMatrixError
 
 SINGLY = Event(EventKind.CYCLE, "cycle of states detected: only the first wrong state was changed, one at a time")
 ENDLESS = "cycle of states detected, and changing one at a time does not end on the linearised problem"
+REPEATED = 1e-6  # of a step: an iterate that is no farther from the one two steps before it is the same
 OF_THE_PROGRAMME = "forces are those of the programme"
 Step = Callable[[Point, Laws], tuple[Stepped, Laws, Event | None]]  # from a point and the laws expected there
 
@@ -30,9 +32,12 @@ def newton(run: FrictionalRun, at: Point, step: Step, most: int, *, programmed: 
     """From a point until the states repeat and the forces balance.
 
     step: may raise one of FAILURES.  programmed: states are what the step says, and the end is where they balance.
+    Where a gap has a kink, as on the edge of two patches of a face that is folded along it, forces may balance on
+    neither side: on the same states the iterate is the one two steps before it then, and so are all that follow.
     """
     before = at.laws
     event: Event | None = None
+    trail: tuple[np.ndarray, ...] = ()  # the last two displacements
     for _ in range(most + 1):
         first = at.newton.stepped is None
         laws = run.expected(at) if first or not programmed else at.laws
@@ -43,6 +48,10 @@ def newton(run: FrictionalRun, at: Point, step: Step, most: int, *, programmed: 
             ended = Outcome.CONVERGED if not first and run.newton.balanced(at.newton) else None
         if ended is not None:
             return at, ended
+        u, same = at.newton.u, not first and laws.same(at.laws)
+        if same and len(trail) == 2 and norm(u - trail[0], check_finite=False) <= REPEATED * at.newton.moved:
+            return at, Outcome.ALTERNATING
+        trail = (*trail[-1:], u)
         try:
             stepped, laws, event = step(at, laws)
             at = run.advance(at, stepped, laws)

@@ -3,13 +3,18 @@
 A benchmark of mortar methods (Puso, Laursen, CMAME 193 (2004) 601-629), with the data of a public one that has the
 curves of four codes (solids4foam/solid-benchmarks, hyperElasticity/compressedSpheres): radii of 10, 12 and 14 mm,
 E = 1 MPa, nu = 0.3, a compressible neo-Hookean material, rims on a plane without friction, and the force on a quarter
-of the whole. Both walls are solids, or shells of 0.18 and 0.15 of their radii. A hole about the axis, HOLE from the
-pole to its rim, keeps elements from meeting in a point. Rims of solids there move along the axis alone, as the axis
-does: free ones slide over each other, where gaps jump. It is worth 1 % of the force at 1 mm, and 0.2 % from 2 mm on.
+of the whole. Both walls are solids, or shells of 0.18 and 0.15 of their radii. The wedge is as narrow as one element
+around can be for an arc: with 10 degrees forces are 0.7 % too low. A hole about the axis, HOLE from the pole to its
+rim, keeps elements from meeting in a point; rims of solids there move along the axis alone, as the axis does. One of a
+degree is worth 1 % of the force at 1 mm, and 0.3 % at 5 mm.
 What the codes agree on ends near 5 mm, where without friction the inner one snaps through.
 
 With friction forces are inside the band of three codes up to 5 mm, on all meshes, with both pairings and either slave:
-4 to 10 % above one, and as much below two that agree, as they are without friction. On curved faces they are the same.
+3 to 9 % above one, and 4 to 10 % below two that agree, as they are without friction. The curve that the code of the
+public benchmark draws of its own (about 4000 cells) is 1 to 4 % above.
+Faces are curved: as the pole is pressed in the inner one is folded along the edges of facets, and a point that comes to
+rest in a fold is pushed by one facet and by the other in turn, until the step is cut (80x1 in steps of 0.125 mm, at
+3.25 mm); of nodes, which are not averaged, the path ends there (80x1 in steps of 0.25 mm, before 2 mm).
 Shells are unstable from 0.5 mm on: in a short wave at the pole the pressed face of either moves along the meridian,
 one way and the other from line to line of the mesh. Solids are stable.
 """
@@ -35,14 +40,14 @@ from studies.scenes.statics import loaded_shell
 
 E, NU = 1.0, 0.3  # MPa, -
 RADII = (10.0, 12.0, 14.0)  # mm: inside, between both, outside
-WEDGE, HOLE = math.radians(10.0), math.radians(1.0)
+WEDGE, HOLE = math.radians(2.5), math.radians(0.1)
 QUARTER = math.pi / 2 / WEDGE
 UNDER = RADII[2] / 2  # least height of what may meet the plane [mm]
 
 TRAVELS = Setting.positive("delta_mm", (1.0, 2.0, 3.0, 4.0), "travel of the plane", 5.0, kind="floats")
 BODIES = Setting.one_of("bodies", ("solids", "shells"), "solids", "what both are made of")
 THROUGH = Setting("through", 2, "elements through the wall of a solid", "int", 1, 16)
-COARSER = paired(slave="second")  # facets of both do not fit each other, and the finer one has more of them
+COARSER = paired(slave="second", faces="curved")  # facets of both do not fit each other, and the finer one has more
 FILE = "half_spheres_nested.csv"
 SOURCE = "middle and half width of the band of three or four codes: Abaqus, FEBio, Areias et al., Puso and Laursen"
 
@@ -60,21 +65,21 @@ def band() -> tuple[Reference, ...]:
 
 LIMITS: dict[float, tuple[str, float, tuple[float, ...]]] = {
     0.0: (
-        "solids on 80x1, with four through the wall and a quarter of the hole as well; shells on 80x1",
+        "solids on 20x1, 40x1 and 80x1, with what four through the wall change on 40x1; either slave; shells on 40x1",
         5e-3,
-        (0.3225, 0.7222, 1.1935, 1.7315),
+        (0.323, 0.7225, 1.196, 1.736),
     ),
     0.5: (
-        "solids on 80x1 in steps of 0.25 mm, with what half of them, two elements around, four through the wall and a "
-        "quarter of the hole change on 40x1; either slave, both pairings",
-        1.5e-2,
-        (0.336, 0.753, 1.243, 1.816, 2.425),
+        "solids on 20x1, 40x1, 80x1 and 160x1 in steps of 0.25 mm, with what half of them changes on 80x1 and four "
+        "through the wall on 40x1; either slave, both pairings",
+        5e-3,
+        (0.3385, 0.7535, 1.2455, 1.811, 2.418),
     ),
 }
 
 
 def limits() -> tuple[Reference, ...]:
-    """What the finer meshes, steps and holes of solids leave open, and without friction shells."""
+    """What the finer meshes and steps of solids leave open, and without friction shells."""
     bounds: tuple[Reference, ...] = ()
     for mu, (source, uncertainty, forces) in LIMITS.items():
         rows: list[Row] = [
@@ -129,7 +134,7 @@ class HalfSpheres(OfSolids):
 
 def _half(request: Request, number: int, count: int) -> Body:
     if request.mesh[1] > 4:
-        raise UsageError(f"mesh {request.mesh_text}: the second number is of a wedge of 10 degrees, at most 4")
+        raise UsageError(f"mesh {request.mesh_text}: the second number is of a wedge of 2.5 degrees, at most 4")
     inside, outside = RADII[number : number + 2]
     laminate = Laminate.single(Ply.isotropic(E, NU, outside - inside))
     middle = sphere((inside + outside) / 2)

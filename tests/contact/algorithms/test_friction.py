@@ -309,3 +309,25 @@ class TestKlarbring:
             else:
                 assert found.outcome in {Outcome.CYCLING, Outcome.SINGULAR, Outcome.ITERATION_LIMIT}
         assert min(counts) == 1 < max(counts)
+
+
+@pytest.mark.parametrize("name", ["semismooth", "qp", "lcp"])
+def test_a_point_that_rests_in_a_fold_has_no_state_and_one_on_its_side_has(name: str) -> None:
+    """x = f - a p sign(x), p = 1 + a |x|, of a point that slips along the fold z = a |x|."""
+    a, mu = 0.2, np.array([0.3])
+
+    def pulled(f: float) -> ContactSolution:
+        S, s0 = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]), np.array([[5.0, 0.0]])
+        flat = linear(np.eye(3), np.array([f, 0.0, -1.0]), np.array([[0.0, 0.0, 1.0]]), S, np.zeros(1), s0, mu)
+        folded = replace(
+            flat,
+            gap=lambda u: u[2:] - a * abs(u[:1]),
+            gap_jacobian=lambda u: sparse.csr_matrix([[-a * np.sign(u[0]), 0.0, 1.0]]),
+        )
+        return solved(ALGORITHMS[name](), folded)
+
+    beside, within = pulled(0.5), pulled(0.05)
+    assert beside.outcome is Outcome.CONVERGED
+    assert beside.u[0] == pytest.approx((0.5 - a) / (1 + a**2), rel=1e-12)
+    assert within.outcome is Outcome.ALTERNATING
+    assert within.counters["newton_iterations"] <= 6

@@ -31,7 +31,9 @@ def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: Any) 
     result = solve(*complete(scene, settings, mesh, contact=contact))
     assert result.outcome.converged, result.reason
     for step in result.steps:
-        assert max(step["balances"]["pair_force"], step["balances"]["pair_moment"]) <= PAIR
+        pairs = {name: value for name, value in step["balances"].items() if name.startswith("pair_")}
+        assert "pair_force" in pairs  # planes of symmetry that cross carry all moments, and there is none to look at
+        assert max(pairs.values()) <= PAIR
     return result
 
 
