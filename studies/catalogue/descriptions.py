@@ -96,9 +96,16 @@ def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Set
 
 
 def _of_scene(scene: Scene) -> Iterator[str]:
-    yield from ("", *plain_text(inspect.getdoc(inspect.getmodule(type(scene))) or "").splitlines(), "")
+    yield from ("", *said_of_scene(scene).splitlines(), "")
     yield f"mesh {scene.default_mesh[0]}x{scene.default_mesh[1]} by default, elements along a1 and a2"
     yield f"models {', '.join(scene.models)}" if isinstance(scene, SettlingScene) else "models auto, full"
+
+
+def said_of_scene(scene: Scene) -> str:
+    """What its module, its class and its building are documented with."""
+    documented = (inspect.getmodule(type(scene)), type(scene), scene.build)
+    texts = [plain_text(inspect.getdoc(each) or "") for each in documented]
+    return "\n\n".join(text for text in texts if text)
 
 
 def _references(references: Sequence[Reference]) -> Iterator[str]:

@@ -19,7 +19,15 @@ from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainM
 from formulations.strains.quantities import QUANTITIES, STRAINS
 from studies.ask.scene import SettlingScene, has_contact, sheet_of
 from studies.catalogue.bodies import Built, built_models, drawn_bodies, marks
-from studies.catalogue.descriptions import describe, kinematics_of, law_text, meaning_of, paragraphs, plain_text
+from studies.catalogue.descriptions import (
+    describe,
+    kinematics_of,
+    law_text,
+    meaning_of,
+    paragraphs,
+    plain_text,
+    said_of_scene,
+)
 from studies.catalogue.values import answered, values
 from studies.catalogue.words import loads, obstacle, shape_of, solid_supports, supports
 from studies.run.answers import Answers
@@ -46,7 +54,7 @@ def parts() -> pd.DataFrame:
     for name, scene in SCENES.items():
         sheet = sheet_of(scene)
         view = (sheet.up, sheet.azimuth, sheet.elevation)
-        scenes.append(("scene", name, meaning_of(name), _said_of_scene(name), "", _module(scene), *view))
+        scenes.append(("scene", name, meaning_of(name), said_of_scene(scene), "", _module(scene), *view))
     measures = [
         ("measure", name, meaning_of(name), _about_measure(each), each.reference, _module(each))
         for name, each in MEASURES.items()
@@ -66,13 +74,6 @@ def parts() -> pd.DataFrame:
 
 def _module(part: object) -> str:
     return type(part).__module__
-
-
-def _said_of_scene(name: str) -> str:
-    scene = SCENES[name]
-    documented = (inspect.getmodule(type(scene)), type(scene), scene.build)
-    texts = [plain_text(inspect.getdoc(each) or "") for each in documented]
-    return "\n\n".join(text for text in texts if text)
 
 
 def _about_measure(measure: StrainMeasure) -> str:

@@ -20,7 +20,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.experiments import Row, tabulated
 from studies.experiments.extremes import CONVERGED, UNTOUCHED, Found, attempt
 from studies.scenes.benchmarks import pagano
-from studies.scenes.benchmarks.sze_moment import L, circular_arc
+from studies.scenes.benchmarks.sze import L, circular_arc
 from studies.scenes.closed_forms.contact import flattened_ring, pinched_ring
 from studies.scenes.closed_forms.elasticity import middle_deflection
 from studies.scenes.complete import Cell

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from studies.ask.request import Request
 from studies.scenes.benchmarks import shallow_cap
 from studies.scenes.benchmarks.pagano import E_T, cross_plies
-from studies.scenes.benchmarks.sze_moment import circular_arc
+from studies.scenes.benchmarks.sze import circular_arc
 from studies.scenes.closed_forms.contact import flattened_ring, plate_contact, strip_contact
 from studies.scenes.closed_forms.elasticity import middle_deflection
 from studies.scenes.closed_forms.marguerre_cap import classical_pressure

@@ -24,7 +24,8 @@ from studies.experiments.shell_limits.bodies import (
     solved_shell,
     usual_shell,
 )
-from studies.scenes.benchmarks import pagano, scordelis_lo
+from studies.scenes.benchmarks import pagano
+from studies.scenes.benchmarks.obstacle_course import ScordelisLo
 from studies.scenes.closed_forms.elasticity import golovin_turn, middle_deflection, ovalised
 from studies.scenes.element import ShearCorrected, spaced_lines
 from studies.scenes.statics import area_load, edge_shares
@@ -190,7 +191,7 @@ def _beam_unit(h: float) -> float:
     return 3 * E * h**3 / (12 * (1 - NU**2)) / SPAN**3
 
 
-ROOF, EDGE, DIAPHRAGM = scordelis_lo.RADIUS, scordelis_lo.HALF_ANGLE, scordelis_lo.LENGTH / 2  # ends of a quarter
+ROOF, EDGE, DIAPHRAGM = ScordelisLo.RADIUS, ScordelisLo.HALF_ANGLE, ScordelisLo.LENGTH / 2  # ends of a quarter
 ROOF_NU = 0.0  # as there
 DOWN = np.array([-1.0, 0.0, 0.0])
 
@@ -231,7 +232,7 @@ def _roof_lines(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _roof_weight(h: float) -> float:
     """Per volume, such that it deflects by the order of 1."""
-    return h**2 / scordelis_lo.H**3
+    return h**2 / ScordelisLo.H**3
 
 
 def _plies() -> tuple[Ply, ...]:

@@ -8,7 +8,8 @@ import pytest
 from studies.ask.request import UsageError
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import INNER, Problem, isotropic
-from studies.scenes.benchmarks import cantilever, hemisphere, pressurised, scordelis_lo
+from studies.scenes.benchmarks import cantilever, hemisphere, pressurised
+from studies.scenes.benchmarks.obstacle_course import ScordelisLo
 
 SMALL = {"tyre": "8x8", "tyre-solid": "6x8", "crushed-ring-solid": "1x8"}
 REFUSED = {
@@ -81,11 +82,11 @@ def test_the_weight_of_the_roof_does_its_work() -> None:
     within = 2e-3
     problem = asked("scordelis-lo", "4x4")
     x, (step,) = problem.bricks.x, problem.steps
-    half = scordelis_lo.LENGTH / 2
-    weight = scordelis_lo.WEIGHT * scordelis_lo.RADIUS * half**2 / 2
+    half = ScordelisLo.LENGTH / 2
+    weight = ScordelisLo.WEIGHT * ScordelisLo.RADIUS * half**2 / 2
     down = -step.forces[:, 0]
-    assert np.sum(down * x[:, 2]) == pytest.approx(weight * scordelis_lo.HALF_ANGLE, rel=within)
-    lever = weight * scordelis_lo.RADIUS * (1 - np.cos(scordelis_lo.HALF_ANGLE))
+    assert np.sum(down * x[:, 2]) == pytest.approx(weight * ScordelisLo.HALF_ANGLE, rel=within)
+    lever = weight * ScordelisLo.RADIUS * (1 - np.cos(ScordelisLo.HALF_ANGLE))
     assert np.sum(down * x[:, 2] * x[:, 1]) == pytest.approx(lever, rel=5 * within)
 
 

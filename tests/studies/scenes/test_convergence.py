@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 from studies.scenes import SCENES
-from studies.scenes.benchmarks.sze_moment import EI, M_MAX, H, L
+from studies.scenes.benchmarks.sze import EI, M_MAX, H, L
 from studies.scenes.data import DATA
 from support.problems.solved import referenced, solved
 

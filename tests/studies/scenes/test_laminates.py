@@ -10,9 +10,8 @@ from contact.algorithms.semismooth import Semismooth
 from formulations.section.laminate import Ply
 from formulations.wall_stresses import S33, WallStresses
 from studies.ask.request import UsageError
-from studies.scenes.benchmarks import laminated_cylinder, laminated_strip, sandwich_plate
-from studies.scenes.benchmarks.laminated_strip import LINE_LOAD, PLIES, SPAN, THICKNESSES
-from studies.scenes.benchmarks.sandwich_plate import CORE, FACE, PRESSURE, SIDE
+from studies.scenes.benchmarks import laminated_plates, layered_cylinders
+from studies.scenes.benchmarks.laminated_plates import CORE, FACE, LINE_LOAD, PLIES, PRESSURE, SIDE, SPAN, THICKNESSES
 from studies.scenes.closed_forms.elasticity import ovalised, through_wall
 from studies.scenes.complete import complete
 from studies.scenes.walk import walk
@@ -41,7 +40,7 @@ def test_what_is_printed_of_the_strip_is_a_beam_of_layers() -> None:
     moment, force = LINE_LOAD * SPAN / 4, LINE_LOAD / 2
     tau = -force / D * np.append(0.0, np.cumsum(E * np.diff(z**2) / 2))  # < 0 with E z < 0 below
     shear = np.sum((0.5 * (tau[1:] + tau[:-1])) ** 2 / G * dz) / force**2
-    printed = laminated_strip.PRINTED
+    printed = laminated_plates.OF_BEAM
     assert moment * PLIES[0].E_L / (2 * D) == pytest.approx(printed["sigma_MPa"], abs=0.05)
     assert -abs(np.interp(-0.4, z, tau)) == pytest.approx(printed["tau_MPa"], abs=0.05)
     deflection = LINE_LOAD * SPAN**3 / (48 * D) + LINE_LOAD * SPAN / 4 * shear
@@ -54,7 +53,7 @@ def test_strip_in_plane_strain_is_a_series_of_sines() -> None:
         sign, a = math.sin(n * math.pi / 2), n * math.pi / SPAN
         lowest = through_wall(PLIES, a, 0.0, (0.0, -2 * LINE_LOAD / SPAN * sign))[0]
         found += [lowest[0, 6] * sign, lowest[2, 4] * math.cos(a * SPAN / 4), lowest[0, 2] * sign]
-    known = laminated_strip.IN_PLANE_STRAIN
+    known = laminated_plates.IN_PLANE_STRAIN
     assert found == pytest.approx([known["sigma_MPa"], known["tau_MPa"], known["w_mm"]], rel=1e-4)
     assert known["tau_equilibrium_MPa"] == known["tau_MPa"]
 
@@ -78,15 +77,15 @@ PLY_CONSTANTS = ("E_L", "E_T", "G_LT", "G_TT", "nu_LT", "nu_TT", "angle", "thick
 def test_the_sandwich_is_a_double_series_of_sines_and_what_is_printed_in_the_middle_of_its_face() -> None:
     """The last terms are of 1e-5 and alternate; a core ten times as stiff across the plate changes less than 1e-5."""
     found = sandwich(40, CORE.E_N or 0.0)
-    assert found == pytest.approx(list(sandwich_plate.EXACT.values()), rel=5e-5)
-    assert found == pytest.approx(list(sandwich_plate.PRINTED.values()), rel=1e-2)
+    assert found == pytest.approx(list(laminated_plates.EXACT.values()), rel=5e-5)
+    assert found == pytest.approx(list(laminated_plates.PRINTED.values()), rel=1e-2)
     soft, stiff = (sandwich(10, factor * (CORE.E_N or 0.0)) for factor in (1.0, 10.0))
     assert stiff == pytest.approx(soft, rel=1e-5)
 
 
 def test_elasticity_of_cylinders_is_what_is_printed_of_them_michells_ring_and_a_plate() -> None:
     for S, printed in VARADAN.items():
-        assert f"{laminated_cylinder.exact(S)['w_bar']:.4g}" == f"{printed:.4g}"
+        assert f"{layered_cylinders.exact(S)['w_bar']:.4g}" == f"{printed:.4g}"
     a, b, E, nu = 9.0, 11.0, 200.0, 0.3
     ring = (Ply.isotropic(E, nu, 0.7), Ply.isotropic(E, nu, 1.3))
     pulled = through_wall(ring, 0.0, 2 / 10.0, (0.0, 1.0), 1 / 10.0)
@@ -103,7 +102,7 @@ def test_elasticity_of_cylinders_is_what_is_printed_of_them_michells_ring_and_a_
 def test_strip_with_held_sides_is_that_of_elasticity() -> None:
     """Three surfaces a ply; by the law they have 1 % more shear between the plies, at any mesh."""
     found = limit("laminated-strip", ("40x1", "80x1"), sides="held")
-    known = laminated_strip.IN_PLANE_STRAIN
+    known = laminated_plates.IN_PLANE_STRAIN
     assert found["w_mm"] == pytest.approx(known["w_mm"], rel=1e-4)
     assert found["sigma_MPa"] == pytest.approx(known["sigma_MPa"], rel=2e-3)
     assert found["tau_equilibrium_MPa"] == pytest.approx(known["tau_MPa"], rel=1e-5)
@@ -119,7 +118,7 @@ def test_strip_of_two_faces_is_timoshenkos_beam_without_shear_correction() -> No
     GA = sum(ply.thickness * (ply.G_LT if ply.angle == 0 else ply.G_TT) for ply in PLIES)
     deflection = LINE_LOAD * SPAN**3 / (48 * D) + LINE_LOAD * SPAN / (4 * GA)
     assert -found["w_mm"] == pytest.approx(deflection, rel=2e-3)
-    assert found["tau_equilibrium_MPa"] == pytest.approx(laminated_strip.PRINTED["tau_MPa"], rel=2e-3)
+    assert found["tau_equilibrium_MPa"] == pytest.approx(laminated_plates.OF_BEAM["tau_MPa"], rel=2e-3)
 
 
 def reduced(ply: Ply) -> float:
@@ -139,23 +138,23 @@ def test_strip_with_free_sides_is_what_is_printed_but_for_the_stress_under_the_l
         for mesh, sides in (("40x2", "free"), ("40x1", "held"))
     )
     for name in ("w_mm", "tau_MPa", "tau_equilibrium_MPa"):
-        assert free[name] == pytest.approx(laminated_strip.PRINTED[name], rel=1e-2)
+        assert free[name] == pytest.approx(laminated_plates.OF_BEAM[name], rel=1e-2)
     assert free["sigma_MPa"] == pytest.approx(held["sigma_MPa"], rel=5e-3)
-    assert laminated_strip.IN_PLANE_STRAIN["sigma_MPa"] / laminated_strip.PRINTED["sigma_MPa"] > 1.02
+    assert laminated_plates.IN_PLANE_STRAIN["sigma_MPa"] / laminated_plates.OF_BEAM["sigma_MPa"] > 1.02
 
 
 @pytest.mark.parametrize("surfaces", ["2/ply", pytest.param("3/ply", marks=SLOW)])
 def test_sandwich_is_that_of_elasticity_and_what_is_printed(surfaces) -> None:
     found = limit("sandwich-plate", ("8x8", "16x16"), surfaces=surfaces)
-    for name, exact in sandwich_plate.EXACT.items():
+    for name, exact in laminated_plates.EXACT.items():
         assert found[name] == pytest.approx(exact, rel=2e-3)
-        assert found[name] == pytest.approx(sandwich_plate.PRINTED[name], rel=1e-2)
+        assert found[name] == pytest.approx(laminated_plates.PRINTED[name], rel=1e-2)
 
 
 def test_two_faces_are_too_stiff_for_a_sandwich() -> None:
     """Their one shear strain meets G h of the faces, 4.7 and 11.7 times that of the core."""
     found = solved("sandwich-plate", "8x8", measure="linear", surfaces="2").quantities
-    assert 0.65 < found["w_mm"] / sandwich_plate.EXACT["w_mm"] < 0.75
+    assert 0.65 < found["w_mm"] / laminated_plates.EXACT["w_mm"] < 0.75
 
 
 @pytest.mark.parametrize(
@@ -170,7 +169,7 @@ def test_two_faces_are_too_stiff_for_a_sandwich() -> None:
 def test_cylinder_is_that_of_elasticity(S, surfaces, deflection, hoop, shear) -> None:
     """Three surfaces a ply have 6 % too little of the small shear tau_xz by the law, and all of it by equilibrium."""
     found = limit("laminated-cylinder", ("8x8", "16x16"), S=S, surfaces=surfaces)
-    exact = laminated_cylinder.exact(float(S))
+    exact = layered_cylinders.exact(float(S))
     assert found["w_bar"] == pytest.approx(exact["w_bar"], rel=deflection)
     for name in ("sigma_theta_inner_bar", "sigma_theta_outer_bar"):
         assert found[name] == pytest.approx(exact[name], rel=hoop)
@@ -185,10 +184,10 @@ def test_stress_across_a_curved_wall_is_in_equilibrium_with_the_pressure_inside(
     scene, request = complete("laminated-cylinder", {"S": S}, "16x16", measure="linear")
     model = scene.build(request)
     (end,) = walk(model.stages(), Semismooth())
-    p0 = 10 * laminated_cylinder.E_L * laminated_cylinder.DEFLECTION / S**4
+    p0 = 10 * layered_cylinders.E_L * layered_cylinders.DEFLECTION / S**4
     stresses = WallStresses.of(model.shell, end.state.u, p0)
-    R = S * laminated_cylinder.H
-    plies = through_wall(laminated_cylinder.PLIES, math.pi / (4 * R), 4 / R, (-1.0, 0.0), 1 / R)
+    R = S * layered_cylinders.H
+    plies = through_wall(layered_cylinders.PLIES, math.pi / (4 * R), 4 / R, (-1.0, 0.0), 1 / R)
     crest, middle = -1, len(stresses.d) // 2
     assert stresses.equilibrium[crest, middle, 2] / p0 == pytest.approx(plies[1, 1, 3], abs=0.02)
     assert stresses.equilibrium[crest, -1, 2] / p0 == pytest.approx(0.0, abs=0.02)

@@ -12,7 +12,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.ask.request import UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
-from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
+from studies.scenes.benchmarks.obstacle_course import PinchedCylinder
 from studies.scenes.closed_forms.elasticity import ply_equations
 from studies.scenes.complete import complete
 from studies.scenes.curves import point_rise
@@ -154,11 +154,11 @@ def test_pinched_cylinder_with_shear_sinks_in_by_a_logarithm() -> None:
         - run("pinched-cylinder", n, "deflection_mm", shear_correction=KIRCHHOFF)
         for n in MESHES
     ]
-    G = linear_cylinder.E / (2 * (1 + linear_cylinder.NU))
-    logarithm = linear_cylinder.P * math.log(2) / (2 * math.pi * G * linear_cylinder.H)
+    G = PinchedCylinder.E / (2 * (1 + PinchedCylinder.NU))
+    logarithm = PinchedCylinder.P * math.log(2) / (2 * math.pi * G * PinchedCylinder.H)
     np.testing.assert_allclose(np.diff(added), logarithm, rtol=0.1)
-    S = G * linear_cylinder.H
-    rises = [point_rise(linear_cylinder.P, S, linear_cylinder.H, linear_cylinder.LENGTH / 2 / n) for n in MESHES]
+    S = G * PinchedCylinder.H
+    rises = [point_rise(PinchedCylinder.P, S, PinchedCylinder.H, PinchedCylinder.LENGTH / 2 / n) for n in MESHES]
     np.testing.assert_allclose(np.diff(rises), logarithm, rtol=1e-12)
 
 

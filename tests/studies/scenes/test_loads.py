@@ -12,8 +12,8 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT
-from studies.scenes.benchmarks import scordelis_lo as linear_roof
-from studies.scenes.benchmarks.sze_annulus import P_MAX
+from studies.scenes.benchmarks.obstacle_course import ScordelisLo
+from studies.scenes.benchmarks.sze import SlitAnnulus
 from studies.scenes.complete import complete
 from studies.scenes.statics import area_load
 from studies.solving.refinement.grids import Family
@@ -37,14 +37,14 @@ def test_area_load_along_the_normal_is_the_dead_pressure() -> None:
 def test_weight_of_the_roof_is_all_there() -> None:
     """Sum of the vertical nodal forces against weight times area; the frames of nodes and Gauss points differ."""
     meshes = np.array([4, 8, 16])
-    exact = linear_roof.WEIGHT * linear_roof.RADIUS * linear_roof.HALF_ANGLE * linear_roof.LENGTH / 2
+    exact = ScordelisLo.WEIGHT * ScordelisLo.RADIUS * ScordelisLo.HALF_ANGLE * ScordelisLo.LENGTH / 2
     errors = []
     for n in meshes:
-        grid = Grid.tensor(np.linspace(0, linear_roof.LENGTH / 2, 3), np.linspace(0, linear_roof.HALF_ANGLE, n + 1))
-        surface = cylinder(linear_roof.RADIUS)
+        grid = Grid.tensor(np.linspace(0, ScordelisLo.LENGTH / 2, 3), np.linspace(0, ScordelisLo.HALF_ANGLE, n + 1))
+        surface = cylinder(ScordelisLo.RADIUS)
         laminate = Laminate.single(Ply.isotropic(1.0, 0.0, 0.25))
         discretisation = Discretisation.build(surface, grid, laminate, np.zeros((grid.n_nodes, 6), bool))
-        down = np.array([-linear_roof.WEIGHT, 0, 0])
+        down = np.array([-ScordelisLo.WEIGHT, 0, 0])
         forces = area_load(discretisation, lambda a1, a2, p=down: np.broadcast_to(p, (*a1.shape, 3)))
         errors.append(abs(-_cartesian(discretisation, forces)[:, 0].sum() / exact - 1))
     assert errors[-1] <= 1e-3
@@ -71,13 +71,13 @@ def test_an_edge_load_is_uniform_on_lines_of_any_spacing(lines: str, cut: bool) 
         shell.discretisation.grid.nodes[:, 0],
     )
     inner, outer = shell.discretisation.grid.ends[0]
-    assert force.sum() == pytest.approx(P_MAX * (outer - inner))
-    assert force @ radii == pytest.approx(P_MAX * (outer**2 - inner**2) / 2)
+    assert force.sum() == pytest.approx(SlitAnnulus.P_MAX * (outer - inner))
+    assert force @ radii == pytest.approx(SlitAnnulus.P_MAX * (outer**2 - inner**2) / 2)
     if not cut:  # no node hangs: each carries what its hat function does
         side = shell.discretisation.grid.on_line(1, 0.0)
         fine = np.linspace(inner, outer, 20001)
         hats = [np.trapezoid(np.interp(fine, radii[side], unit), fine) for unit in np.eye(len(side))]
-        np.testing.assert_allclose(force[side], P_MAX * np.array(hats), rtol=1e-6)
+        np.testing.assert_allclose(force[side], SlitAnnulus.P_MAX * np.array(hats), rtol=1e-6)
 
 
 def half_pipe(interpolation: str, pressure: Pressure) -> ShellModel:

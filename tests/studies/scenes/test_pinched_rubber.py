@@ -11,24 +11,24 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
-from studies.scenes.benchmarks.pinched_rubber import LENGTH, NU, RADIUS, SOLID, THICK, UNIT, E
+from studies.scenes.benchmarks.rubber import SOLID, UNIT, WALL, PinchedRubber
 from support.problems.solved import read, solved
 
-END, SIDE = LENGTH / 2, np.pi / 2
+END, SIDE = PinchedRubber.LENGTH / 2, np.pi / 2
 
 
 def approaches(law: str, n1: int, n2: int, n3: int) -> list[float]:
     """Of a solid under the loads of the references [mm]."""
-    laminate = Laminate.single(Ply.isotropic(E, NU, THICK))
+    laminate = Laminate.single(Ply.isotropic(PinchedRubber.E, PinchedRubber.NU, WALL))
     lines = np.linspace(0, END, n1 + 1), np.linspace(0, SIDE, n2 + 1)
-    mesh = SolidMesh.build(cylinder(RADIUS), *lines, laminate, per_ply=n3)
+    mesh = SolidMesh.build(cylinder(PinchedRubber.RADIUS), *lines, laminate, per_ply=n3)
     fixed = np.zeros((len(mesh.x), 3), bool)
     fixed[mesh.on(1, 0.0), 1] = fixed[mesh.on(1, SIDE), 0] = fixed[mesh.on(0, 0.0), 2] = True
     body, forces = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[law]), np.zeros((len(mesh.x), 3))
     shares = np.zeros(2 * n1 + 1)
     for first in range(0, 2 * n1, 2):
         shares[first : first + 3] += np.array([1, 4, 1]) / 6 / n1
-    for d in (-THICK / 2, THICK / 2):
+    for d in (-WALL / 2, WALL / 2):
         line = np.intersect1d(mesh.on(1, 0.0), mesh.on(2, d))
         forces[line[np.argsort(mesh.parameter[line, 0])], 0] = -UNIT / 8 * shares
     loaded = SolidModel(body, forces=forces.ravel()[body.free])
@@ -66,7 +66,14 @@ def test_the_law_changes_shell_and_solid_alike() -> None:
 def test_a_thin_cylinder_is_pinched_as_a_ring_between_plane_stress_and_plane_strain() -> None:
     """(pi/4 - 2/pi) P R^3/(E I) of an inextensible ring, at a hundredth of the load, which is 1 % of its diameter."""
     h, load = 2.0, 0.01
-    ring = (np.pi / 4 - 2 / np.pi) * load * UNIT * (h / THICK) ** 3 * RADIUS**3 / (E * LENGTH * h**3 / 12)
+    ring = (
+        (np.pi / 4 - 2 / np.pi)
+        * load
+        * UNIT
+        * (h / WALL) ** 3
+        * PinchedRubber.RADIUS**3
+        / (PinchedRubber.E * PinchedRubber.LENGTH * h**3 / 12)
+    )
     asked = {"h_mm": repr(h), "load_fraction": repr(load), "surfaces": "3"}
     approach = solved("pinched-rubber", "8x16", **asked).quantities["approach_mm"]
-    assert (1 - NU**2) * ring < approach < ring
+    assert (1 - PinchedRubber.NU**2) * ring < approach < ring

@@ -14,11 +14,10 @@ from studies.ask.request import UsageError
 from studies.cli import main
 from studies.scenes import SCENES
 from studies.scenes.benchmarks import slender_beam
+from studies.scenes.benchmarks.curved_strips import LIMIT, LOADS, THICK, TwistedBeam, hook, twisted
+from studies.scenes.benchmarks.quad_plates import ANGLE, KNOWN, SIDE, rhombus
+from studies.scenes.benchmarks.quad_plates import NU as PLATE_NU
 from studies.scenes.benchmarks.quads import OnQuads
-from studies.scenes.benchmarks.raasch_hook import hook
-from studies.scenes.benchmarks.skew_plate import ANGLE, KNOWN, SIDE, rhombus
-from studies.scenes.benchmarks.skew_plate import NU as PLATE_NU
-from studies.scenes.benchmarks.twisted_beam import LENGTH, LIMIT, LOADS, NU, THICK, TWIST, WIDTH, E, twisted
 from studies.scenes.complete import complete
 from support.problems.solved import solved
 
@@ -122,13 +121,19 @@ def test_that_solid_by_scikit_fem() -> None:
     """48x8x1 quadratic hexahedra: 3e-4 from what 96x8x2 have; the same with rectangular sections is the beam's."""
     square = skfem.MeshHex.init_tensor(*(np.linspace(0, 1, n + 1) for n in (48, 8, 1)))
     s, t, z = square.p
-    normal = np.stack([-WIDTH * TWIST * (t - 0.5), -LENGTH * np.sin(TWIST * s), LENGTH * np.cos(TWIST * s)])
+    normal = np.stack(
+        [
+            -TwistedBeam.WIDTH * TwistedBeam.TWIST * (t - 0.5),
+            -TwistedBeam.LENGTH * np.sin(TwistedBeam.TWIST * s),
+            TwistedBeam.LENGTH * np.cos(TwistedBeam.TWIST * s),
+        ]
+    )
     for across, which in ((normal, "scikit-fem"), (normal * [[0], [1], [1]], "Zupan")):
         points = twisted(s, t).T + THICK * (z - 0.5) * across / np.linalg.norm(across, axis=0)
         mesh, element = skfem.MeshHex(points, square.t), skfem.ElementVector(skfem.ElementHex2())
         basis = skfem.Basis(mesh, element, intorder=4)
         end = skfem.FacetBasis(mesh, element, facets=square.facets_satisfying(lambda x: x[0] == 1), intorder=4)
-        K = skfem.asm(linear_elasticity(*lame_parameters(E, NU)), basis)
+        K = skfem.asm(linear_elasticity(*lame_parameters(TwistedBeam.E, TwistedBeam.NU)), basis)
         free = basis.complement_dofs(basis.get_dofs(square.facets_satisfying(lambda x: x[0] == 0)))
         area = skfem.asm(skfem.Functional(lambda w: 1.0 + 0 * w.x[0]), end)
         for load, axis in LOADS.items():

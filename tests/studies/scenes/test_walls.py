@@ -12,9 +12,9 @@ from formulations.section.laws import LAWS, NeoHooke
 from formulations.section.material import Hencky
 from studies.ask.request import UsageError
 from studies.ask.scene import SceneModel
+from studies.scenes.benchmarks.layered_cylinders import HOOP, PRINTED, lame
 from studies.scenes.benchmarks.pagano import COLUMNS, SQUARE
 from studies.scenes.benchmarks.rubber import MU, RADIUS, SOFT, TERMS, THICK
-from studies.scenes.benchmarks.wrapped_cylinder import HOOP, PRINTED, lame
 from studies.scenes.closed_forms.thick_walls import inflation_pressure
 from studies.scenes.complete import complete
 from studies.scenes.references import holding

@@ -10,7 +10,7 @@ from formulations.geometry.surfaces import cylinder, normal
 from formulations.section.laminate import Ply
 from studies.cli import OK, WRONG_USE, main
 from studies.scenes import SCENES
-from studies.scenes.benchmarks.scordelis_lo import HALF_ANGLE, LENGTH, RADIUS, WEIGHT
+from studies.scenes.benchmarks.obstacle_course import ScordelisLo
 from studies.scenes.complete import complete
 from studies.scenes.element import centred_laminate, patch
 from studies.scenes.mesh_file.scene import entered
@@ -72,16 +72,18 @@ def roof_of(m: int) -> tuple[StaticModel, np.ndarray, list[str]]:
     _, request = complete("scordelis-lo", {"element": "quads"}, (m, m), measure="linear")
     laminate = centred_laminate(request, Ply.isotropic(4.32e8, 0.0, 0.25))
     edges = ("diaphragm", "symmetric", "symmetric", "free")
-    roof = patch(request, cylinder(RADIUS), (0, LENGTH / 2), (0, HALF_ANGLE), laminate, edges)
-    nodal = area_load(roof, lambda a1, a2: WEIGHT * np.array([-1.0, 0.0, 0.0]))
-    corner = roof.grid.node_at(LENGTH / 2, HALF_ANGLE)
+    roof = patch(
+        request, cylinder(ScordelisLo.RADIUS), (0, ScordelisLo.LENGTH / 2), (0, ScordelisLo.HALF_ANGLE), laminate, edges
+    )
+    nodal = area_load(roof, lambda a1, a2: ScordelisLo.WEIGHT * np.array([-1.0, 0.0, 0.0]))
+    corner = roof.grid.node_at(ScordelisLo.LENGTH / 2, ScordelisLo.HALF_ANGLE)
     a1, a2 = roof.grid.nodes.T
     frame = roof.surface.frame(a1, a2)
     forces = np.einsum("nif,nij->nj", nodal.reshape(-1, 3, 2), frame)
     mesh = mesh_lines(roof.surface.position(a1, a2), roof.grid.elements[:, ::-1], normal(roof.surface, a1, a2))
     material = ["*MATERIAL, NAME=M", "*ELASTIC", "4.32e8, 0.", "*SHELL SECTION, ELSET=ALL, MATERIAL=M", "0.25"]
     lines = [*mesh, *material, "*BOUNDARY"]
-    for value, axis, support in ((0.0, 0, "1, 2"), (LENGTH / 2, 0, "ZSYMM"), (0.0, 1, "YSYMM")):
+    for value, axis, support in ((0.0, 0, "1, 2"), (ScordelisLo.LENGTH / 2, 0, "ZSYMM"), (0.0, 1, "YSYMM")):
         lines += [f"{node + 1}, {support}" for node in roof.grid.on_line(axis, value)]
     lines += ["*STEP", "*STATIC", "*CLOAD"]
     lines += [f"{n + 1}, {i + 1}, {forces[n, i]:.17g}" for n, i in np.argwhere(forces)]
