@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from studies.scenes.mesh_file import load_cards, local_axes, mesh_cards, wall_cards
+from studies.scenes.mesh_file import cards, local_axes
 from studies.scenes.mesh_file.deck import Deck
-from studies.scenes.mesh_file.gmsh_deck import read_gmsh
+from studies.scenes.mesh_file.gmsh import read_gmsh
 from studies.scenes.mesh_file.keywords import Card, cards_of
 
 GMSH = ".msh"
@@ -16,27 +16,27 @@ SILENT = (  # read, and without effect
 )
 OUTPUT_OF_NODES = ("NODE FILE", "NODE PRINT", "NODE OUTPUT")
 BEFORE_STEP: dict[str, Callable[[Deck, Card], None]] = {
-    "NODE": mesh_cards.node,
-    "ELEMENT": mesh_cards.element,
-    "NORMAL": mesh_cards.normal,
+    "NODE": cards.node,
+    "ELEMENT": cards.element,
+    "NORMAL": cards.normal,
     "TRANSFORM": local_axes.transform,
-    "MATERIAL": wall_cards.material,
-    "ELASTIC": wall_cards.elastic,
-    "ORIENTATION": wall_cards.orientation,
-    "SHELL SECTION": wall_cards.shell_section,
-    "NODAL THICKNESS": wall_cards.nodal_thickness,
+    "MATERIAL": cards.material,
+    "ELASTIC": cards.elastic,
+    "ORIENTATION": cards.orientation,
+    "SHELL SECTION": cards.shell_section,
+    "NODAL THICKNESS": cards.nodal_thickness,
 }
 ANYWHERE: dict[str, Callable[[Deck, Card], None]] = {
-    "NSET": mesh_cards.node_set,
-    "ELSET": mesh_cards.element_set,
-    "BOUNDARY": load_cards.boundary,
-    "STEP": load_cards.step,
+    "NSET": cards.node_set,
+    "ELSET": cards.element_set,
+    "BOUNDARY": cards.boundary,
+    "STEP": cards.step,
 }
 IN_STEP: dict[str, Callable[[Deck, Card], None]] = {
-    "STATIC": load_cards.static,
-    "CLOAD": load_cards.cload,
-    "DLOAD": load_cards.dload,
-    "END STEP": load_cards.end_step,
+    "STATIC": cards.static,
+    "CLOAD": cards.cload,
+    "DLOAD": cards.dload,
+    "END STEP": cards.end_step,
 }
 
 

@@ -24,11 +24,17 @@ from studies.scenes.complete import LARGEST_MESH
 from studies.scenes.contact.base import OUTER
 from studies.scenes.element import WALL, centred_laminate, check_wall
 from studies.scenes.mesh_file import pressed
-from studies.scenes.mesh_file.cuts import cut_in
-from studies.scenes.mesh_file.loads import forces_of, loads_of, moments_of
+from studies.scenes.mesh_file.conditions import (
+    cut_in,
+    forces_of,
+    loads_of,
+    moments_of,
+    moved_of,
+    planes_of,
+    supports_of,
+)
 from studies.scenes.mesh_file.pressed import BESIDE
 from studies.scenes.mesh_file.reading import read_deck
-from studies.scenes.mesh_file.supports import moved_of, planes_of, supports_of
 from studies.scenes.mesh_file.surface import Mesh
 from studies.scenes.mesh_file.wall import first_axes, plies_of, walls_of, walls_told
 from studies.scenes.statics import LOAD_FRACTION, Loads, StaticModel, loaded_shell
