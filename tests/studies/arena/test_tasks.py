@@ -18,7 +18,7 @@ from studies.arena.tasks.exact import EXACT
 from studies.arena.tasks.grading import Grade, grade, values_of
 from studies.arena.tasks.submission import CANNOT, MET, Claim, read_submission
 from studies.cli import main
-from studies.commands import tasks as command
+from studies.commands import problems as command
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.solve import solve

@@ -41,7 +41,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def gate(solved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Arguments of a check, with a baseline of its own."""
     shutil.copy(solved / TOLERANCES, tmp_path)
-    monkeypatch.setattr("studies.commands.gate.HERE", tmp_path)
+    monkeypatch.setattr("studies.commands.comparison.HERE", tmp_path)
     asked = ["check", "--store", str(solved / "store"), "--campaign", "small"]
     assert main([*asked, "--update", "--owner", "Anna", "--reason", "the first"]) == 0
     return asked
