@@ -19,7 +19,7 @@ from studies.analysis.verify import headline
 from studies.ask.request import Request
 from studies.ask.scene import EPSILON
 from studies.ask.settings import MU, own_keys
-from studies.run.rows import keys
+from studies.run.answers import keys
 from studies.solving.disagreement import ASYMMETRIES, Facts, why
 from studies.solving.result import CONVERGED, SOLVED, unit_of
 

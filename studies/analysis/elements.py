@@ -15,7 +15,7 @@ import pandas as pd
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.ask.declarations import Ladder
 from studies.run.answers import Answer, Answers, number
-from studies.run.scene_cells import COMPARED, SHARE_LABEL, meshes_of, read_at
+from studies.run.lists import COMPARED, SHARE_LABEL, meshes_of, read_at
 
 EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart
 WHO = ("default", "paper")

@@ -28,8 +28,8 @@ from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 from studies.catalogue.tables import catalogue_tables
 from studies.output.atomic import write_table
+from studies.run.answers import published, reference_rows
 from studies.run.collect import collect, machines
-from studies.run.rows import published, reference_rows
 
 DECLARED = tomllib.loads(Path(__file__).with_name("fitted.toml").read_text(encoding="utf-8"))
 

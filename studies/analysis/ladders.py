@@ -15,9 +15,8 @@ import pandas as pd
 
 from studies.ask.declarations import Ladder
 from studies.ask.scene import Reference
-from studies.run.answers import Answer, Answers
-from studies.run.rows import ladders
-from studies.run.scene_cells import BENCHMARKS, LADDER_LABEL, LADDERS
+from studies.run.answers import Answer, Answers, ladders
+from studies.run.lists import BENCHMARKS, LADDER_LABEL, LADDERS
 from studies.scenes.references import STEP_KEYS, holding
 from studies.solving.refinement.richardson import MeshSequence
 

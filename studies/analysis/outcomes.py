@@ -14,7 +14,7 @@ import pandas as pd
 
 from studies.ask.request import Request
 from studies.ask.settings import settings_of
-from studies.run.rows import PRICES
+from studies.run.answers import PRICES
 from studies.solving.result import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, UNSUPPORTED, WRONG
 
 SEED, RESAMPLES, COVER = 2004, 999, 0.95

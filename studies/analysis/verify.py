@@ -16,7 +16,7 @@ import pandas as pd
 
 from studies.ask.scene import judged_of
 from studies.ask.settings import own_keys
-from studies.run.rows import answers, keys, ladders, quantities, reference_rows
+from studies.run.answers import answers, keys, ladders, quantities, reference_rows
 from studies.scenes import SCENES
 from studies.scenes.references import STEP_KEYS
 from studies.solving.refinement.richardson import limit_of

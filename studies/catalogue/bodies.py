@@ -23,7 +23,7 @@ from studies.ask.scene import Scene, SceneModel
 from studies.catalogue.words import arrows, middle_of
 from studies.output.vtu import CORNERS_8, PLACES_27, read_vtu
 from studies.run.answers import Answers
-from studies.run.scene_cells import SHEETS, sheet_cell
+from studies.run.lists import SHEETS, sheet_cell
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.contact import crushed_ring

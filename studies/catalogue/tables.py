@@ -31,7 +31,7 @@ from studies.catalogue.descriptions import (
 from studies.catalogue.values import answered, values
 from studies.catalogue.words import loads, obstacle, shape_of, solid_supports, supports
 from studies.run.answers import Answers
-from studies.run.scene_cells import SHEETS
+from studies.run.lists import SHEETS
 from studies.scenes import SCENES
 from studies.scenes.element import ShearCorrected
 from studies.scenes.faces.model import FacesModel

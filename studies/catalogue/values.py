@@ -13,7 +13,7 @@ import pandas as pd
 from studies.ask.request import text_of
 from studies.ask.scene import Reference, judged_of, ladders_of
 from studies.run.answers import Answer, Answers, number
-from studies.run.scene_cells import sheet_cell
+from studies.run.lists import sheet_cell
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.references import STEP_KEYS, holding

@@ -154,7 +154,7 @@ def add_time(parser: argparse.ArgumentParser) -> None:
 def run_time(options: argparse.Namespace) -> int:
     """Time and print the table; 1 where the machine was too busy."""
     from studies.run.campaign import find
-    from studies.run.timing_lane import time_campaign
+    from studies.run.times import time_campaign
 
     try:
         only = re.compile(options.only)

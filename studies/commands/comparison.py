@@ -25,11 +25,11 @@ from studies.gate.compare import (
     update,
 )
 from studies.gate.times import compare_times, samples_of_both
+from studies.run.answers import ERROR
 from studies.run.archive import Archive
 from studies.run.campaign import find
 from studies.run.collect import collect
 from studies.run.plan import plan
-from studies.run.rows import ERROR
 from studies.solving.result import CONVERGED, SOLVED
 
 SPENT = ("newton_iterations", "factorisations", "operations")

@@ -29,7 +29,7 @@ from studies.gate.baseline import (
 )
 from studies.output.atomic import write_table
 from studies.output.terminal import columns
-from studies.run.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
+from studies.run.answers import ERROR, ORDER, errors, ladders, quantities, reference_rows
 from studies.solving.refinement.richardson import order_of
 from studies.solving.result import CONVERGED, SOLVED
 

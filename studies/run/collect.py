@@ -21,7 +21,7 @@ import pandas as pd
 
 from studies.ask.request import Request, Settings
 from studies.run.answers import Answers, number
-from studies.run.scene_cells import SHARES, SHEETS
+from studies.run.lists import SHARES, SHEETS
 from studies.run.times import interval, read_times, times_path
 from studies.scenes.element import ELEMENTS
 from studies.solving.result import UNSUPPORTED, seen_in

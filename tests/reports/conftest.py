@@ -30,9 +30,8 @@ from studies.experiments.false_success import COLUMNS as CLAIM_COLUMNS
 from studies.experiments.rotations import RUNS
 from studies.output.atomic import SCHEMA, write_json, write_table, write_text
 from studies.run.collect import collect
-from studies.run.lists import LISTS
+from studies.run.lists import LADDERS, LISTS, SHEETS
 from studies.run.plan import Row
-from studies.run.scene_cells import LADDERS, SHEETS
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve

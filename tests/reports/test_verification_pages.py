@@ -29,7 +29,7 @@ from studies.experiments.locking import MESHES, THINNESS
 from studies.output.atomic import write_json, write_table
 from studies.run.answers import Answers
 from studies.run.collect import collect
-from studies.run.scene_cells import LADDERS
+from studies.run.lists import LADDERS
 from support.pages.changed import edit_json, place
 from support.pages.sentences import sentence
 from support.stores.made_up import analysed_again

@@ -25,7 +25,7 @@ import pandas as pd
 
 from studies.analysis.advice.questions import COST, Question, cheapest_of, questions
 from studies.analysis.verify import EXACT, headline, judged
-from studies.run.rows import keys, sizes
+from studies.run.answers import keys, sizes
 from studies.solving.refinement.richardson import FORMAL, UNSAFE, correction, order_of
 
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)

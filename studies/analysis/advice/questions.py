@@ -16,7 +16,7 @@ import pandas as pd
 from studies.analysis.verify import REFERENCE, choices, headline, judged
 from studies.ask.request import Value, text_of
 from studies.ask.scene import Setting, UsageError
-from studies.run.rows import PRICES, keys
+from studies.run.answers import PRICES, keys
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 

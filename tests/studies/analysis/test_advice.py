@@ -26,7 +26,7 @@ from studies.analysis.advice.questions import COSTS, asked_question
 from studies.analysis.everything import analysed
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
-from studies.run.rows import PRICES, ladders
+from studies.run.answers import PRICES, ladders
 from studies.scenes.complete import complete
 from support.stores.sweeps import EXACT, SIZES, cells
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.elements import confirmed, limit_of, nearest, turns_at, verdict_of
-from studies.run.scene_cells import LADDERS
+from studies.run.lists import LADDERS
 
 (ROOF,) = (ladder for ladder in LADDERS if ladder.name == "roof-a")
 

@@ -12,8 +12,7 @@ from studies.cli import main
 from studies.run.campaign import find
 from studies.run.collect import collect
 from studies.run.running import run
-from studies.run.times import canary, interval
-from studies.run.timing_lane import REPEATS, SHARE, Stopwatch, sample, shares, summary, time_campaign
+from studies.run.times import REPEATS, SHARE, Stopwatch, canary, interval, sample, shares, summary, time_campaign
 
 LABELS = ("a", "b", "c")
 
@@ -96,7 +95,7 @@ def test_the_canary_is_a_workload_of_some_size() -> None:
 def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two cells converge, one is refused: nothing of it is timed. All samples and canaries are in the store."""
     for name, value in (("DRIFT", 1e9), ("BLOCKS", 2), ("ROUNDS", 2)):
-        monkeypatch.setattr(f"studies.run.timing_lane.{name}", value)
+        monkeypatch.setattr(f"studies.run.times.{name}", value)
     path = tmp_path / "three.toml"
     cross = "[[cross]]\nmeshes = {}\n[cross.scenes.{}]\n"
     path.write_text(cross.format('["2x1", "4x1"]', "cantilever") + cross.format('["7x7"]', "tyre"))
@@ -132,7 +131,7 @@ def test_a_machine_that_is_not_quiet_leaves_the_seconds_of_the_solve(
     timed = ["time", str(path), "--store", str(store), "--only", "4x1"]
     before = collect(store, "two").set_index("label")["t.seconds"]
     for name, value in (("DRIFT", -1.0), ("BLOCKS", 1), ("ROUNDS", 1)):
-        monkeypatch.setattr(f"studies.run.timing_lane.{name}", value)
+        monkeypatch.setattr(f"studies.run.times.{name}", value)
     assert main(timed) == 1
     found = collect(store, "two").set_index("label")
     assert dict(found["canary"]) == {"cross cantilever 2x1": "", "cross cantilever 4x1": "moved"}

@@ -29,8 +29,8 @@ from studies.cli import main
 from studies.output.vtu import read_vtu, write_vtu
 from studies.run.answers import Answers
 from studies.run.campaign import find
+from studies.run.lists import FRAMES, sheet_cell, sheet_cells
 from studies.run.running import run
-from studies.run.scene_cells import FRAMES, sheet_cell, sheet_cells
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
 from studies.scenes.complete import complete
@@ -163,7 +163,7 @@ def test_a_sheet_is_solved_to_its_value_by_its_command(tmp_path: Path, monkeypat
     """Of two scenes, through the store and through the command line."""
     for name in set(SCENES) - {"cantilever", "strip-contact"}:
         monkeypatch.delitem(SCENES, name)
-    monkeypatch.setattr("studies.run.scene_cells.frames", lambda: iter(()))
+    monkeypatch.setattr("studies.run.lists.frames", lambda: iter(()))
     run(find("sheets"), tmp_path / "store")
     answers = Answers.of(tmp_path / "store", "sheets")
     table, told = values(answers, pd.DataFrame()), answered(answers).set_index("scene")

@@ -14,9 +14,8 @@ from studies.commands import worker
 from studies.commands.worker import make_table
 from studies.output.atomic import write_table_once
 from studies.run import source_hash
-from studies.run.lists import LISTS, MAKERS
+from studies.run.lists import LADDERS, LISTS, MAKERS, ladder_cells
 from studies.run.plan import planned
-from studies.run.scene_cells import LADDERS, ladder_cells
 from studies.run.source_hash import data_of, hashed
 from studies.scenes import SCENES
 from support.kinds import MANY_SURFACES, OF_SOLIDS, ON_QUADS

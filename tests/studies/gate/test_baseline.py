@@ -9,9 +9,9 @@ import pytest
 
 from studies.gate.baseline import BASELINE, COMMAND, OUTCOME, TOLERANCES, UPDATES, bound_of, read_baseline, read_bounds
 from studies.gate.compare import Finding, compared, failures, measured
+from studies.run.answers import ORDER
 from studies.run.campaign import Campaign, find
 from studies.run.collect import collect
-from studies.run.rows import ORDER
 from studies.run.running import run
 from studies.scenes.complete import Cell
 

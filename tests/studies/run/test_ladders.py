@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 
 from studies.ask.declarations import Ladder
 from studies.ask.scene import UsageError
-from studies.run.scene_cells import LADDERS
+from studies.run.lists import LADDERS
 from studies.scenes.closed_forms.contact import lifted_strip, strip_contact
 from studies.scenes.complete import complete as resolve
 from studies.scenes.contact.base import rim_lines

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
+from studies.run.answers import ASKED, published
 from studies.run.collect import COLUMNS
-from studies.run.rows import ASKED, published
 from studies.scenes import SCENES
 from studies.scenes.complete import complete as resolve
 from studies.solving.solve import KINDS

@@ -10,8 +10,8 @@ import pytest
 
 from studies.output import atomic
 from studies.run import plan
+from studies.run.answers import _apart
 from studies.run.plan import Row, solved_rows
-from studies.run.rows import _apart
 from studies.scenes.complete import complete
 
 

@@ -6,7 +6,7 @@ from itertools import groupby
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.ask.declarations import Ladder
-from studies.run.scene_cells import COMPARED, meshes_of, read_at, share_cells
+from studies.run.lists import COMPARED, meshes_of, read_at, share_cells
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell, complete
 from support.kinds import MANY_SURFACES, OF_SOLIDS, ON_QUADS

@@ -6,7 +6,7 @@ import pytest
 
 from studies.ask.scene import UsageError, has_contact, judged_of, ladders_of
 from studies.cli import main
-from studies.run.scene_cells import BENCHMARKS, LADDERS
+from studies.run.lists import BENCHMARKS, LADDERS
 from studies.scenes import MODULES, SCENES
 from studies.scenes.benchmarks.quads import OnQuads
 from studies.scenes.complete import complete
