@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studies.output.shown import Shown
+from studies.output.terminal import Shown
 from studies.scenes import SCENES
 from studies.solving.choice import Choice
 from studies.solving.result import Result

@@ -16,8 +16,7 @@ from studies.answers import Chosen, Run, Swept
 from studies.ask.request import UsageError, text_of
 from studies.ask.settings import rubbing
 from studies.catalogue import descriptions
-from studies.catalogue.by_name import Scenes
-from studies.catalogue.descriptions import Description
+from studies.catalogue.descriptions import Description, Scenes
 from studies.scenes.complete import complete
 from studies.scenes.plugins import load_entry_points
 from studies.solving import choose as choosing

@@ -11,8 +11,7 @@ import pandas as pd
 
 from studies.analysis.advice.choose import shipped_tables
 from studies.analysis.advice.held_out import held_out, summary
-from studies.analysis.agreement import solves
-from studies.analysis.disagreements import disagreements
+from studies.analysis.agreement import disagreements, solves
 from studies.analysis.elements import element_choice, thickness_share
 from studies.analysis.evidence import Evidence, Tables
 from studies.analysis.friction import COST_BARS, orders
@@ -21,8 +20,7 @@ from studies.analysis.ladders import summary as summary_of_ladders
 from studies.analysis.outcomes import contact_summary, outcomes
 from studies.analysis.powers import THEORY
 from studies.analysis.printed_pressures import tyre_comparison, tyre_readings
-from studies.analysis.statements.claims import claims_table
-from studies.analysis.statements.tables import statement_tables
+from studies.analysis.statements.tables import claims_table, statement_tables
 from studies.analysis.tyre import solid_shell, tyre_budget, tyre_models
 from studies.analysis.verify import verified
 from studies.ask.scene import UsageError

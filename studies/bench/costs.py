@@ -1,19 +1,24 @@
 """``footprint bench``: what a factorisation, a solve, the whole command and an assembly cost, in units of one work.
 
-The unit is one factorisation of the tangent of the whole tyre on 42x40 elements, 9840 unknowns, by SuperLU. Each line
-says what is done, and its bars. Tangents of the whole tyre are factorised as they are, definite, and with another
-section, not symmetric.
+Lines of work are timed in rounds, and the unit beside them: what the machine does meanwhile, other programs and a
+slower clock, meets both, and their ratio is left. The unit is one factorisation of the tangent of the whole tyre on
+42x40 elements, 9840 unknowns, by SuperLU. Each line says what is done, and its bars. Tangents of the whole tyre are
+factorised as they are, definite, and with another section, not symmetric.
 """
 
 from __future__ import annotations
 
 import os
+import resource
+import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,12 +27,101 @@ from scipy import sparse
 from contact.solvers.sparse import factorise
 from formulations.shell import ShellModel
 from studies.bench.newton import asked, tyre
-from studies.bench.rounds import NO_BAR, Group, Line, in_rounds
+from studies.output.stopwatch import CPU, Clock, timed
 from studies.run.children import ONE_THREAD
 from studies.run.source_hash import ROOT
 from studies.scenes.complete import complete
 from studies.solving.result import Result
 from studies.solving.solve import solve
+
+COLUMNS = ("group", "line", "what", "median", "low", "high", "at_most", "holds")
+NO_BAR = float("nan")
+HOLDS, VARIES, BROKEN = "holds", "varies", "BROKEN"
+
+
+def cpu() -> float:
+    """Processor time [s], user and system, of this process and of its children that have ended."""
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return CPU() + children.ru_utime + children.ru_stime
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A work that is timed, and bars on its time; NO_BAR where it is only shown.
+
+    over: over that of other lines of the group, by their names.  most: in units.
+    cold: the work keeps nothing that makes it faster next time; any other is done once before it counts.
+    """
+
+    name: str
+    work: Callable[[], Any]
+    over: Mapping[str, float] = field(default_factory=dict)
+    most: float = NO_BAR
+    cold: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Lines that are timed in turns."""
+
+    name: str
+    lines: Sequence[Line]
+
+
+def in_rounds(
+    groups: Iterable[Group],
+    unit: Callable[[], object],
+    rounds: int,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+    clock: Clock = cpu,
+) -> pd.DataFrame:
+    """One row a ratio: group, line, what it is, median, low and high over the rounds, its bar, and whether it holds.
+
+    The unit of a round is the median of those beside its lines. A bar holds where the median does; it is broken where
+    every round is beyond it, and where rounds lie on both sides a busy machine has not decided. Groups are asked for
+    one after another, so that what they need is made, and freed, in time.
+    """
+    rows = [row for group in groups for row in _readings(group, unit, rounds, progress, clock)]
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _readings(
+    group: Group,
+    unit: Callable[[], object],
+    rounds: int,
+    progress: Callable[[int, int, str], None],
+    clock: Clock,
+) -> Iterator[tuple[object, ...]]:
+    spent: dict[str, list[float]] = {line.name: [] for line in group.lines}
+    units: list[float] = []
+    for line in group.lines:
+        if not line.cold:
+            line.work()
+    for turn in range(rounds):
+        beside = []
+        for place, line in enumerate(group.lines):
+            progress(turn * len(group.lines) + place, rounds * len(group.lines), f"{group.name}: {line.name}")
+            beside.append(timed(unit, clock)[0])
+            spent[line.name].append(timed(line.work, clock)[0])
+        units.append(statistics.median(beside))
+    for line in group.lines:
+        ratios = {"units": (units, line.most)} | {f"x {name}": (spent[name], bar) for name, bar in line.over.items()}
+        for what, (others, bar) in ratios.items():
+            values = [own / other for own, other in zip(spent[line.name], others, strict=True)]
+            median = statistics.median(values)
+            yield group.name, line.name, what, median, min(values), max(values), bar, _verdict(values, median, bar)
+
+
+def _verdict(values: Sequence[float], median: float, bar: float) -> str:
+    if bar != bar:
+        return ""
+    return HOLDS if median <= bar else VARIES if any(value <= bar for value in values) else BROKEN
+
+
+def shown(table: pd.DataFrame) -> str:
+    """The table for a terminal."""
+    return table.to_string(index=False, float_format="{:.3g}".format, na_rep="")
+
 
 MESH = "42x40"
 SIZES = (MESH, "102x100")  # 10 and 60 thousand unknowns

@@ -2,13 +2,20 @@
 
 The tyre of the paper and its tangent are what the other benchmarks measure, too. On each mesh it is pressed from the
 path on the one before.
+
+``footprint bench overhead``: what running a cell costs beside solving it.
 """
 
 from __future__ import annotations
 
+import statistics
+import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,9 +27,12 @@ from contact.problem import ContactSolution
 from formulations.shell import ShellModel
 from studies.ask.request import Request
 from studies.ask.scene import UsageError
-from studies.output.stopwatch import CPU, timed
-from studies.run.task import status_MB
-from studies.scenes.complete import complete
+from studies.output.stopwatch import CPU, WALL, timed
+from studies.run.archive import Archive
+from studies.run.children import Children
+from studies.run.plan import planned
+from studies.run.task import Limits, status_MB
+from studies.scenes.complete import Cell, complete
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
 from studies.scenes.walk import Visited
@@ -130,3 +140,49 @@ def _cost(model: TyreModel, end: Visited, seconds: float) -> dict[str, Any]:
     best = {f"{part}_s": min(sample[part] for sample in samples) for part in TIMES}
     sizes = {"dofs": model.n_unknowns, "elements": len(model.part.grid.elements)}
     return {**sizes, **best, "peak_GiB": status_MB("VmHWM") / 1024, "repeats": len(samples)}
+
+
+TRIVIAL = Cell(
+    "trivial", "cantilever", {"mesh": "1x1", "measure": "linear"}, {"load_fraction": "0.001"}, artefacts=False
+)
+SECOND = Cell("of about 1 s", "hemisphere", {"mesh": "24x24"}, artefacts=False)
+REPEATS = 9
+
+
+@dataclass(frozen=True)
+class Cost:
+    """One row: what was done, its seconds, those of the solve inside it, and the bound it must keep."""
+
+    what: str
+    seconds: float
+    solve: float
+    bound: str
+    kept: bool
+
+
+def harness(repeats: int = REPEATS) -> list[Cost]:
+    """Medians over repeats; the store lies in a temporary directory."""
+    with tempfile.TemporaryDirectory() as folder, closing(Children()) as children:
+        return list(_cells(children, Path(folder), repeats))
+
+
+def beside_solving(costs: list[Cost]) -> str:
+    """A table for the terminal."""
+    table = pd.DataFrame(costs).assign(beside_ms=[1e3 * (cost.seconds - cost.solve) for cost in costs])
+    return table.to_string(index=False, float_format="{:.4f}".format)
+
+
+def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
+    """The whole of a task: to the process and back, the record written and on the disk; the process is warm."""
+    for cell, times in ((TRIVIAL, repeats), (SECOND, max(2, repeats // 3))):
+        spent, inside = [], []
+        for _ in range(1 + times):
+            task = planned(cell).task(artefacts=True)
+            spent.append(timed(partial(children.perform, task, str(root), Limits()), WALL)[0])
+            record = Archive(root).record(task.id)
+            assert record is not None
+            inside.append(record["timing_s"]["total"])
+        beside = statistics.median(a - b for a, b in zip(spent[1:], inside[1:], strict=True))
+        total, solve = statistics.median(spent[1:]), statistics.median(inside[1:])
+        bound, kept = ("50 ms", beside < 0.05) if cell is TRIVIAL else ("5 %", beside < 0.05 * solve)
+        yield Cost(f"cell: {cell.label}", total, total - beside, f"beside the solve under {bound}", kept)

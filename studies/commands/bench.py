@@ -53,8 +53,7 @@ def run_bench(options: argparse.Namespace) -> int:
 
 
 def _costs(options: argparse.Namespace) -> int:
-    from studies.bench.costs import costs
-    from studies.bench.rounds import BROKEN, VARIES, shown
+    from studies.bench.costs import BROKEN, VARIES, costs, shown
 
     rounds = count("rounds", options.rounds)
     with progress_bar("costs") as advance:
@@ -68,10 +67,10 @@ def _costs(options: argparse.Namespace) -> int:
 
 
 def _overhead(options: argparse.Namespace) -> int:
-    from studies.bench.overhead import harness, shown
+    from studies.bench.newton import beside_solving, harness
 
     costs = harness()
-    print(shown(costs))
+    print(beside_solving(costs))
     return OK if all(cost.kept for cost in costs) else FAILED
 
 

@@ -1,6 +1,6 @@
 """Two answers to one problem: the same, or why not, by what can be computed of each alone.
 
-Explanations are checked, not guessed, and begin with a class of :mod:`studies.analysis.disagreements`: the
+Explanations are checked, not guessed, and begin with a class of :mod:`studies.analysis.agreement`: the
 error of a state is that of one more Newton step in dense algebra, stability is counted by the eigenvalues of the dense
 tangent on what the set leaves free, and of two different stable equilibria each must be confirmed by the way of solving
 that has found the other; so must two states with friction whose paths were cut alike.

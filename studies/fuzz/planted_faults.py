@@ -27,7 +27,7 @@ from studies.fuzz import planted_in_friction
 from studies.fuzz.attempt import Asked
 from studies.fuzz.cases import SCENE, asked_of, first_asked
 from studies.fuzz.examine import BROKEN, examine
-from studies.fuzz.planting import Fault, fault
+from studies.fuzz.planted_in_friction import Fault, fault
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
 from studies.solving import certificate

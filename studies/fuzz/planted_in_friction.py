@@ -1,10 +1,13 @@
-"""Faults of friction that are planted: of its direction, its judge, what it has lost, units and settings."""
+"""How a fault is planted: it is there while a context lasts, and leaves nothing behind.
+
+Those of friction: of its direction, its judge, what it has lost, units and settings.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import replace
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, replace
 from typing import Any
 from unittest.mock import patch
 
@@ -19,11 +22,37 @@ from studies.ask.request import Value
 from studies.ask.settings import DRAG, MU
 from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
-from studies.fuzz.planting import Fault, fault
 from studies.solving import recording
 from studies.solving import solve as solving
 from studies.solving.certificate import certificate
 from studies.solving.friction_stages import Stages
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What is wrong, in words, and how it is planted: a context in which it is there.
+
+    kind: of the cases that look for it, by default of each what is drawn from its number.
+    """
+
+    name: str
+    planted: Callable[[], AbstractContextManager[object]]
+    kind: str = ""
+
+
+def fault(name: str, place: Any, function: str, kind: str = "") -> Callable[[Callable[..., Any]], Fault]:
+    """A fault of a function of a module or a class: what stands in its place is given the sound one first."""
+
+    def named(faulty: Callable[..., Any]) -> Fault:
+        return Fault(name, lambda: patch.object(place, function, _before(vars(place)[function], faulty)), kind)
+
+    return named
+
+
+def _before(sound: Callable[..., Any], faulty: Callable[..., Any]) -> Callable[..., Any]:
+    """A plain function, which a class binds as it did the sound one."""
+    return lambda *arguments, **options: faulty(sound, *arguments, **options)
+
 
 Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 

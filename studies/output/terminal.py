@@ -1,13 +1,17 @@
 """Words for a terminal: aligned columns, and text of others with its control characters written out.
 
 All that is printed passes :class:`Escaping`. What is said does not enter here, nor what a page would take for its own.
+
+A notebook shows an answer as a line of text, or as that line with a table and remarks as HTML, all text escaped.
 """
 
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
-from typing import Any, TextIO
+from html import escape
+from typing import TYPE_CHECKING, Any, TextIO
 
 # all control characters but the ends of lines and tabs; marks that turn the direction of text or are not seen; halves
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
@@ -57,3 +61,34 @@ def behind(stream: Any) -> TextIO:
     """The stream that draws, behind the one that escapes."""
     underlying: TextIO = getattr(stream, "stream", stream)
     return underlying
+
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+MOST = 20  # rows of the table
+
+
+class Shown(ABC):
+    """An answer that shows itself."""
+
+    @property
+    @abstractmethod
+    def line(self) -> str:
+        """What it is, in one line."""
+
+    @abstractmethod
+    def shown(self) -> tuple[pd.DataFrame, list[str]]:
+        """Its table, and remarks below it."""
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.line}>"
+
+    def _repr_html_(self) -> str:
+        table, remarks = self.shown()
+        from pandas import option_context
+
+        with option_context("display.max_colwidth", None):  # meanings are whole sentences
+            rows = table.to_html(max_rows=MOST, index=False, float_format=lambda x: f"{x:.6g}", border=0)
+        paragraphs = "".join(f"<p>{escape(each)}</p>" for each in remarks)
+        return f"<p><strong>{escape(self.line)}</strong></p>{rows}{paragraphs}"

@@ -23,7 +23,6 @@ import pandas as pd
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from studies.ask.request import UsageError
 from studies.ask.scene import UsageError
 from studies.output.atomic import SCHEMA, write_json
 from studies.output.provenance import provenance

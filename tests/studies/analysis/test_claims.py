@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.analysis.statements.claims import (
+from studies.analysis.statements.tables import (
     CONFIRMED,
     QUALIFIED,
     REFUTED,

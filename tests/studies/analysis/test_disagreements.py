@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from studies.analysis.disagreements import disagreements
+from studies.analysis.agreement import disagreements
 from studies.ask.request import Request, Settings
 from studies.ask.settings import configured
 from studies.fuzz.comparing import AGREES, Answer, compared

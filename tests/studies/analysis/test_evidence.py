@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.evidence import NothingError, read_declarations, read_values
-from studies.analysis.statements.claims import read_claims
-from studies.analysis.statements.tables import read_sentences, said_by
+from studies.analysis.statements.tables import read_claims, read_sentences, said_by
 
 TABLES = {
     "runs": pd.DataFrame(

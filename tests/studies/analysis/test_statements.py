@@ -15,9 +15,8 @@ from reports.chapter import OPENING, of_page, statements
 from reports.store import Store
 from studies.analysis.everything import DECLARED, written
 from studies.analysis.evidence import ANSWERS, Evidence
-from studies.analysis.statements.claims import read_claims
 from studies.analysis.statements.record import Statement, as_tables
-from studies.analysis.statements.tables import maker_of, read_sentences
+from studies.analysis.statements.tables import maker_of, read_claims, read_sentences
 from studies.analysis.statements.tables import statements as all_said
 from studies.arena.solver_run import FIELDS
 from studies.output.atomic import SCHEMA, write_json

@@ -7,8 +7,7 @@ import pytest
 from contact.solvers.multifrontal import SYMMETRIC
 from contact.solvers.sparse import asymmetry
 from studies import cli
-from studies.bench.costs import COMMAND, SOLVE, SOLVES, at_rest, costs, shell_of
-from studies.bench.rounds import BROKEN, COLUMNS, HOLDS
+from studies.bench.costs import BROKEN, COLUMNS, COMMAND, HOLDS, SOLVE, SOLVES, at_rest, costs, shell_of
 from studies.cli import main
 
 MESH = "8x6"

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.bench.costs import child
-from studies.bench.rounds import BROKEN, COLUMNS, HOLDS, NO_BAR, VARIES, Group, Line, cpu, in_rounds, shown
+from studies.bench.costs import BROKEN, COLUMNS, HOLDS, NO_BAR, VARIES, Group, Line, child, cpu, in_rounds, shown
 
 
 class Machine:

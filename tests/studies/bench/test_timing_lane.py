@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studies.ask.scene import UsageError
-from studies.bench.overhead import harness, shown
+from studies.bench.newton import beside_solving, harness
 from studies.cli import main
 from studies.run.campaign import find
 from studies.run.collect import collect
@@ -143,4 +143,4 @@ def test_the_bench_of_the_harness_says_what_it_has_done() -> None:
     costs = harness(repeats=2)
     assert [cost.what for cost in costs] == ["cell: trivial", "cell: of about 1 s"]
     assert all(0 < cost.solve < cost.seconds for cost in costs)
-    assert len(shown(costs).splitlines()) == 3
+    assert len(beside_solving(costs).splitlines()) == 3

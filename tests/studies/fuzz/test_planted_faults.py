@@ -13,7 +13,7 @@ from studies.fuzz.attempt import Asked
 from studies.fuzz.cases import asked_of, kind_of
 from studies.fuzz.examine import examine, minimised
 from studies.fuzz.planted_faults import FAULTS, MOST, found_after, too_large
-from studies.fuzz.planting import Fault
+from studies.fuzz.planted_in_friction import Fault
 
 EARLY = 60  # of the faults that show in most cases
 FEW = 50  # cases of the scene that a rare fault can show in; which ones are drawn changes with the list of scenes

@@ -9,8 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from studies.analysis.everything import compared, written
-from studies.analysis.statements.claims import claims_table
-from studies.analysis.statements.tables import statement_tables
+from studies.analysis.statements.tables import claims_table, statement_tables
 from studies.run.collect import collect
 
 
