@@ -17,7 +17,7 @@ from studies.ask.declarations import Ladder
 from studies.ask.scene import Reference
 from studies.run.answers import Answer, Answers, ladders
 from studies.run.lists import BENCHMARKS, LADDER_LABEL, LADDERS
-from studies.scenes.references import STEP_KEYS, holding
+from studies.scenes.complete import STEP_KEYS, holding
 from studies.solving.refinement.richardson import MeshSequence
 
 COLUMNS = (

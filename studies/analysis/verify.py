@@ -18,7 +18,7 @@ from studies.ask.scene import judged_of
 from studies.ask.settings import own_keys
 from studies.run.answers import answers, keys, ladders, quantities, reference_rows
 from studies.scenes import SCENES
-from studies.scenes.references import STEP_KEYS
+from studies.scenes.complete import STEP_KEYS
 from studies.solving.refinement.richardson import limit_of
 from studies.solving.result import SOLVED, WRONG
 

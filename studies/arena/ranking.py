@@ -4,17 +4,42 @@ An entry is ranked by the machine where it solves fewest problems: by the proble
 with the accuracy required, most first; then by the fewest false claims; then by the cost, the geometric mean over those
 that it solves, in factorisations of K on the same machine, so that seconds of different machines are not compared.
 Equal in all three is an equal rank. A stale result is listed, but not ranked.
+
+Submitted results are read: sizes are bounded, types and ranges of all values are checked, and any fault of a file
+raises a UsageError of one line that names the file and the value.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, NoReturn
 
+from contact.interchange.untrusted import MB, read_json
 from studies.arena.collected.collection import TEST, split_of
-from studies.arena.results import ANOMALOUS, EXCLUDED, FAILED, MISSING, OK, STALE, Asked, Result, mean_cost, statuses
+from studies.arena.results import (
+    ANOMALOUS,
+    EXCLUDED,
+    FAILED,
+    FORMAT,
+    MACHINE,
+    MISSING,
+    OK,
+    STALE,
+    STATUS,
+    TEXT,
+    VERSION,
+    Asked,
+    Counted,
+    Result,
+    Solved,
+    mean_cost,
+    plain,
+    statuses,
+)
 from studies.ask.request import UsageError
 
 LEAD = 1e-6  # the accuracy that is ranked by, or else the strictest tolerance that all results have in common
@@ -87,3 +112,126 @@ def _ranked(runs: Iterable[Row]) -> Iterator[Row]:
 def _order(row: Row) -> tuple[float, float, float]:
     """Smallest first: the best."""
     return -row[OK], row[ANOMALOUS], row["cost"] if row["cost"] == row["cost"] else math.inf
+
+
+LARGEST = 4 * MB
+MOST = 10_000  # problems
+HASH = re.compile(r"[0-9a-f]{16}")
+NAME = re.compile(r"[\w.,=+-]{1,160}", re.ASCII)
+Record = Mapping[str, Any]
+
+
+def read_all(folder: Path) -> list[Result]:
+    """All results of a folder, by the name of their file; raises UsageError naming the invalid file."""
+    if not folder.is_dir():
+        raise UsageError(f"{folder} is no folder of results")
+    results = [read_result(path) for path in sorted(folder.glob("*.json"))]
+    if not results:
+        raise UsageError(f"{folder}: no results (*.json) in it")
+    keys: dict[tuple[str, str, str, str], None] = {}
+    for result in results:
+        key = (result.entry, result.place, result.harness, result.collection)
+        if key in keys:
+            raise UsageError(f"{folder}: {result.entry[:TEXT]!r} has two results on the machine {result.place}")
+        keys[key] = None
+    return results
+
+
+def read_result(path: Path) -> Result:
+    """A result; raises UsageError with one line for any fault."""
+    try:
+        content = read_json(path, LARGEST)
+        return _result(_object(content, "it"))
+    except (ValueError, OverflowError) as error:
+        reason = (str(error).splitlines() or ["damaged"])[0]
+        raise UsageError(f"{path} is no result of the arena: {plain(reason)}") from None
+
+
+def _result(record: Record) -> Result:
+    if (record.get("format"), record.get("format_version")) != (FORMAT, VERSION):
+        raise ValueError(f"it is not of the format {FORMAT!r}, version {VERSION}")
+    machine = _object(record.get("machine"), "machine")
+    given = _list(record.get("tolerances"), "tolerances", 10)
+    tolerances = tuple(_one_tolerance(_object(each, "an entry of tolerances")) for each in given)
+    if len({each.tolerance for each in tolerances}) < len(tolerances):
+        raise ValueError("tolerances must be different")
+    return Result(
+        _text(record.get("entry"), "entry", TEXT),
+        {key: _text(machine.get(key), f"machine {key}", 2 * TEXT) for key in MACHINE},
+        _hash(record.get("harness"), "harness"),
+        _hash(record.get("collection"), "collection"),
+        _number(record.get("limit_s"), "limit_s", 1e-3, 1e6),
+        tuple(sorted(tolerances, key=lambda each: -each.tolerance)),
+    )
+
+
+def _one_tolerance(record: Record) -> Asked:
+    tolerance = _number(record.get("tolerance"), "tolerance", 1e-16, 1.0)
+    public = tuple(_one_problem(_object(each, "a problem")) for each in _list(record.get("public"), "public", MOST))
+    if len({each.problem for each in public}) < len(public):
+        raise ValueError("public has a problem twice")
+    counts = record.get("held_out")
+    return Asked(tolerance, public, None if counts is None else _counted(_object(counts, "held_out")))
+
+
+def _one_problem(record: Record) -> Solved:
+    name, status = record.get("problem"), record.get("status")
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        raise ValueError(f"problem {_shown(name)} must be the name of one")
+    if status not in STATUS:
+        raise ValueError(f"status {_shown(status)} of {name} must be one of {', '.join(STATUS)}")
+    return Solved(name, str(status), _cost(record.get("cost")))
+
+
+def _counted(record: Record) -> Counted:
+    counts = _object(record.get("statuses"), "statuses")
+    statuses = {}
+    for status in STATUS:
+        value = counts.get(status)
+        if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= MOST:
+            raise ValueError(f"held_out {status} = {_shown(value)} must be a whole number in [0, {MOST}]")
+        statuses[status] = value
+    return Counted(statuses, _cost(record.get("cost")), _hash(record.get("secret"), "secret"))
+
+
+def _cost(value: object) -> float:
+    return math.nan if value is None else _number(value, "cost", 0.0, 1e12)
+
+
+def _number(value: object, what: str, low: float, high: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        _refuse(value, what, f"a number in [{low:g}, {high:g}]")
+    return float(value)
+
+
+def _text(value: object, what: str, most: int) -> str:
+    if not isinstance(value, str) or not 1 <= len(value) <= most or not value.isprintable() or not value.strip():
+        _refuse(value, what, f"1 to {most} printable characters")
+    return value
+
+
+def _hash(value: object, what: str) -> str:
+    if not isinstance(value, str) or not HASH.fullmatch(value):
+        _refuse(value, what, "16 hexadecimal digits")
+    return value
+
+
+def _object(value: object, what: str) -> Record:
+    if not isinstance(value, dict):
+        _refuse(value, what, "a JSON object")
+    return value
+
+
+def _list(value: object, what: str, most: int) -> list[Any]:
+    if not isinstance(value, list) or not 1 <= len(value) <= most:
+        _refuse(value, what, f"a list of 1 to {most}")
+    return value
+
+
+def _refuse(value: object, what: str, must: str) -> NoReturn:
+    raise ValueError(f"{what} = {_shown(value)} must be {must}")
+
+
+def _shown(value: object) -> str:
+    """Any value in one line."""
+    return repr(value)[:60]

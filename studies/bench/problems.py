@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from studies.scenes import SCENES
-from studies.scenes.complete import complete
+from studies.scenes.complete import closest, complete
 from studies.scenes.data import reference_rows
-from studies.scenes.references import closest
 
 MEASURED = tomllib.loads(Path(__file__).with_name("measured.toml").read_text(encoding="utf-8"))
 DELTA_MM = 10.0

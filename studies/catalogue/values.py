@@ -15,8 +15,7 @@ from studies.ask.scene import Reference, judged_of, ladders_of
 from studies.run.answers import Answer, Answers, number
 from studies.run.lists import sheet_cell
 from studies.scenes import SCENES
-from studies.scenes.complete import Cell
-from studies.scenes.references import STEP_KEYS, holding
+from studies.scenes.complete import STEP_KEYS, Cell, holding
 
 UNITS = ("N_per_mm", "mm", "MPa", "deg", "N")
 ALL: Mapping[str, str] = {  # of any scene

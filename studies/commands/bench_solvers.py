@@ -167,8 +167,7 @@ def run_leaderboard(options: argparse.Namespace) -> int:
     from reports.files import write_texts
     from reports.leaderboard import leaderboard
     from studies.arena.collected.dataset import identity
-    from studies.arena.ranking import board
-    from studies.arena.result_files import read_all
+    from studies.arena.ranking import board, read_all
     from studies.arena.results import harness
 
     check_directory(options.out)

@@ -20,8 +20,7 @@ import pandas as pd
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena import held_out
 from studies.arena.tasks.catalogue import HIDDEN, tasks
-from studies.arena.tasks.grading import LIMIT_S, Grade, grade
-from studies.arena.tasks.submission import read_submission
+from studies.arena.tasks.grading import LIMIT_S, Grade, grade, read_submission
 from studies.ask.request import UsageError
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import check_directory, check_file, positive, progress_bar

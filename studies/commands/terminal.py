@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from studies.output.atomic import Table
 from studies.output.terminal import columns
-from studies.scenes.references import STEP_KEYS, closest
+from studies.scenes.complete import STEP_KEYS, closest
 from studies.solving.refinement import mesh_error
 from studies.solving.result import UNSTABLE, WRONG, Result, Step
 

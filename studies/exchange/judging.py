@@ -17,8 +17,7 @@ from formulations.shell import ShellModel
 from studies.exchange.problem import LoadStep, Problem
 from studies.exchange.results import GROWTH, PLANE_FORCE, REACTION, STRAIN_ENERGY, Found
 from studies.scenes import SCENES
-from studies.scenes.complete import complete
-from studies.scenes.references import holding
+from studies.scenes.complete import complete, holding
 from studies.scenes.statics import StaticModel
 from studies.scenes.tyre.press import PressedTyre
 from studies.solving.result import Result

@@ -19,8 +19,7 @@ import pandas as pd
 from studies.ask.request import Value
 from studies.ask.scene import Reference, UsageError
 from studies.run.archive import Archive, DamagedError
-from studies.scenes.complete import Cell
-from studies.scenes.references import STEP_KEYS, closest
+from studies.scenes.complete import STEP_KEYS, Cell, closest
 from studies.solving.result import SOLVED
 
 HERE = 1e-9  # loads this close are one

@@ -43,7 +43,7 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
     "slender-beam": "studies.scenes.benchmarks.slender_beam",
     # contact
     "strip-contact": "studies.scenes.contact.strip",
-    "heavy-strip": "studies.scenes.contact.heavy_strip",
+    "heavy-strip": "studies.scenes.contact.strip",
     "plate-contact": "studies.scenes.contact.plate",
     "ring": "studies.scenes.contact.ring",
     "collapsing-tube": "studies.scenes.contact.collapsing_tube",

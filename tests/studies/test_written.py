@@ -16,7 +16,7 @@ from studies.cli import main
 from studies.output.atomic import Table, forget
 from studies.output.vtu import read_vtu, write_vtu
 from studies.scenes.complete import complete
-from studies.scenes.contact.heavy_strip import LIFT
+from studies.scenes.contact.strip import LIFT
 from studies.scenes.manufactured.scene import carrying
 from studies.solving.solve import solve
 

@@ -15,9 +15,9 @@ from studies.scenes.benchmarks.sze import circular_arc
 from studies.scenes.closed_forms.contact import flattened_ring, plate_contact, strip_contact
 from studies.scenes.closed_forms.elasticity import middle_deflection
 from studies.scenes.closed_forms.marguerre_cap import classical_pressure
+from studies.scenes.complete import STEP_KEYS, closest
 from studies.scenes.contact.ring import RADIUS
 from studies.scenes.faces.face_patch import SIDE
-from studies.scenes.references import STEP_KEYS, closest
 
 Exact = Callable[[Request, str], float]  # of a quantity by its name
 

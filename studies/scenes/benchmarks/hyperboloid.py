@@ -14,8 +14,7 @@ from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
 from studies.ask.declarations import LINEAR, Ladder, Sheet, meshes
 from studies.ask.scene import Declared, Reference, Request, SceneModel, Setting, UsageError
-from studies.scenes.closed_forms.harmonic import HarmonicShell
-from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
+from studies.scenes.closed_forms.harmonic import HarmonicShell, HarmonicSolid
 from studies.scenes.element import LINES, ShearCorrected, patch
 from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, area_load, normal_at
 
@@ -34,7 +33,7 @@ DEGREE = 140  # of the polynomials
 DIGITS = 7e-7  # a unit of the last digit printed: the first two are cut off, not rounded
 OF_SOLID = 1e-5
 FORMULATION = "this shell in one dimension, studies/scenes/closed_forms/harmonic.py"
-ELASTICITY = "linear elasticity in two dimensions, studies/scenes/closed_forms/harmonic_solid.py"
+ELASTICITY = "linear elasticity in two dimensions, studies/scenes/closed_forms/harmonic.py"
 PRINTED = "Reissner-Mindlin shell in one dimension, M. Neunteufel"
 
 

@@ -12,8 +12,7 @@ from formulations.shell import ShellModel
 from formulations.wall_stresses import S13, S23, WallStresses
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.benchmarks.pagano import DEFLECTION, E_L, E_T, G_LT, G_TT, NU, H
-from studies.scenes.closed_forms.elasticity import through_wall
-from studies.scenes.closed_forms.thick_walls import Layer, layered_tube
+from studies.scenes.closed_forms.elasticity import Layer, layered_tube, through_wall
 from studies.scenes.data import references
 from studies.scenes.element import of_wall, patch
 from studies.scenes.statics import LOAD_FRACTION, StaticModel, area_load, elements_at, loaded_shell

@@ -16,7 +16,7 @@ from formulations.section.laws import LINEAR
 from formulations.section.material import Ogden
 from formulations.shell import ShellModel
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
-from studies.scenes.closed_forms.thick_walls import inflation_pressure
+from studies.scenes.closed_forms.elasticity import inflation_pressure
 from studies.scenes.data import Row, references
 from studies.scenes.element import discretise, even_grid, of_wall, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces, loaded_shell

@@ -1,22 +1,20 @@
-"""Clamped-clamped strip pressed on a flat obstacle: Timoshenko's contact zone, Euler and Bernoulli's edge force.
+"""Strips against a flat obstacle: clamped and pressed on it, and heavy and lifted off it."""
 
-Half of the strip. Its shear stiffness is not that of the thin wall but what ``lam_over_a`` asks for, lam = sqrt(D/S) =
-h/sqrt(6 kappa) with the shear correction kappa. So the strip can be so thin that its squeeze under the contact
-pressure, of the order (h/a)^4 of the gap, does not show. Where lam is smaller than that, the squeeze and not the shear
-spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(1/4) = 0.64 h, and no load is lost.
-"""
+from dataclasses import replace
 
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
+from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
-from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
+from formulations.shell import ShellModel
+from studies.ask.declarations import CONTACT, FULL, LONG, PRESSED, Ladder, ShellLimit, thickness_over
 from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
-from studies.scenes.closed_forms.contact import strip_contact
+from studies.scenes.closed_forms.contact import lifted_strip, strip_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import At, reference_rows, references
-from studies.scenes.element import ELEMENT, ShearCorrected, grid_over, on_grid, spaced_lines
+from studies.scenes.element import ELEMENT, ShearCorrected, discretise, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import area_load, loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
@@ -78,7 +76,16 @@ def _references() -> tuple[Reference, ...]:
 
 
 class ClampedStrip(Declared):
-    """a1 from the clamp to the middle; the plane is above."""
+    """Clamped-clamped strip pressed on a flat obstacle: Timoshenko's contact zone, Euler and Bernoulli's edge force.
+
+    Half of the strip. Its shear stiffness is not that of the thin wall but what ``lam_over_a`` asks for, lam =
+    sqrt(D/S) = h/sqrt(6 kappa) with the shear correction kappa. So the strip can be so thin that its squeeze under the
+    contact pressure, of the order (h/a)^4 of the gap, does not show. Where lam is smaller than that, the squeeze and
+    not the shear spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(1/4) = 0.64 h, and no
+    load is lost.
+
+    a1 from the clamp to the middle; the plane is above.
+    """
 
     name = "strip-contact"
     title = "Clamped strip pressed on a flat obstacle"
@@ -132,4 +139,73 @@ class ClampedStrip(Declared):
         return ContactModel(shell, clamp, request.numbers("load_fraction"), lambda q: plane, measured)
 
 
-SCENES = (ClampedStrip(),)
+UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
+WEIGHT = D * LIFT / UNIT**4  # MPa
+LENGTH = 4 * UNIT  # beyond 3 UNIT nothing happens
+
+LENGTHS = Setting("lam_over_unit", 0.2, "sqrt(D/S) over (D delta/q)^(1/4)", low=0.01, high=1)
+LIFTS = Setting("load_fraction", (1.0,), "lifts to report", "floats", 0.0, 4.0, open_low=True)
+BEAMS = "closed form of beam theory, checked by beam elements"
+
+
+REFERENCES = tuple(
+    Reference(name, value, {"lam_over_unit": lam, "load_fraction": 1.0, "measure": "linear"}, "exact", BEAMS, 1e-6)
+    for lam in (0.2, 0.5)
+    for name, value in zip(("free_length", "lift_force"), lifted_strip(lam), strict=True)
+)
+
+
+class HeavyStrip(Declared):
+    """Heavy strip on a rigid plane, lifted at one end: free length and lifting force of a Timoshenko beam.
+
+    The strip hangs under a ceiling, so to say: its weight presses the outer face on the plane, the lift pulls it off.
+
+    a1 from the lifted end, which may turn, to the other one, which lies.
+    """
+
+    name = "heavy-strip"
+    title = "Heavy strip on a plane, lifted at one end"
+    default_mesh = (64, 1)
+    settings = (LIFTS, LENGTHS, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
+    references = REFERENCES
+    quantities = {
+        "free_length": "from the lifted end to the begin of contact, over (D delta/q)^(1/4)",
+        "lift_force": "force that lifts the end, over q (D delta/q)^(1/4) of the width",
+    }
+    ladders = (Ladder(CONTACT, LONG, ("lift_force", "free_length"), "linear", {**FULL, **ON_RIM}),)
+
+    def build(self, request: Request) -> SceneModel:
+        """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
+        lam, highest = request.number("lam_over_unit"), request.numbers("load_fraction")[-1]
+        unit = highest**0.25  # the length that a lift scales with, over UNIT
+
+        def rim() -> float:
+            return UNIT * unit * lifted_strip(lam / unit)[0]
+
+        grid = grid_over(request, contact_lines(request, 0, (0, LENGTH), rim), spaced_lines(0, B, request.mesh[1]))
+        end = grid.on_line(0, 0.0)
+        supports = Supports.of_edges(grid, "free", "symmetric", "symmetric", "symmetric").hold(end, (2,))
+        wall = strip_wall(UNIT * lam)
+        strip = discretise(request, Plate(), grid, wall, *supports.masks)
+        shell = loaded_shell(strip, request, forces=area_load(strip, lambda a1, a2: WEIGHT * UP))
+        total = WEIGHT * LENGTH * B
+
+        def lifted(t: float) -> ShellModel:
+            prescribed = np.zeros((grid.n_nodes, 6))
+            prescribed[end, 4:] = -t * LIFT
+            return replace(shell, prescribed=prescribed)
+
+        def measured(t: float, touch: Touch) -> dict[str, float]:
+            x, pressure = middle_line(touch, UNIT)
+            begins, _ = contact_edge(x, pressure / WEIGHT)
+            lift = (total - float(touch.force.sum())) / (WEIGHT * UNIT * B)  # what the plane does not carry
+            return {"free_length": begins, "lift_force": lift}
+
+        plane, lifts = RigidPlane(UP, H / 2), request.numbers("load_fraction")
+        return ContactModel(shell, end, lifts, lambda t: plane, measured, body_at=lifted, lying=True)
+
+
+SCENES = (
+    ClampedStrip(),
+    HeavyStrip(),
+)

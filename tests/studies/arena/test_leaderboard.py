@@ -19,8 +19,7 @@ from studies.arena.collected.certified import confirm, find
 from studies.arena.collected.collection import KEPT, TEST, TUNE, kept_names, split_of, sums
 from studies.arena.collected.frictional import FRICTIONAL
 from studies.arena.collected.rule import STEPS
-from studies.arena.ranking import board
-from studies.arena.result_files import read_all, read_result
+from studies.arena.ranking import board, read_all, read_result
 from studies.arena.results import Asked, Counted, Result, Solved, harness, here, results_of
 from studies.ask.request import UsageError
 from studies.cli import main

@@ -15,8 +15,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
 from studies.arena.tasks.catalogue import HIDDEN, OPTIONS, Need, tasks
 from studies.arena.tasks.exact import EXACT
-from studies.arena.tasks.grading import Grade, grade, values_of
-from studies.arena.tasks.submission import CANNOT, MET, Claim, read_submission
+from studies.arena.tasks.grading import CANNOT, MET, Claim, Grade, grade, read_submission, values_of
 from studies.cli import main
 from studies.commands import problems as command
 from studies.scenes import SCENES

@@ -33,8 +33,7 @@ from studies.run.lists import FRAMES, sheet_cell, sheet_cells
 from studies.run.running import run
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
-from studies.scenes.complete import complete
-from studies.scenes.references import STEP_KEYS
+from studies.scenes.complete import STEP_KEYS, complete
 
 NAMES = (*SCENES, *MEASURES, *ALGORITHMS)
 

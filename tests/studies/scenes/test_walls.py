@@ -15,9 +15,8 @@ from studies.ask.scene import SceneModel
 from studies.scenes.benchmarks.layered_cylinders import HOOP, PRINTED, lame
 from studies.scenes.benchmarks.pagano import COLUMNS, SQUARE
 from studies.scenes.benchmarks.rubber import MU, RADIUS, SOFT, TERMS, THICK
-from studies.scenes.closed_forms.thick_walls import inflation_pressure
-from studies.scenes.complete import complete
-from studies.scenes.references import holding
+from studies.scenes.closed_forms.elasticity import inflation_pressure
+from studies.scenes.complete import complete, holding
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 from support.problems.solved import ended, read, solved

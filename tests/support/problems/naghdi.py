@@ -21,8 +21,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from formulations.geometry.surfaces import Geometry, Surface
-from studies.scenes.closed_forms.harmonic import integrated_legendre, solved
-from studies.scenes.closed_forms.harmonic_solid import EVEN, ODD, gradients
+from studies.scenes.closed_forms.harmonic import EVEN, ODD, gradients, integrated_legendre, solved
 
 
 @dataclass(frozen=True)

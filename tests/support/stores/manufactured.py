@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from formulations.strains.catalogue import MEASURES
-from studies.experiments.distortion import DEFAULT, OPTIONS, ways
+from studies.experiments.manufactured import DEFAULT, OPTIONS, ways
 
 NAMES = ("displacement", "resultants", "mean_resultants", "energy")
 THEORY = (2.0, 1.0, 2.0, 1.0)

@@ -10,11 +10,11 @@ import pytest
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import STRAINS
 from studies.analysis.powers import CASE, THEORY, contact_orders, distortion_orders, manufactured_orders, orders
-from studies.experiments.distortion import distortion
 from studies.experiments.manufactured import (
     MESHES,
     Case,
     cases,
+    distortion,
     errors_of,
     manufactured,
     manufactured_contact,
