@@ -22,7 +22,7 @@ from formulations.element.modal import ModalElement, Stiffness
 from formulations.element.quad_element import QuadElement
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.strain_operator import N_DOF
-from formulations.loads.pressure import Couples, Pressure
+from formulations.loads import Couples, Pressure
 from formulations.section.laminate import SECTIONS
 from formulations.section.laws import LINEAR
 from formulations.shell_readings import ShellReadings, along, less

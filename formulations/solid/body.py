@@ -15,7 +15,7 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.element.sparsity import Pattern
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.operations import product, spend
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import StVenantKirchhoff

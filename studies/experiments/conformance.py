@@ -18,7 +18,7 @@ from contact.solvers.sparse import factorise
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, torus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure

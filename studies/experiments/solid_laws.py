@@ -17,7 +17,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.continuation.load_stepping import follow
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import Plate, Surface, cylinder
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel

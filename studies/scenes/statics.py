@@ -13,8 +13,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.element_modes import element_modes
 from formulations.geometry.grid import Grid
-from formulations.loads.lines import edge_lengths
-from formulations.loads.pressure import Couples, Pressure
+from formulations.loads import Couples, Pressure, edge_lengths
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import SOLVER, Begun, Observation, Request, Setting, ShellSceneModel, Stage

@@ -12,7 +12,7 @@ from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL

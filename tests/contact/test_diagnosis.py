@@ -17,7 +17,7 @@ from contact.obstacles.foundation import Candidates, Foundation, RigidPlane, aga
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
 from formulations.geometry.surfaces import Plate
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from support.problems.contact_problems import linear_mechanics
 from support.problems.shells import PATCHES, make_shell

@@ -12,7 +12,7 @@ from contact.verify import judge
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import Plate, annulus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.scenes.contact.base import outer_face

@@ -8,7 +8,7 @@ from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES

@@ -10,7 +10,7 @@ the law at rest, as of stresses that have no other components on that mode: E33 
 cannot vary with it, and nearly incompressible walls do not lock. A law thus costs a quarter of its points.
 
 Where a law is not linear, such strains count by the lengths that are left, see
-:mod:`formulations.element.walls.lengths`.
+:mod:`formulations.element.walls.modes`.
 
 No measure, no displacement and no load may enter here.
 """
@@ -23,8 +23,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from formulations.element.modal import ALL, Stiffness
-from formulations.element.walls.lengths import Counted, CountedStiffness
-from formulations.element.walls.modes import FACTORS, N_OF_SURFACE, N_ROWS, ROWS
+from formulations.element.walls.modes import FACTORS, N_OF_SURFACE, N_ROWS, ROWS, Counted, CountedStiffness
 from formulations.operations import product, spend
 from formulations.section.laminate import strain_rotation
 from formulations.section.laws import LAWS, LINEAR

@@ -20,8 +20,7 @@ import numpy as np
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
 from formulations.element.strain_operator import ElementGeometry
-from formulations.element.walls.director import FaceDirector
-from formulations.element.walls.geometry import N_SURFACE, WallGeometry
+from formulations.element.walls.geometry import N_SURFACE, FaceDirector, WallGeometry
 from formulations.element.walls.law import WallLaw
 from formulations.element.walls.modes import (
     E33,

@@ -18,7 +18,7 @@ from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Surface
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import SECTIONS, Laminate
 from formulations.section.sampling import BETWEEN_FACES
 from formulations.shell import ShellModel

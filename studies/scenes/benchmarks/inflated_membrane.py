@@ -21,7 +21,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.control import by_work
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import annulus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.scene import SOLVER, Begun, Declared, Reference, Request, SceneModel, Setting, Stage, UsageError

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.sampling import SURFACES
 from formulations.shell import ShellModel

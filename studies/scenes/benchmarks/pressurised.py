@@ -20,7 +20,7 @@ from itertools import chain
 import numpy as np
 
 from formulations.geometry.surfaces import Surface, cylinder, sphere, torus
-from formulations.loads.pressure import PRESSURE_AREAS, Pressure
+from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CLOSED, FULL, LONG, Ladder, Sheet, ShellLimit, meshes, thickness_over

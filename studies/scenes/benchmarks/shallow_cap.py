@@ -13,7 +13,7 @@ symmetry, which a quarter with few elements around cannot show.
 import numpy as np
 
 from formulations.geometry.surfaces import sphere
-from formulations.loads.lines import edge_force
+from formulations.loads import edge_force
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import SNAP, Ladder
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting

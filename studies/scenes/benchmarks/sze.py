@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from formulations.geometry.surfaces import annulus, cylinder
-from formulations.loads.pressure import Couples
+from formulations.loads import Couples
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import BEAM, BENT, EDGES, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting

@@ -27,7 +27,7 @@ from contact.control import by_work
 from contact.obstacles.foundation import RigidPlane
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import cylinder
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import CONTACT, CRUSHED, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request

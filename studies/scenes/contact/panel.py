@@ -13,7 +13,7 @@ from contact.obstacles.foundation import Foundation, RigidPlane
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
 from studies.ask.scene import EPSILON, SOLVER, Declared, Request, SceneModel, Setting, Units, UsageError

@@ -9,7 +9,7 @@ import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import annulus
-from formulations.loads.lines import edge_force
+from formulations.loads import edge_force
 from formulations.section.laminate import Ply
 from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
 from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting

@@ -17,7 +17,7 @@ import numpy as np
 
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate, cylinder
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.ask.declarations import CONTACT, Ladder, Sheet

@@ -15,7 +15,7 @@ from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.element_modes import element_modes
-from formulations.loads.lines import Traction, edge_force
+from formulations.loads import Traction, edge_force
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES

@@ -21,7 +21,7 @@ import numpy as np
 from formulations.conditions.boundary import Supports
 from formulations.element.strain_operator import ElementGeometry
 from formulations.geometry.grid import Grid
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.local_axes import Held, axes_of, carried

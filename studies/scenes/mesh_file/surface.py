@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from formulations.geometry.nodal_normals import nodal_normals
-from formulations.geometry.quad_cuts import cut
+from formulations.geometry.quad_cuts import cut, nodal_normals
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import listed

@@ -18,7 +18,7 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.surfaces import torus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.short_waves import short_waves

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from formulations.loads.pressure import PRESSURE_AREAS
+from formulations.loads import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
 from studies.ask.declarations import TYRE, Ladder, Sheet, ShellLimit, meshes
 from studies.ask.request import Request, Value

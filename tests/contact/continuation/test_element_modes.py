@@ -16,8 +16,7 @@ from formulations.discretisation import Discretisation
 from formulations.element_modes import ElementModes, neighbours
 from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.surfaces import NodalSurface, Plate, Surface, cylinder
-from formulations.loads.lines import edge_lengths
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure, edge_lengths
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES

@@ -10,8 +10,7 @@ from formulations.conditions.boundary import EDGES, Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, annulus, cylinder, torus
-from formulations.loads.lines import edge_force, edge_lengths
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure, edge_force, edge_lengths
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import DISTORTIONS, Grid, distorted
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES

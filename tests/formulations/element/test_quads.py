@@ -16,7 +16,7 @@ from formulations.element.strain_operator import GAUSS
 from formulations.geometry.grid import DISTORTIONS, Grid, QuadGrid, distorted
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import NodalSurface, Plate, cylinder, sphere, torus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT_TERMS, MEASURES

@@ -11,7 +11,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.walls.law import PointLaw
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.section.sampling import SURFACES, Sampling

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.series import Products
 from formulations.element.strain_operator import ON_LINES
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
-from formulations.strains.products import Products
 from support.problems.shells import PATCHES, make_shell
 
 PATCH = PATCHES["wavy"]

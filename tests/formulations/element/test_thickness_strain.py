@@ -19,7 +19,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.mixed import THICKNESS_STRAINS, MixedElement
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, cylinder
-from formulations.loads.pressure import Couples
+from formulations.loads import Couples
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES

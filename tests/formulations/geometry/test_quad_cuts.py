@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from formulations.geometry.nodal_normals import nodal_normals
-from formulations.geometry.quad_cuts import cut
+from formulations.geometry.quad_cuts import cut, nodal_normals
 
 Point = tuple[np.ndarray, np.ndarray]  # (N, 3) each: positions and unit normals
 OFF = ((-0.6, 0.7), (-0.4, 0.9))  # ends of both coordinates

@@ -15,8 +15,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.geometry.surfaces import Plate, cylinder, sphere
-from formulations.loads.lines import edge_force
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure, edge_force
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from formulations.geometry.surfaces import cylinder, sphere, torus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 
 from contact.faces.sampling import areas
 from formulations.geometry.surfaces import Plate, cylinder, sphere
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.solid import SolidModel

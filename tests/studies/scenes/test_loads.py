@@ -8,7 +8,7 @@ import pytest
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import cylinder, torus
-from formulations.loads.pressure import Pressure
+from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT
@@ -21,7 +21,7 @@ from support.problems.differences import fitted_order
 
 
 def test_area_load_along_the_normal_is_the_dead_pressure() -> None:
-    """The same force as that of loads.pressure, which knows no frame; here on a torus, split between the faces."""
+    """The same force as that of formulations.loads, which knows no frame; here on a torus, split between the faces."""
     grid = Grid.tensor(graded_lines([-0.5, 0.2, 1.0], [2, 3]), np.linspace(0, 0.7, 4))
     laminate = Laminate((Ply.isotropic(1.0, 0.3, 0.1),), -0.02)
     nothing_fixed = np.zeros((grid.n_nodes, 6), bool)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from formulations.loads.pressure import Couples
+from formulations.loads import Couples
 from support.problems.differences import central_difference
 from support.problems.shells import SKEW_LAMINATE, make_shell
 

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, cylinder, sphere
-from formulations.loads.pressure import PRESSURE_AREAS, Pressure
+from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from support.problems.differences import fitted_order, rotation
 from support.problems.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components

@@ -1,1 +1,0 @@
-"""Loads: pressure, couples, nodal forces, loads along grid lines. No support and no contact."""
