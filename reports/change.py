@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 
 from reports.compare import NUMBER
 from reports.figures.drawing import BLACK, BLUE, canvas, svg
+from reports.files import StoreError, as_words
 from reports.html import SHOWN, report_html
-from reports.reading import StoreError, as_words
 from reports.site import FIGURES, files_of
 
 PAGE, OVER = "change.md", "change.svg"

@@ -13,9 +13,9 @@ from functools import lru_cache
 from posixpath import dirname, relpath
 from typing import Any
 
+from reports.files import StoreError
 from reports.formats import Line
 from reports.markdown import Part, Template, machine, prose
-from reports.reading import StoreError
 from reports.store import Store
 
 ALL = "all"  # what a campaign says whose cells are those of all pages

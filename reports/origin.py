@@ -11,10 +11,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from reports.cells import CLASSES, Cell
 from reports.formats import digits
 from reports.markdown import Part, Template, by_name, joined, machine, table
-from reports.store import Store
+from reports.store import CLASSES, Cell, Store
 
 TEXT = Template("origin")
 SHOWN = 12  # digits of a commit

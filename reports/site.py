@@ -16,11 +16,10 @@ from reports.chapters.gallery import sheets, with_appearances
 from reports.chapters.index import campaign_page, index_page
 from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
-from reports.files import write_texts
+from reports.files import StoreError, write_texts
 from reports.html import REPORT, report_html
 from reports.markdown import Part, joined
 from reports.origin import completeness_line, foot
-from reports.reading import StoreError
 from reports.store import Store, load_store
 
 FIGURES = "figures"

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator
 
 from reports.chapter import chapter
-from reports.chapters.agreement import agreement_part
-from reports.chapters.arena import arena_part
+from reports.chapters.arena import agreement_part, arena_part
 from reports.chapters.measures import CHOICES, PROBLEM, problem
 from reports.figures.drawing import BLACK, GREY, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, code, digits, scientific, share

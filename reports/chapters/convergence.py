@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reports.chapter import chapter
-from reports.chapters.distortion import distortion_part
-from reports.chapters.locking import locking_part
+from reports.chapters.locking import distortion_part, locking_part
 from reports.chapters.measures import options_part
 from reports.figures.drawing import BLACK, canvas, legend_above, lines, svg, ticks
 from reports.formats import NOTHING, fixed, quantity, share

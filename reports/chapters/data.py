@@ -1,13 +1,42 @@
-"""The appendix: outcomes, questions, findings, words, and every cell and answer as files beside the pages."""
+"""The page of claims; and the appendix: outcomes, questions, findings, words, every cell and answer as files."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+import pandas as pd
+
 from reports.chapter import ALL, chapter, statements
-from reports.markdown import Part, Template
+from reports.markdown import Part, Template, commands, joined
 from reports.origin import machines, origin, outcomes_part
 from reports.store import Store
+
+CLAIMED = Template("claims")
+CLAIMS = "claims"
+STATUSES = ("confirmed", "qualified", "refuted", "untested")
+ORDER = ("refuted", "qualified", "confirmed", "untested")
+
+
+def claims_page(store: Store) -> Part:
+    """The whole page: counts, a table a subject, how to read a status."""
+    claims = store.table(CLAIMS)
+    counts = claims["status"].value_counts()
+    counted = ", ".join(f"{counts.get(status, 0)} {status}" for status in STATUSES)
+    subjects = joined(*(_subject(str(name), own) for name, own in claims.groupby("subject", sort=False)))
+    return CLAIMED("page", count=len(claims), told=counted, subjects=subjects)
+
+
+def _subject(name: str, own: pd.DataFrame) -> Part:
+    """Tables of a subject, refuted ones first; those of times apart, as another machine has others."""
+    ordered = own.assign(rank=own["status"].map(ORDER.index)).sort_values("rank", kind="stable")
+    timed = ordered["machine"].astype(bool)
+    shown = commands(ordered["command"].dropna().loc[lambda each: each != ""])
+    name = f"{name[0].upper()}{name[1:]}"
+    return CLAIMED("subject", name=name, steady=ordered[~timed], timed=ordered[timed], commands=shown)
+
+
+LEDGER = chapter(CLAIMED, claims_page, needs=(CLAIMS,), always=True)
+
 
 DATA = "data"
 TEXT = Template(DATA)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from reports.cells import Cell
 from reports.chapter import INDEX_TITLE, by_machine, statements
 from reports.chapters.algorithms import costs_picture, when_not_table
 from reports.chapters.catalogue import Catalogue
@@ -13,7 +12,7 @@ from reports.chapters.measures import decision_part, limits_part, measures_pictu
 from reports.chapters.tyre import model_table
 from reports.markdown import Part, Template
 from reports.origin import completeness, origin, refusals
-from reports.store import Store
+from reports.store import Cell, Store
 
 TEXT = Template("index")
 STRAINS = ("measures-small", "measures-large", "measures-contact", "measures-cost", "cheapest-measure", "tyre-measure")

@@ -8,12 +8,11 @@ from typing import Any
 
 import pandas as pd
 
-from reports.cells import Cell
 from reports.chapter import chapter
 from reports.figures.tyre import Developed, at_delta, pressure_map, pressures_of
 from reports.formats import NOTHING, code, fixed, formatted
 from reports.markdown import Part, Template, commands, filled
-from reports.store import Store
+from reports.store import Cell, Store
 
 TEXT = Template("tyre")
 PRINTED_DIGIT = 0.001  # MPa, one unit of its last digit

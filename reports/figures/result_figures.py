@@ -15,11 +15,11 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from reports.cells import TYRES, Cell, load_cell
 from reports.figures import tyre
 from reports.figures.drawing import BLUE, VERMILION, Picture, canvas, drawn, legend_above, look, svg
 from reports.figures.tyre import Developed, along_meridian, at_delta, pressures_of
 from reports.files import write_texts
+from reports.store import TYRES, Cell, load_cell
 
 UNITS = ("mm", "MPa", "N", "deg")
 

@@ -164,8 +164,8 @@ def add_leaderboard(parser: argparse.ArgumentParser) -> None:
 
 def run_leaderboard(options: argparse.Namespace) -> int:
     """Read all, rank, and write the page whole or not at all."""
+    from reports.arena_pages import leaderboard
     from reports.files import write_texts
-    from reports.leaderboard import leaderboard
     from studies.arena.collected.dataset import identity
     from studies.arena.ranking import board, read_all
     from studies.arena.results import harness

@@ -218,7 +218,7 @@ def add_report(parser: argparse.ArgumentParser) -> None:
 
 def run_report(options: argparse.Namespace) -> int:
     """Write the pages and print their paths, or print how they differ."""
-    from reports.reading import StoreError
+    from reports.files import StoreError
     from reports.site import check_pages, place_of, write_pages
     from studies.run.archive import check_store
 

@@ -145,7 +145,7 @@ def comment(
 
 def _ran(cells: pd.DataFrame) -> str:
     """How much of a campaign has an answer, and how the rest ended."""
-    from reports.reading import as_words
+    from reports.files import as_words
 
     counts = cells[OUTCOME].value_counts()
     done = int((~cells[OUTCOME].isin(UNFINISHED)).sum())
@@ -167,8 +167,8 @@ def _spent(before: pd.DataFrame, now: pd.DataFrame) -> str:
 
 def _titled(title: str, header: Sequence[str], rows: Sequence[Sequence[str]], words: int) -> str:
     """The first rows; what is in them are texts of others."""
+    from reports.files import as_words
     from reports.markdown import table
-    from reports.reading import as_words
 
     rest = f"\n\nand {len(rows) - MOST} more" if len(rows) > MOST else ""
     return table(title, header, (list(map(as_words, row)) for row in rows[:MOST]), words) + rest

@@ -69,7 +69,7 @@ def add_card(parser: argparse.ArgumentParser) -> None:
 
 def run_card(options: argparse.Namespace) -> int:
     """Write the page and its picture, and print the verdict."""
-    from reports.card import card_page
+    from reports.arena_pages import card_page
     from studies.arena.card.card import card_of
     from studies.arena.card.runs import subjects, write_layout
 

@@ -152,7 +152,7 @@ def _check_places(options: argparse.Namespace, scene: Scene) -> None:
 def _drawn(out: Path) -> list[str]:
     """Draw, and name the pictures."""
     from reports.figures.result_figures import draw_result
-    from reports.reading import StoreError
+    from reports.files import StoreError
 
     try:
         return [path.relative_to(out).as_posix() for path in draw_result(out)]

@@ -20,9 +20,8 @@ import pytest
 import studies.analysis
 from reports.chapters.cost import advice_part
 from reports.chapters.index import campaign_page
-from reports.files import write_texts
+from reports.files import StoreError, write_texts
 from reports.origin import completeness_line, summary_table
-from reports.reading import StoreError
 from reports.site import check_pages, compare_pages, place_of, rendered
 from reports.store import Store, load_store
 from studies.analysis.everything import analyse, written

@@ -11,9 +11,8 @@ import pandas as pd
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from reports.chapters.agreement import agreement_part
 from reports.chapters.algorithms import algorithms_page
-from reports.chapters.arena import NAMED, arena_part, shown_by_name
+from reports.chapters.arena import NAMED, agreement_part, arena_part, shown_by_name
 from reports.chapters.friction import CHAPTER, friction_page
 from reports.figures.friction import _cell, _title, filmstrip, shown_stops
 from reports.store import Store, load_store

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.cost import cost_page, errors_stated, statements_part
-from reports.chapters.programs import programs_page
+from reports.chapters.cost import cost_page, errors_stated, programs_page, statements_part
 from reports.figures.drawing import drawn
 from reports.store import load_store
 from studies.analysis.tyre import BEHIND

@@ -13,7 +13,7 @@ from reports.chapters.extremes import LOOKS, cause, outcome_maps, plain_ticks
 from reports.chapters.invariance import shared_curves
 from reports.chapters.shell_limits import PARTS, errors, ring_part
 from reports.figures.drawing import drawn
-from reports.reading import SCHEMA
+from reports.files import SCHEMA
 from reports.store import Store
 from studies.analysis import uncertainty
 from studies.experiments.extremes import CLASSES

@@ -13,14 +13,12 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from reports.chapters.agreement import agreement_part
-from reports.chapters.arena import arena_part
-from reports.chapters.cost import cost_page
+from reports.chapters.arena import agreement_part, arena_part
+from reports.chapters.cost import cost_page, programs_page
 from reports.chapters.extremes import extremes_page
 from reports.chapters.friction import friction_page
 from reports.chapters.invariance import invariance_page
 from reports.chapters.locking import locking_part
-from reports.chapters.programs import programs_page
 from reports.chapters.shell_limits import ring_part
 from reports.markdown import Part
 from reports.store import Store

@@ -10,11 +10,10 @@ from typing import Any
 
 import pytest
 
-from reports.cells import TYRE_STEP_KEYS, load_cell
 from reports.chapters.tyre import solid_part
 from reports.figures.result_figures import draw_result
-from reports.reading import StoreError
-from reports.store import load_store
+from reports.files import StoreError
+from reports.store import TYRE_STEP_KEYS, load_cell, load_store
 from studies.analysis.tyre import cancellation
 from studies.output.atomic import SCHEMA, write_json, write_text
 from studies.run.lists import LISTS

@@ -20,8 +20,7 @@ from reports.chapters.convergence import (
     manufactured_part,
     sequences,
 )
-from reports.chapters.distortion import distortion_part
-from reports.chapters.locking import excess, rates
+from reports.chapters.locking import distortion_part, excess, rates
 from reports.formats import quantity as words
 from reports.store import Store, load_store
 from studies.analysis.ladders import BEYOND, NO_LIMIT, WITHIN, convergence

@@ -18,7 +18,7 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
-from reports.card import card_page
+from reports.arena_pages import card_page
 from studies.arena.card import problems, runs
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, laws_of

@@ -15,9 +15,9 @@ import pytest
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
+from reports.files import as_words
 from reports.html import to_html
 from reports.markdown import joined, table
-from reports.reading import as_words
 from studies.ask.scene import UsageError
 from studies.cli import main
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from markdown_it import MarkdownIt
 
-from reports.reading import as_prose, as_words
+from reports.files import as_prose, as_words
 from studies.cli import main
 from studies.run.archive import Archive
 from support.stores.elsewhere import solved

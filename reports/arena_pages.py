@@ -1,13 +1,18 @@
-"""The card of a part as a page: what it solved, its laws, claims and cost; every number is given to it."""
+"""The card of a part and the leaderboard of the arena as pages: every number is given to them.
+
+Texts in the rows of the leaderboard are of others, and mean themselves here.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
-from reports.formats import code
+from reports.files import as_words
+from reports.formats import NOTHING, code
+from reports.html import report_html
 from reports.markdown import Part, Template, joined, table
 
 TEXT = Template("card", cell=lambda words: str(words).replace("|", "\\|"))
@@ -57,3 +62,51 @@ def _hard(problems: pd.DataFrame, name: str) -> Part:
     names = [name, *(other for other in problems if other != name)]
     rows = ([point, *own] for point, own in zip(problems.index, problems[names].to_numpy(), strict=True))
     return TEXT("hard", table=table("How each ends", ["point", *map(code, names)], rows, words=1 + len(names)))
+
+
+PAGE, HTML = "leaderboard.md", "leaderboard.html"
+TITLE = "Leaderboard of the arena"
+LEADERBOARD = Template("leaderboard")
+
+
+def leaderboard(
+    tolerance: float,
+    ranked: Iterable[Mapping[str, Any]],
+    runs: Iterable[Mapping[str, Any]],
+    machines: Iterable[Mapping[str, Any]],
+    stale: int,
+    secrets: int,
+    checksums: tuple[str, str],
+) -> dict[str, str]:
+    """The page by the names of its files, in Markdown and as HTML that needs no network.
+
+    ranked, runs, machines: the rows of the tables.  stale: how many results are.  secrets: how many different ones the
+    held-out problems are of.  checksums: of the collection and of the harness.
+    """
+    rows, every = [_worded(_drawn(row)) for row in ranked], [_worded(row) for row in runs]
+    held = (
+        ""
+        if not secrets
+        else f" {LEADERBOARD('held-out')}" + (f" {LEADERBOARD('secrets', secrets=secrets)}" * (secrets > 1))
+    )
+    ranking = (
+        LEADERBOARD("ranking", tolerance=tolerance, rows=rows, held_out=held)
+        if rows
+        else LEADERBOARD("nothing-fresh", stale=stale)
+    )
+    outdated = LEADERBOARD("stale", stale=stale, results=len(every)) if stale else ""
+    below = LEADERBOARD("machines", stale=f"\n{outdated}", runs=every, machines=[_worded(row) for row in machines])
+    collection, harness = checksums
+    page = f"{LEADERBOARD('page', ranking=ranking, machines=below, collection=collection, harness=harness)}\n"
+    return {PAGE: page, HTML: report_html({PAGE: page}, {PAGE: TITLE}, {})}
+
+
+def _drawn(row: Mapping[str, Any]) -> dict[str, Any]:
+    """The held-out problems that are solved, of how many."""
+    return {**row, "drawn": None if row["drawn"] is None else f"{row['drawn_ok']}/{row['drawn']}"}
+
+
+def _worded(row: Mapping[str, Any]) -> dict[str, Any]:
+    """The row as text of Markdown, a dash for what is not there."""
+    worded = {key: as_words(value) if isinstance(value, str) else value for key, value in row.items()}
+    return {key: NOTHING if value is None else value for key, value in worded.items()}
