@@ -13,7 +13,7 @@ import pytest
 import studies.footprint
 from reports import documentation
 from studies.cli import main
-from support.manual import MANUAL, PAGES, README, ROOT, Block, blocks, lines
+from support.sources import MANUAL, PAGES, README, ROOT, Block, blocks, lines
 
 WHOLE = 8  # of the pages have no block that is run
 

@@ -25,7 +25,7 @@ from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.result import SOLVED
 from studies.solving.solve import solve
-from support.manual import PAGES, README, ROOT, blocks, commands, file_of
+from support.sources import PAGES, README, ROOT, blocks, commands, file_of
 
 PAGES_WITH_LINKS = [*PAGES, *sorted((ROOT / ".github").glob("*.md"))]
 

@@ -1,7 +1,9 @@
 """Units change nothing: every algorithm and the judge, where a mm is 1e12 units or 1e-12, and so a MPa."""
 
+from __future__ import annotations
+
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 
@@ -13,10 +15,71 @@ from contact.catalogue import ALGORITHMS
 from contact.diagnosis import diagnose
 from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, against
-from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
 from support.problems.contact_problems import linear_mechanics, random_quadratic
-from support.problems.units import UNITS
+
+
+@dataclass(frozen=True)
+class Units:
+    """How many units a mm and a MPa are taken as; powers of 4 change no digit of any number, not even of a root."""
+
+    length: float = 1.0
+    stress: float = 1.0
+
+    @property
+    def force(self) -> float:
+        """Units of force in a N."""
+        return self.stress * self.length**2
+
+    @property
+    def stiffness(self) -> float:
+        """Units of an epsilon in a MPa/mm."""
+        return self.stress / self.length
+
+    def of(self, problem: ContactProblem) -> ContactProblem:
+        """The problem in these units; without balances and choice of candidates."""
+        length, force, curvature = self.length, self.force, problem.gap_curvature
+
+        def linearise(u: np.ndarray, memory: object) -> Linearisation:
+            lin = problem.linearise(u / length, memory)
+            return Linearisation(
+                force * lin.residual,
+                force / length * lin.tangent,
+                force * lin.scale,
+                lambda du: lin.remember(du / length),
+            )
+
+        return replace(
+            problem,
+            linearise=linearise,
+            gap=lambda u: length * problem.gap(u / length),
+            gap_jacobian=lambda u: problem.gap_jacobian(u / length),
+            weights=length**2 * problem.weights,
+            coupling=None if problem.coupling is None else length**2 * problem.coupling,
+            gap_curvature=None if curvature is None else lambda u, f: curvature(u / length, f) / length,
+            gap_size=length * problem.gap_size,
+            energy=None,
+            directions=None,
+            others=None,
+            residual=None,
+            only=None,
+            travel=None,
+        )
+
+    def state(self, solution: ContactSolution) -> ContactSolution:
+        """A state in these units."""
+        return replace(solution, u=self.length * solution.u, pressure=self.stress * solution.pressure)
+
+
+FAR = 4.0**20  # 1.1e12
+UNITS = {
+    "far longer": Units(length=FAR),
+    "far shorter": Units(length=1 / FAR),
+    "far stiffer": Units(stress=FAR),
+    "far softer": Units(stress=1 / FAR),
+}
+
 
 M = 6
 SOFT, STIFF = 1e-1, 1e4  # MPa/mm

@@ -36,22 +36,18 @@ from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve
 from studies.scenes.data import DATA
-from support.stores.answers import write_answers
+from support.stores.answers import BUILT, DRAWN, cube_text, sheet_answer, write_answers
 from support.stores.arena import made_up_arena
-from support.stores.faces import made_up_faces
-from support.stores.friction import made_up_friction
-from support.stores.made_up import linked, said_again
-from support.stores.manufactured import (
+from support.stores.campaigns import linked, said_again
+from support.stores.convergence import (
     made_up_distortion,
     made_up_manufactured,
     made_up_shells,
     made_up_statements,
     made_up_touching,
 )
-from support.stores.programs import made_up_programs
-from support.stores.rings import made_up_laws, made_up_ring
-from support.stores.sheets import BUILT, DRAWN, cube_text, sheet_answer
-from support.stores.walls import made_up_walls
+from support.stores.experiments import made_up_faces, made_up_laws, made_up_programs, made_up_ring, made_up_walls
+from support.stores.friction import made_up_friction
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}

@@ -33,10 +33,9 @@ from studies.run.campaign import read
 from studies.run.plan import Row
 from studies.run.running import run
 from studies.scenes.complete import Cell
-from support.pages.changed import edit_json
-from support.pages.medians import bare_columns, unfounded
-from support.stores.made_up import analysed_again
-from support.stores.sweeps import cells
+from support.pages import bare_columns, edit_json, unfounded
+from support.stores.campaigns import analysed_again
+from support.stores.convergence import cells
 
 ROOT = Path(__file__).parents[2]
 

@@ -21,10 +21,9 @@ from studies.analysis.powers import epsilon_laws
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.output.atomic import write_table
 from studies.run.lists import agreement, enforcements
-from support.pages.changed import edit_json, place
-from support.pages.rows import row
+from support.pages import edit_json, place, row
+from support.stores.campaigns import analysed_again
 from support.stores.friction import patch
-from support.stores.made_up import analysed_again
 
 CASE, OTHER = "trial-and-error follower nonsymmetric exact", "trial-and-error dead constant-s33 exact"
 LINE = "| `trial-and-error` | 4 |"

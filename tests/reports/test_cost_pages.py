@@ -15,9 +15,8 @@ from reports.store import load_store
 from studies.analysis.tyre import BEHIND
 from studies.output.atomic import write_table
 from studies.run.lists import MODELS
-from support.pages.changed import edit_json, place
-from support.pages.rows import row
-from support.stores.made_up import analysed_again
+from support.pages import edit_json, place, row
+from support.stores.campaigns import analysed_again
 
 PARTS = sum(cell.options["model"] != "full" for cell in MODELS)
 

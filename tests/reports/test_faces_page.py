@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from reports.chapters.faces import errors, faces_page
-from support.stores.faces import LOST, MESHES, made_up_faces, pairings
+from support.stores.experiments import LOST, SIDES, made_up_faces, pairings
 
 
 def page() -> str:
@@ -15,7 +15,7 @@ def page() -> str:
 
 def test_an_error_stands_with_its_order_and_a_dash_where_there_is_one_slave_only() -> None:
     said = page()
-    finest = f"1x{MESHES[-1]}"
+    finest = f"1x{SIDES[-1]}"
     assert f"| two rings | `P_over_ER` | {finest} | 0.03 % | 0.10 % (2.0) | -0.10 % (2.0) | cap-hit | cap-hit |" in said
     assert f"| ring on itself | `P_over_ER` | {finest} | 0.03 % | 0.10 % (2.0) | – | 3.12 % (1.0) | – |" in said
 

@@ -35,8 +35,8 @@ from reports.store import Store, load_store
 from studies.analysis.everything import analysed
 from studies.analysis.outcomes import contact_summary, outcomes
 from studies.output.atomic import write_json, write_table
-from support.pages.widths import PAGE, widths
-from support.stores.sweeps import cells
+from support.pages import PAGE, widths
+from support.stores.convergence import cells
 
 # --- tables that fit, legends ---------------------------------------------------------------------------------------
 

@@ -13,8 +13,8 @@ from reports.chapters.gallery import CHAPTER, sheets, with_appearances
 from reports.markdown import Part
 from reports.store import Store
 from studies.scenes import SCENES
-from support.pages.changed import edit_table
-from support.stores.sheets import BUILT, DRAWN
+from support.pages import edit_table
+from support.stores.answers import BUILT, DRAWN
 
 PARTS = {
     **{f"sheets/scene-{name}.md": name for name in SCENES},

@@ -16,7 +16,7 @@ import pytest
 
 from reports.contents import CHAPTERS
 from reports.html import REPORT
-from support.pages.browser import CHROMIUM, PATIENCE, Browser
+from support.browser import CHROMIUM, PATIENCE, Browser
 
 NAMES = ["index", *(each.name for each in CHAPTERS if each.always)]
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")]

@@ -19,7 +19,7 @@ from studies.analysis import uncertainty
 from studies.experiments.extremes import CLASSES
 from studies.experiments.shell_limits.bodies import DEFAULT
 from studies.output import atomic
-from support.stores.walls import made_up_walls
+from support.stores.experiments import made_up_walls
 
 
 def test_what_reports_and_studies_both_hold_is_one() -> None:

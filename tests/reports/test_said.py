@@ -24,8 +24,7 @@ from reports.markdown import Part
 from reports.store import Store
 from studies.analysis.everything import written
 from studies.run.lists import MODELS, agreement
-from support.pages.changed import edit_table, set_values
-from support.pages.rows import row
+from support.pages import edit_table, row, set_values
 
 PARTS = sum(cell.options["model"] != "full" for cell in MODELS)
 OTHERS = sum(cell.label.endswith("exact") and "agreement semismooth " not in cell.label for cell in agreement())

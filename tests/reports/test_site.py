@@ -27,7 +27,7 @@ from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.store import Cell, Store, load_store
 from studies.output.atomic import write_text
 from studies.run.lists import LISTS
-from support.pages.changed import edit_json
+from support.pages import edit_json
 
 PAGES = ["index.md", *(each.file for each in CHAPTERS)]
 PAPER = next(number for number, cell in enumerate(LISTS["report"].cells()) if cell.label == "paper")

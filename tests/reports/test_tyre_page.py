@@ -22,8 +22,8 @@ from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 from studies.scenes.complete import complete as resolve
 from studies.scenes.data import DATA
-from support.pages.changed import edit_json, place
-from support.stores.made_up import analysed_again
+from support.pages import edit_json, place
+from support.stores.campaigns import analysed_again
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
 GROWTH = {"inner": 4.6, "outer": 4.3}  # mm

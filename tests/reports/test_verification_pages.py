@@ -29,10 +29,10 @@ from studies.output.atomic import write_json, write_table
 from studies.run.answers import Answers
 from studies.run.collect import collect
 from studies.run.lists import LADDERS
-from support.pages.changed import edit_json, place
-from support.pages.sentences import sentence
-from support.stores.made_up import analysed_again
-from support.stores.manufactured import made_up_manufactured, made_up_statements
+from support.pages import edit_json, place
+from support.sentences import sentence
+from support.stores.campaigns import analysed_again
+from support.stores.convergence import made_up_manufactured, made_up_statements
 
 WOBBLE = (0.3, -0.2, 0.1, 0.05)
 

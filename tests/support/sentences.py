@@ -1,4 +1,7 @@
-"""Declarations of sentences and claims: what they say of tables that are made up, and the tables that they name."""
+"""Declarations of sentences and claims: what they say of tables that are made up, and the tables that they name.
+
+A sentence of conclusion by its name.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,8 @@ from typing import Any
 
 import pandas as pd
 
+from reports.chapter import statements
+from reports.store import Store
 from studies.analysis.evidence import VALUE
 from studies.analysis.statements.record import Statement
 from studies.analysis.statements.tables import read_sentences, said_by
@@ -32,3 +37,8 @@ def _texts(values: Mapping[str, Any]) -> Iterator[str]:
             yield value
         elif isinstance(value, Mapping):
             yield from _texts(value.get("each", {}))
+
+
+def sentence(store: Store, name: str) -> str:
+    """Its text, nothing where the campaign does not make it."""
+    return next((each.text for each in statements(store) if each.name == name), "")

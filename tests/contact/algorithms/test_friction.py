@@ -22,8 +22,7 @@ from contact.coulomb import State
 from contact.events import EventKind, events
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
-from support.problems.frictional import manufactured
-from support.problems.planted_friction import linear, planted, tied, with_mu
+from support.problems.frictional import linear, manufactured, planted, tied, with_mu
 
 EXACT: dict[str, ContactAlgorithm] = {
     "semismooth": Semismooth(),

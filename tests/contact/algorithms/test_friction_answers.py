@@ -27,8 +27,7 @@ from contact.problem import ContactProblem, ContactSolution
 from contact.verify import judge
 from studies.arena.frictional_steps import random_step
 from studies.experiments.friction.bars import Bar
-from support.problems.frictional import manufactured
-from support.problems.planted_friction import linear, planted, tied, with_mu
+from support.problems.frictional import linear, manufactured, planted, tied, with_mu
 
 GOLDEN = json.loads(Path(__file__).with_name("friction_golden.json").read_text(encoding="utf-8"))
 EXACT = 1e-12  # of the largest

@@ -19,7 +19,7 @@ from contact.problem import ContactProblem, ContactSolution, Outcome, linear_mec
 from contact.solvers.lcp_pivoting import LcpError, lemke
 from contact.solvers.qp_backends import ask
 from contact.verify import judge
-from support.problems.planted_friction import linear, planted, with_mu
+from support.problems.frictional import linear, planted, with_mu
 
 SIDES = np.array([4, 8, 16, 32])
 

@@ -10,8 +10,7 @@ from contact.faces.bulges import Bulges, blend
 from contact.faces.pair import Pair, between
 from contact.faces.sampling import PAIRINGS
 from support.problems.contact_problems import linear_mechanics
-from support.problems.nets import are_derivatives, pair
-from support.problems.sheets import sheet
+from support.problems.nets import are_derivatives, pair, sheet
 
 ROUNDING = 1e-13
 STEP = 3e-6

@@ -16,8 +16,7 @@ from contact.interchange.oracle import minimise
 from contact.problem import ContactSolution
 from contact.verify import PAIR, judge
 from support.problems.contact_problems import linear_mechanics
-from support.problems.nets import are_derivatives, pair
-from support.problems.sheets import sheet
+from support.problems.nets import are_derivatives, pair, sheet
 
 ROUNDING = 1e-13
 STEP = 1e-5

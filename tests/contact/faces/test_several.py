@@ -18,7 +18,7 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
 from contact.interchange.oracle import minimise
 from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 from contact.verify import PAIR, judge
-from support.problems.sheets import sheet
+from support.problems.nets import sheet
 
 STEP, BY_DIFFERENCES, EXACT = 1e-5, 2e-8, 1e-8
 

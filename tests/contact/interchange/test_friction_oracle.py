@@ -14,8 +14,7 @@ from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
 from contact.interchange.oracle import OracleError
 from contact.verify import judge
 from studies.arena.frictional_steps import dense_step
-from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured
-from support.problems.planted_friction import tied
+from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured, tied
 
 EXACT = 1e-8  # of quantities of the order one
 

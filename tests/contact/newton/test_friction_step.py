@@ -16,7 +16,7 @@ from contact.newton.friction_states import Laws, Local, directed, friction_of
 from contact.newton.friction_step import FrictionalStep, Linear, SprungStep, Stepped
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from support.problems.planted_friction import linear, planted
+from support.problems.frictional import linear, planted
 
 
 def random_laws(rng: np.random.Generator, m: int, *, flat: bool) -> Laws:

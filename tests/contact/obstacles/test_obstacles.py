@@ -13,7 +13,7 @@ from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, Foundation, RigidPlane, against
 from support.problems.contact_problems import linear_mechanics
 from support.problems.differences import central_difference
-from support.problems.profiles import rounded_height
+from support.problems.falling import rounded_height
 
 ROUNDING = 1e-12
 BRUTE = 1e-9  # of distances of the order one, by a search that narrows to 1e-6 (an error of its square)

@@ -28,7 +28,7 @@ from studies.analysis.verify import verified
 from studies.ask.scene import UsageError
 from studies.run.answers import PRICES, ladders
 from studies.scenes.complete import complete
-from support.stores.sweeps import EXACT, SIZES, cells
+from support.stores.convergence import EXACT, SIZES, cells
 
 ROOT = Path(__file__).parents[3]
 PARTS = re.compile(r'flops|["](?:cost|front)[.](?!dofs|seconds|operations)[a-z_]+')

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.outcomes import contact_summary, outcomes
-from support.stores.sweeps import cells
+from support.stores.convergence import cells
 
 CONTACTS = {"semismooth": 1.0, "lcp": 0.5, "qp": 2.0}
 NO_CURVES = pd.DataFrame(columns=["scene", "measure", "load", "error"])

@@ -21,9 +21,8 @@ from studies.analysis.statements.tables import statements as all_said
 from studies.arena.solver_run import FIELDS
 from studies.output.atomic import SCHEMA, write_json
 from studies.run.lists import MAKERS
-from support.pages.sentences import sentence
 from support.sentences import said as said_of
-from support.sentences import tables_of
+from support.sentences import sentence, tables_of
 
 CAMPAIGN = "made"
 

@@ -12,7 +12,7 @@ from studies.analysis.uncertainty import PARTS, axial_states, error_budget, erro
 from studies.experiments.solid_laws import crushed_ring_study
 from studies.scenes.contact.crushed_ring import FILE, READING
 from studies.scenes.data import read_reference
-from support.stores.rings import FACTORS, LEFT, SLOPES, made_up_ring
+from support.stores.experiments import FACTORS, LEFT, SLOPES, made_up_ring
 
 TABLE = read_reference(FILE)
 END = TABLE.iloc[-1]

@@ -10,7 +10,7 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from studies.scenes import plugins
-from support.entries import FILES
+from support.kinds import FILES
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from studies.arena.collected.candidates import (
 )
 from studies.arena.collected.certified import Certified, find
 from studies.arena.collected.formats import read_lcp
-from support.problems.arena_steps import known_step, lopsided
+from support.problems.contact_problems import known_step, lopsided
 
 OBSTACLE = 1e-9
 

@@ -28,7 +28,7 @@ from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFU
 from studies.arena.card.trials import OvertimeError as Overtime
 from studies.cli import main
 from studies.experiments.conformance import Check
-from support.entries import FILES
+from support.kinds import FILES
 
 PARTS = Path(__file__).parent / "parts"
 

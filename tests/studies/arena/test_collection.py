@@ -26,7 +26,7 @@ from studies.arena.collected.rule import (
     kind,
     raised_states,
 )
-from support.problems.arena_steps import indefinite, known_step, lopsided
+from support.problems.contact_problems import indefinite, known_step, lopsided
 
 STRIP = Path("strip-contact", "4x1", {"lam_over_a": "0.1"})
 

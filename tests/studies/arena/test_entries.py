@@ -23,7 +23,7 @@ from studies.arena.card.laws import laws_of
 from studies.cli import main
 from studies.experiments.membrane import Membrane, membrane_table
 from studies.scenes.closed_forms.contact import SphereObstacle
-from support.entries import EXACT_ONLY, FILES, NAMES, SPENT
+from support.kinds import EXACT_ONLY, FILES, NAMES, SPENT
 from support.problems.contact_problems import Quadratic, definite, dual_by_nnls, random_quadratic, solve_from_rest
 
 ROOT = Path(__file__).parents[3]

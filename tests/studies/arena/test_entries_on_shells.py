@@ -14,7 +14,7 @@ from studies.ask.scene import has_contact
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.walk import Visited, walk
-from support.entries import EXACT_ONLY, NAMES, SPENT
+from support.kinds import EXACT_ONLY, NAMES, SPENT
 
 FORCES = 1e-8  # relative
 GROWTH = 1.3  # of all iterations, those of Newton and an entry's own, on meshes that are three times as fine

@@ -15,7 +15,7 @@ from studies.arena.answers import accuracy
 from studies.arena.collected.candidates import of_complementarity
 from studies.arena.collected.formats import FORMATS, export, read_lcp
 from studies.ask.request import UsageError
-from support.problems.arena_steps import known_step, lopsided
+from support.problems.contact_problems import known_step, lopsided
 
 
 def test_maros_meszaros_arrays(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from studies.arena.solver_run import FIELDS, Field, problems_in
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.cli import _parser, main
 from studies.output.atomic import write_table
-from support.problems.arena_steps import STATES, Told, indefinite, known_step
+from support.problems.contact_problems import STATES, Told, indefinite, known_step
 
 FIELD = FIELDS["solver"]
 TABLES = {"samples", "run", "problems", "table", "summary", "profiles"}

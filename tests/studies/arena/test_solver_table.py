@@ -21,7 +21,7 @@ from studies.arena.solver_table import COLUMNS, SAMPLE_COLUMNS, kind, read, reco
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.process import PATIENCE, Child
-from support.problems.arena_steps import Dies, Greedy, Hangs, Told, indefinite, known_step, lopsided
+from support.problems.contact_problems import Dies, Greedy, Hangs, Told, indefinite, known_step, lopsided
 
 pytestmark = pytest.mark.slow  # processes
 

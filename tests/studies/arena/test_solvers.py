@@ -14,7 +14,7 @@ from studies.arena.solvers import catalogue
 from studies.arena.solvers.base import Answer
 from studies.arena.solvers.catalogue import ABLATION, SETTINGS, SOLVERS
 from studies.arena.solvers.outside import DENSE, Outside
-from support.problems.arena_steps import Broken, Told, in_units, indefinite, known_step, lopsided
+from support.problems.contact_problems import Broken, Told, in_units, indefinite, known_step, lopsided
 
 INSTALLED = [name for name, solver in SOLVERS.items() if solver.missing() is None]
 REACHED = 1e-4  # by every one of them, asked for 1e-8 on six candidates; most are far below

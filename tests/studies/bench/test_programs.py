@@ -22,7 +22,7 @@ from studies.exchange.problem import Problem
 from studies.exchange.results import Found
 from studies.scenes import SCENES
 from studies.scenes.tyre.scene import ISOTROPIC
-from support.stores.programs import CHOSEN, FINE, made_up_programs
+from support.stores.experiments import CHOSEN, FINE, made_up_programs
 
 BEAM = Case("cantilever", ("2x1", "4x1"), "4x1", {"load_fraction": "0.5,1"})
 

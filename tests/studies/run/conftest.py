@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from studies import scenes
-from support.stores.small_campaign import again
+from support.stores.campaigns import again
 
 
 @pytest.fixture(autouse=True)

@@ -30,7 +30,7 @@ from studies.run.plan import planned
 from studies.run.running import run
 from studies.run.task import Limits
 from studies.scenes.complete import Cell
-from support.stores.small_campaign import again, content, small
+from support.stores.campaigns import again, content, small
 
 ROOT = Path(__file__).parents[3]
 KILLS, CELLS = 20, 6

@@ -18,7 +18,7 @@ from studies.run.campaign import find
 from studies.run.collect import collect
 from studies.run.running import run
 from studies.run.task import Limits
-from support.stores.small_campaign import SMALL, again, content, small
+from support.stores.campaigns import SMALL, again, content, small
 
 PLANTED = '''
 import os, signal, time

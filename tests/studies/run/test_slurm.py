@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from support.stores.small_campaign import content, small
+from support.stores.campaigns import content, small
 
 MANUAL = Path(__file__).parents[3] / "reports" / "manual" / "cluster.md"
 # what sbatch(1) says of these options: --parsable prints the number of the job alone, --wrap is a script of sh for each

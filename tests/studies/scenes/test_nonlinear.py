@@ -12,8 +12,7 @@ from scipy.interpolate import PchipInterpolator
 
 from studies.scenes import SCENES
 from studies.solving.result import Result
-from support.problems.curves import distances
-from support.problems.solved import at, ended, extrapolated, read, referenced, solved
+from support.problems.solved import at, distances, ended, extrapolated, read, referenced, solved
 
 OLD = {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "compatible"}
 CLOSE = 5e-3  # of a published value, after refinement

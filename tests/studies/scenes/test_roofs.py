@@ -24,7 +24,7 @@ from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
 from studies.solving.solve import solve
-from support.problems.curves import distances
+from support.problems.solved import distances
 
 ROOF = 1e-2  # of the load at a limit point
 CURVE = 1.2e-2  # largest distance of a published point from our curve, in units of the ranges of load and displacement

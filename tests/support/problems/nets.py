@@ -1,4 +1,7 @@
-"""Two sheets of points one above the other as a pair of faces; every coordinate is an unknown."""
+"""Square sheets of patches.
+
+Two sheets of points one above the other as a pair of faces; every coordinate is an unknown.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,14 @@ from scipy import sparse
 
 from contact.faces.pair import Pair
 from contact.faces.sampling import areas, at_nodes, mortar
-from support.problems.sheets import sheet
+
+
+def sheet(n1: int, n2: int, side: float, height: float, bent: float, *, up: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Points (k, 3) and patches (q, 4) of a square sheet z = height + bent (x^2 + y^2/2), which looks up or down."""
+    x, y = (grid.ravel() for grid in np.meshgrid(*(np.linspace(-side, side, n + 1) for n in (n1, n2)), indexing="ij"))
+    low = (np.arange(n1)[:, None] * (n2 + 1) + np.arange(n2)).ravel()
+    quads = low[:, None] + np.array([0, n2 + 1, n2 + 2, 1])
+    return np.stack([x, y, height + bent * (x**2 + y**2 / 2)], axis=-1), quads if up else quads[:, ::-1]
 
 
 def pair(pairing: str, bent: float = 0.1, noise: float = 0.02, apart: float = 0.1, side: float = 1.2) -> Pair:

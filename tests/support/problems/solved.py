@@ -1,4 +1,7 @@
-"""Scenes solved once for all tests that ask for the same, and what is read off their results and references."""
+"""Scenes solved once for all tests that ask for the same, and what is read off their results and references.
+
+Curves of displacements over loads, as points (n, 2).
+"""
 
 from __future__ import annotations
 
@@ -56,3 +59,11 @@ def referenced(scene: str, kind: str, *quantities: str, **where: float | str) ->
 def extrapolated(coarse: np.ndarray, fine: np.ndarray, ratio: float = 2.0) -> np.ndarray:
     """Limit of a sequence whose error is of the order 2 in the element size; ``ratio``: coarse over fine size."""
     return fine + (fine - coarse) / (ratio**2 - 1)
+
+
+def distances(points: np.ndarray, line: np.ndarray) -> np.ndarray:
+    """Distance of each point (p, 2) from the polyline (n, 2)."""
+    chord = np.diff(line, axis=0)
+    from_start = points[:, None] - line[:-1]
+    part = np.clip(np.sum(from_start * chord, axis=-1) / np.sum(chord**2, axis=-1), 0, 1)
+    return np.min(np.linalg.norm(from_start - part[..., None] * chord, axis=-1), axis=1)

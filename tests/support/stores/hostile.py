@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from support.problems.arena_steps import known_step
+from support.problems.contact_problems import known_step
 
 MB = 2**20
 DEEP, DEEP_OBJECT = "[" * 100_000, '{"a":' * 100_000

@@ -9,7 +9,7 @@ from contact.verify import judge
 from studies.experiments.friction.bars import LENGTH, N0, PULL, RADIUS, TAU, Bar
 from studies.experiments.friction.brush import BLOCKS, WAY, Parking, uneven
 from studies.experiments.friction.trusses import SQUEEZE, Wheel
-from support.problems.planted_friction import with_mu
+from support.problems.frictional import with_mu
 
 
 def _models() -> dict[str, tuple[Any, list[float], np.ndarray]]:

@@ -1,1 +1,0 @@
-"""What pages are looked at with: a browser, the widths of tables, what a median must say."""
