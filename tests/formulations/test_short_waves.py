@@ -1,4 +1,9 @@
-"""The acoustic tensor of a shell against closed forms, second differences of its energy, and what grids make of it."""
+"""The acoustic tensor of a shell against closed forms, second differences of its energy, and what grids make of it.
+
+What the strains of recovered displacements say of the error of an element.
+
+Couples that follow the director: moment, no net force, derivative, and a strip bent to a circle.
+"""
 
 from dataclasses import replace
 
@@ -8,10 +13,14 @@ import pytest
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, torus
+from formulations.loads import Couples
+from formulations.recovery import PARTS, energy_products
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.short_waves import acoustic_tensors, short_waves
 from formulations.strains.catalogue import MEASURES
+from support.problems.differences import central_difference
+from support.problems.shells import PATCHES, SKEW_LAMINATE, make_shell
 
 E, H = 6.0, 2.0  # MPa, mm
 G = E / 2  # nu = 0
@@ -122,3 +131,62 @@ def test_stress_at_rest_counts_as_that_of_strains() -> None:
     at_rest, strained = (change(size * rng.normal(size=own.n_free)) for size in (0.0, 1e-6))
     assert np.abs(at_rest).max() > 0.01
     np.testing.assert_allclose(strained, at_rest, rtol=0, atol=1e-9 * np.abs(at_rest).max())
+
+
+def test_the_parts_of_an_element_make_its_area(rng) -> None:
+    """A field that is the same in all parts has the energy of the element."""
+    patch = next(iter(PATCHES.values()))
+    shell = make_shell(patch.surface, patch.grid(2, 3))
+    d, D = rng.normal(size=(6, 11)), SKEW_LAMINATE.stiffness(shell.section)
+    found = energy_products(shell, *[np.repeat(d[:, None], PARTS, axis=1)] * 2)
+    np.testing.assert_allclose(found, shell.discretisation.geometry.weight * np.einsum("ei,ij,ej->e", d, D, d))
+
+
+ROUNDING = 1e-12  # relative
+DIFFERENCE = 1e-9  # of the 8th-order difference of a smooth function
+
+
+@pytest.fixture
+def coupled(patch, rng):
+    """A loose shell with couples on some nodes, the same without, and a deformed state."""
+    grid = patch.grid(2, 3)
+    nodes = rng.permutation(grid.n_nodes)[:5]
+    axes = rng.normal(size=(5, 3))
+    axes /= np.linalg.norm(axes, axis=1, keepdims=True)
+    couples = Couples(nodes, rng.normal(size=5), axes, SKEW_LAMINATE.thickness)
+    with_them, without = (make_shell(patch.surface, grid, couples=c) for c in (couples, None))
+    return couples, with_them, without, 0.02 * rng.normal(size=with_them.discretisation.n_free)
+
+
+def test_opposite_forces_turn_the_deformed_director(coupled) -> None:
+    """On each node d x F = M (a - d d.a/|d|^2), F normal to d, and nothing on the other nodes; in local components."""
+    couples, with_them, without, u = coupled
+    force = (without.linearise(u).residual - with_them.linearise(u).residual).reshape(-1, 3, 2)
+    v = u.reshape(-1, 3, 2)
+    size = np.max(np.abs(force))
+    others = np.setdiff1d(np.arange(len(v)), couples.nodes)
+    assert np.max(np.abs(force[others])) <= 100 * ROUNDING * size
+    for node, M, a in zip(couples.nodes, couples.moments, couples.axes, strict=True):
+        d = v[node] @ [-1, 1] + [0, 0, couples.thickness]
+        inner, outer = force[node].T
+        np.testing.assert_allclose(inner, -outer, rtol=0, atol=100 * ROUNDING * size)
+        expected = M * (a - d * (d @ a) / (d @ d))
+        np.testing.assert_allclose(np.cross(d, outer), expected, rtol=0, atol=100 * ROUNDING * size)
+        assert abs(outer @ d) <= 100 * ROUNDING * size
+
+
+def test_tangent_is_the_derivative(coupled, rng) -> None:
+    _, with_them, without, u = coupled
+    du = 0.02 * rng.normal(size=len(u))
+    slope = central_difference(lambda t: with_them.linearise(u + t * du).residual, 0.05)
+    exact = with_them.linearise(u).tangent @ du
+    np.testing.assert_allclose(slope, exact, rtol=0, atol=DIFFERENCE * np.max(np.abs(exact)))
+    assert np.max(np.abs(exact - without.linearise(u).tangent @ du)) > 1e-3 * np.max(np.abs(exact))
+
+
+def test_scaling(coupled) -> None:
+    _, with_them, without, u = coupled
+    none, half, full = (with_them.scaled(factor).linearise(u).residual for factor in (0.0, 0.5, 1.0))
+    size = np.max(np.abs(full))
+    np.testing.assert_allclose(none, without.linearise(u).residual, rtol=0, atol=ROUNDING * size)
+    np.testing.assert_allclose(2 * half, none + full, rtol=0, atol=10 * ROUNDING * size)

@@ -1,4 +1,7 @@
-"""What the tables of friction come to: ends, orders and sums by algorithm of made-up tables with known answers."""
+"""What the tables of friction come to: ends, orders and sums by algorithm of made-up tables with known answers.
+
+Sentences on friction: each is held against a table in which it is true, and changes where it would be false.
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,32 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from reports.formats import Line
 from studies.analysis.everything import DECLARED, fitted
-from studies.analysis.friction import by_algorithm, ends, orders, step_orders
+from studies.analysis.friction import COST_BARS, by_algorithm, ends, orders, step_orders
 from studies.experiments.friction.bars import capstan_table
-from support.stores.friction import DRAGS, LOST, NAIVE, SOFT, TURNS, agreement, made_up_friction, moved, steps
+from support.sentences import said
+from support.stores.friction import (
+    DRAGS,
+    LOST,
+    NAIVE,
+    SOFT,
+    TURNS,
+    agreement,
+    cost,
+    crushed,
+    greco,
+    joint_motion,
+    klarbring,
+    made_up_friction,
+    moved,
+    patch,
+    public,
+    rolling,
+    steps,
+    symmetry,
+    tied,
+)
 
 FAMILIES = DECLARED["friction_orders"]
 
@@ -95,3 +120,158 @@ def test_tables_are_made_of_those_that_are_there() -> None:
     }
     assert set(made["friction_orders"]["family"]) == set(FAMILIES)
     assert isinstance(made["friction_algorithms"], pd.DataFrame)
+
+
+def text(name: str, **tables: pd.DataFrame) -> str:
+    """The one sentence of this name; nothing where it is not said."""
+    return " ".join(Line({}).filled(each.text, each.values) for each in said(name, **tables))
+
+
+# --- the tyre ---------------------------------------------------------------------------------------------------
+
+
+def limits(first: float = 8.0, last: float = 8.0, **changed: object) -> str:
+    """Of a drag that is full from these stops on, where the last coefficient has other values."""
+    drag = ends(moved("drag_mm", DRAGS), "drag_mm").assign(full=[first, last])
+    drag.loc[1, list(changed)] = list(changed.values())
+    turn = ends(moved("turn_deg", TURNS), "turn_deg")
+    return text("friction-limits", friction_drag_ends=drag, friction_turn_ends=turn)
+
+
+def test_the_limit_of_a_drag_and_of_a_turn() -> None:
+    met = limits()
+    assert "dragged across by 8 mm" in met
+    assert "for μ = 0.25 and 0.5; it is within 1 % of that from 8 mm on" in met
+    assert "Turned on the spot by 12 degrees" in met
+    assert "The judge certifies 16 of 16 loads." in met
+    missed = limits(off=-0.2, certified=2, full=np.nan)
+    assert "by μ F_n with a relative error of 2e-01" in missed
+    assert "for μ = 0.5 it does not stay within 1 % of that" in missed
+    assert "certifies 14 of 16 loads" in missed
+    assert "from 2 to 4 mm on, later the larger μ. Turned" in limits(2.0, 4.0)
+    assert "from 2 to 4 mm on. Turned" in limits(4.0, 2.0)
+
+
+def test_who_sticks_and_what_is_left() -> None:
+    whole = text("friction-patch", friction_patch=patch())
+    assert "the nodes in contact that stick are 3 of 9 once it is pressed, 3 of 9 at 1 mm and 3 of 9 at 0 mm" in whole
+    assert "the plane still pulls with 9 N of at most 45 N" in whole
+    assert "back at its start" not in text("friction-patch", friction_patch=patch()[lambda t: t["stop"] < 2])
+
+
+def test_what_load_steps_change() -> None:
+    found = text("friction-steps", friction_step_orders=step_orders(steps()), friction_steps=steps())
+    assert "in 1 step each the tyre has errors of -4.0 % in its force and +100 % in its dissipation" in found
+    assert "in 8 steps, at 8 times the operations, -0.50 % and +12.5 %" in found
+    assert "are 1.00 and 1.00; theory says 1" in found
+
+
+def test_symmetry_is_said_of_what_keeps_it_alone() -> None:
+    both, kept, lost = (
+        text("friction-symmetry", friction_symmetry=symmetry().assign(**changed))
+        for changed in ({}, {"normal": 0.0, "friction": 1e-15}, {"normal": 0.1})
+    )
+    assert both.startswith("Pressed and turned, the tyre keeps its central symmetry to 3e-14")
+    assert "dragged, it does not: forces differ by up to 50 %" in both
+    assert "does not" not in kept
+    assert lost.startswith("Pressed, turned and dragged, it does not")
+
+
+def test_steps_above_what_is_required_are_named() -> None:
+    rules, below = pd.DataFrame([COST_BARS]), cost().assign(factorisations=1.0, operations_ratio=2.0)
+    found = text("friction-cost", friction_cost=cost(), rules=rules)
+    assert "2.00 to 3.00 times the operations of one without, and 1.20 to 1.50 factorisations" in found
+    assert "required are at most 2.5 and 1.2, and 1 of 2 steps exceed one of them: drag to 0.5 mm on 42x40." in found
+    assert "and none of 2 steps exceeds them." in text("friction-cost", friction_cost=below, rules=rules)
+    assert "1.50 to 2.00 times one without" in text("friction-seconds", friction_cost=cost())
+
+
+# --- the algorithms ---------------------------------------------------------------------------------------------
+
+
+def test_who_agrees_and_who_does_not() -> None:
+    found = text("friction-agreement", friction_algorithms=by_algorithm(agreement()))
+    assert found.startswith("`semismooth` converges on 3 of 3 scenes with friction; so do `qp`, with every node")
+    assert found.endswith("; `trial-and-error` converges on 2 and agrees on 1.")
+    off = agreement()
+    off.loc[(off["algorithm"] == "qp") & (off["case"] == LOST), "agrees"] = 0
+    found = text("friction-agreement", friction_algorithms=by_algorithm(off))
+    assert "so do" not in found
+    assert "`qp` converges on 3 and agrees on 2" in found
+
+
+def test_failures_and_other_paths_are_named() -> None:
+    (lost,) = said("friction-fails-<algorithm>", friction_agreement=agreement())
+    assert (lost.name, lost.role, lost.problems) == (f"friction-fails-{NAIVE}", "limitation", 3)
+    failed = text("friction-fails-<algorithm>", friction_agreement=agreement())
+    assert failed == "`trial-and-error` does not converge on 1 of 3 scenes with friction: 'tyre dragged'."
+    other = text("friction-other-steps", friction_agreement=agreement())
+    assert "1 of 11 converged solves took other load steps" in other
+    assert "`trial-and-error` on 'ring' needed 8 instead of 2, and its forces differ by 25 % of the largest." in other
+    fine = agreement()[lambda t: t["algorithm"] != NAIVE]
+    for name in ("friction-fails-<algorithm>", "friction-other-steps"):
+        assert text(name, friction_agreement=fine) == ""
+
+
+def test_what_springs_change() -> None:
+    found = text("friction-regularised", friction_agreement=agreement())
+    assert "springs of 10000 MPa/mm changes nodal forces by 1e-04 to 1e-04 of the largest on 3 scenes" in found
+    assert "; on twice the elements each way by 2e-04 to 2e-04 on 2, while on 1 the two take other load steps" in found
+    assert text("friction-regularised", friction_agreement=agreement().assign(epsilon=np.inf)) == ""
+
+
+def test_the_plate_and_who_fails_on_it() -> None:
+    found = text("friction-greco", friction_greco=greco())
+    assert "2 of 3 algorithms converge, with errors of the slips of at most 0.010 % on 16x16" in found
+    assert found.endswith("; `trial-and-error` (cycling) fails.")
+    fine = greco()[lambda t: t["algorithm"] != NAIVE]
+    assert text("friction-greco", friction_greco=fine).endswith("16x16 elements.")
+
+
+def test_answers_of_springs_are_counted_by_how_many_there_are() -> None:
+    found = text("friction-klarbring", friction_klarbring=klarbring())
+    assert "Of 3 sets of Klarbring's springs 1 have one answer, 1 several and 1 none" in found
+    assert "in 2 of 3 solves and one of several in 3 of 3; where there is none they claim 0 of 3" in found
+    wrong = klarbring()
+    wrong.loc[wrong["case"] == "nothing", ["outcome", "found"]] = ("converged", "wrong")
+    assert "they claim 3 of 3, and 3 claims are wrong" in text("friction-klarbring", friction_klarbring=wrong)
+
+
+def test_orders_beside_theory() -> None:
+    made = fitted(made_up_friction().get)["friction_orders"]
+    found = text("friction-orders", friction_orders=made)
+    assert "1 are below 1e-08, 3 fall with orders from 1.00 to 1.00 where theory says 1" in found
+    assert "11 fall with orders from 2.00 to 2.00 where theory says 2" in found
+    made.loc[made["quantity"] == "moment", "order"] = 0.5
+    assert "orders from 0.50 to 2.00 where theory says 2" in text("friction-orders", friction_orders=made)
+
+
+def test_tied_nodes_and_motions() -> None:
+    found = text("friction-tied", friction_tied=tied())
+    assert "1 of 2 cases have an answer" in found
+    assert "`semismooth` finds 1 of them, to 1e-15 of the displacements, and claims one in 0 of the 1 without." in found
+    false = tied().assign(outcome="converged", otherwise=1.0)
+    assert "finds 0 of them, and claims one in 1 of the 1" in text("friction-tied", friction_tied=false)
+    found = text("friction-motions", friction_joint_motion=joint_motion(), friction_rolling=rolling())
+    assert "up to 500 mm and 3 rad keeps its friction, 13.5 N, to 1e-11 N and dissipates 1e-13" in found
+    assert "hub in the middle to 1e-14 mm, and rolls on the radius of its bars to 1.0e-06" in found
+
+
+def test_what_friction_adds_to_the_ring() -> None:
+    """The state that nobody else has is not in it."""
+    found = text("friction-crushed-ring", friction_crushed_ring=crushed())
+    assert "μ = 0.4 adds +1.00 % to +2.00 % on `crushed-ring`, over 2 states" in found
+    assert "Code_Aster finds +2.00 % to +4.00 %" in found
+    assert "refuses" not in found
+    refused = crushed().assign(failures=["", "cone", ""]).replace("", None)
+    found = text("friction-crushed-ring", friction_crushed_ring=refused)
+    assert found.endswith("The judge refuses 1 of these states.")
+
+
+@pytest.mark.parametrize("refused", [0, 1])
+def test_public_problems_and_refused_claims(refused: int) -> None:
+    table = public()
+    table.loc[3, "certified"] = not refused
+    found = text("friction-public", friction_public=table)
+    assert f"Of 2 public problems of Siconos {2 - refused} have an answer that the judge takes" in found
+    assert f"Of what is claimed {refused} answers are refused by the judge." in found

@@ -1,8 +1,15 @@
-"""Sheets and bodies read back: everything of the problem is there, bit by bit."""
+"""Sheets and bodies read back: everything of the problem is there, bit by bit.
+
+``footprint export``: one file, whole or not at all.
+
+CalculiX on decks of ours, where it is installed: what it finds is what we find.
+"""
 
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +17,12 @@ import meshio
 import numpy as np
 import pytest
 
+from studies.cli import main
+from studies.exchange.deck import deck
+from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
+from studies.exchange.results import read_results
 from studies.exchange.sheet import FORMAT, write_body, write_sheet
 from studies.output.vtu import read_vtu
 from studies.scenes import SCENES
@@ -68,3 +79,70 @@ def test_the_body_comes_back(problem: Problem, tmp_path: Path) -> None:
     np.testing.assert_array_equal(ply, problem.bricks.ply + 1)
     fibre = np.stack([mesh.cell_data[f"fibre_{axis}"][0] for axis in "xyz"], axis=-1)
     np.testing.assert_allclose(np.linalg.norm(fibre, axis=1), 1)
+
+
+BEGINS = {"inp": "*HEADING", "vtu": '<?xml version="1.0"?>', "json": "{"}
+ASKED = ["export", "cantilever", "--mesh", "2x1"]
+
+
+def test_every_format_is_one_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for kind, begins in BEGINS.items():
+        out = tmp_path / kind / f"scene.{kind}"
+        assert main([*ASKED, "--format", kind, "--out", str(out)]) == 0
+        assert out.read_text(encoding="utf-8").splitlines()[0] == begins
+        assert [path.name for path in out.parent.iterdir()] == [out.name]
+        assert "2 bricks, 4 steps" in capsys.readouterr().out
+
+
+def test_wrong_use_is_one_line_and_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "scene"
+    for words, said in (
+        ("--format json --through 0", "through = 0 must be a whole number in [1, 16]"),
+        ("--format vtu --measure round", "measure 'round' must be one of"),
+        ("--format vtu --set load_fraction=0", "load_fraction = '0' must be increasing numbers in (0, 10]"),
+        (f"--format inp --out {tmp_path}", "is a directory, not a file"),
+    ):
+        assert main([*ASKED, "--out", str(out), *words.split()]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert said in line
+        assert list(tmp_path.iterdir()) == []
+    with pytest.raises(SystemExit, match="2"):
+        main([*ASKED, "--out", str(out), "--format", "odb"])
+    assert "'odb'" in capsys.readouterr().err
+
+
+def test_cords_that_turn_within_a_brick_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """On the coarse torus; on Pagano's plate axes do not turn at all."""
+    for scene, mesh, told in (("tyre", "8x8", True), ("pagano", "2x2", False)):
+        assert main(["export", scene, "--mesh", mesh, "--format", "inp", "--out", str(tmp_path / "scene.inp")]) == 0
+        assert ("one direction a brick" in capsys.readouterr().out) is told
+
+
+CCX = shutil.which("ccx")
+WITHIN = 0.01
+CASES = {
+    # scene: settings, measure, mesh of the bricks, mesh of ours; quantities that must be among those compared
+    "scordelis-lo": ({}, "linear", "8x8", "32x32", {"edge_deflection_mm", "strain_energy_Nmm", "unbalanced_N"}),
+    "pinched-cylinder": ({}, "linear", "16x16", "32x32", {"deflection_mm", "strain_energy_Nmm"}),
+    "pressurised-cylinder": ({}, "exact", "2x4", "2x4", {"stretch", "thickness_ratio", "unbalanced_N"}),
+    "strip-contact": ({"load_fraction": "5"}, "linear", "16x2", "64x1", {"half_force", "unbalanced_N"}),
+    "cantilever": ({"load_fraction": "0.5"}, "exact", "32x1", "32x1", {"tip_deflection_mm", "tip_shortening_mm"}),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CCX is None, reason="needs CalculiX: Debian's package calculix-ccx")
+@pytest.mark.parametrize("name", CASES)
+def test_calculix_finds_what_we_find(name: str, tmp_path: Path) -> None:
+    settings, measure, mesh, finer, wanted = CASES[name]
+    problem = problem_of(name, settings, mesh, measure=measure)
+    (tmp_path / "scene.inp").write_text("\n".join(deck(problem)) + "\n", encoding="ascii")
+    assert CCX is not None
+    run = subprocess.run([CCX, "scene"], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
+    assert "Job finished" in run.stdout, run.stdout[-2000:]
+    found = read_results(tmp_path / "scene.dat", problem)
+    assert [each.load for each in found] == [step.load for step in problem.steps]
+    ours = our_solution(problem, [each.load for each in found], settings, finer, measure=measure)
+    rows: list[Comparison] = compared(problem, found, ours, WITHIN)
+    assert wanted <= {row.quantity for row in rows}
+    assert [row for row in rows if not row.within] == []

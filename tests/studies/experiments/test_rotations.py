@@ -1,4 +1,9 @@
-"""Rotations one after another: nothing is left where the measure is exact, and their order may not be exchanged."""
+"""Rotations one after another: nothing is left where the measure is exact, and their order may not be exchanged.
+
+Rigid motions over the whole catalogue: every declared law is met, and the famous failures are found.
+
+Derivatives of the tyre at work: what rounding is worth, and an optimum that answers without any confirm.
+"""
 
 import math
 from itertools import pairwise
@@ -9,7 +14,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from formulations.strains.catalogue import MEASURES
-from studies.experiments import rotations
+from reports.chapters.what_if import what_if_page
+from studies.experiments import rotations, what_if
+from studies.experiments.rigid_body import AMOUNTS, SAMPLES, SWEPT, rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.rotations import ANGLE, ASTRAY, BACK, Panel, cases, rotations_table, turned
 from studies.experiments.specimens import Element
 
@@ -78,3 +85,90 @@ def test_large_steps_must_fail_by_another_equilibrium() -> None:
     assert few["energy_change"].iloc[-1] > 1
     assert few["off"].iloc[-1] > 0.1
     assert more["off"].iloc[-1] < NOTHING
+
+
+LAW = 1e-10
+
+
+@pytest.fixture(scope="module")
+def table() -> pd.DataFrame:
+    return rigid_body_table(theta=0.5, slide=0.3)
+
+
+def test_every_declared_law_is_met(table: pd.DataFrame) -> None:
+    assert len(table) == len(MEASURES) * len(SAMPLES) * 4
+    told = table.dropna(subset="declared")
+    assert told.groupby("measure").size().min() >= 12  # of 16
+    assert (told["strain"] - told["declared"]).abs().max() <= LAW
+    assert table[table["measure"].isin(["exact", "elongation"])]["largest"].max() <= 1e-12
+
+
+def pick(table: pd.DataFrame, measure: str, surface: str, motion: str) -> float:
+    row = table.query("measure == @measure and surface == @surface and motion == @motion")
+    return float(row["strain"].iloc[0])
+
+
+def test_the_famous_failures(table: pd.DataFrame) -> None:
+    quartic = -((1 - math.cos(0.5)) ** 2) / 2
+    assert pick(table, "von-karman", "plate", "out of plane") == pytest.approx(quartic, abs=LAW)
+    assert quartic == pytest.approx(-(0.5**4) / 8, rel=0.05)  # theta^4/8
+    membrane = (0.3 * math.sin(0.7) / (1 + 0.3 / 2)) ** 2 / 2  # (U sin phi/R)^2/2, on the outer face
+    assert pick(table, "donnell", "cylinder", "translation") == pytest.approx(membrane, abs=LAW)
+    assert pick(table, "donnell", "cylinder", "about the axis") == pytest.approx(math.cos(0.5) - 1, abs=LAW)
+    assert pick(table, "sanders", "cylinder", "drilling") == pytest.approx(quartic, abs=LAW)
+
+
+def test_swept_strains_stay_on_their_laws_and_return_after_a_full_turn() -> None:
+    sweep = rotation_sweep(points=9)
+    turn = sweep[sweep["theta_rad"] > 6.28]
+    assert len(turn) == len(SWEPT) * len(MEASURES)
+    assert turn["strain"].abs().max() <= LAW
+    half = sweep.query("measure == 'von-karman' and surface == 'plate' and motion == 'out of plane'").iloc[4]
+    assert half["strain"] == pytest.approx(-2.0, abs=LAW)  # at pi von Karman is as wrong as linear
+    assert sweep["declared"].notna().all()
+    assert (sweep["strain"] - sweep["declared"]).abs().max() <= LAW
+
+
+def test_small_motions_fall_at_the_rates_of_the_theory() -> None:
+    """Half of a Donnell translation leaves a quarter, half of a von Karman rotation a sixteenth: theta^4/8."""
+    table = small_motions()
+    assert len(table) == len(AMOUNTS) * len(MEASURES) * len(SAMPLES) * 4
+    for measure, surface, motion, rate in (
+        ("donnell", "cylinder", "translation", 2),
+        ("von-karman", "plate", "out of plane", 4),
+        ("linear", "torus", "about the axis", 2),
+    ):
+        double, single = (pick(table[table["amount"] == amount], measure, surface, motion) for amount in (0.1, 0.05))
+        assert math.log2(double / single) == pytest.approx(rate, abs=0.01)
+
+
+def test_half_a_unit_of_the_last_digit() -> None:
+    assert [what_if.half_a_unit(each) for each in ("52", "0.15", "510.45")] == pytest.approx([0.5, 0.005, 0.005])
+
+
+@pytest.mark.slow
+def test_no_combination_is_better_than_the_optimum(monkeypatch, tmp_path) -> None:
+    """On a coarse mesh: derivatives against 25 answers that know of none; the page says which it was."""
+    monkeypatch.setattr(what_if, "MESHES", ("12x14", "14x16"))
+    monkeypatch.setattr(what_if, "COUNT", 5)
+    monkeypatch.setattr(what_if, "BOTH", ("12x14", "14x16"))
+    tables = {name: getattr(what_if, name)() for name in ("what_if", "even_footprint", "every_footprint")}
+    asked, every = tables["even_footprint"], tables["every_footprint"]
+    own = asked[asked["mesh"] == "12x14"]
+    (optimum,) = own[own["optimum"]].to_dict("records")
+    allowed = every[every["verdict"] == "converged"]
+    for name, least in what_if.LEAST.items():
+        allowed = allowed[allowed[name] >= least]
+        assert optimum[name] >= least - 1e-6 * abs(least)
+    assert 0 < len(allowed) < len(every)
+    assert optimum[what_if.GOAL] <= allowed[what_if.GOAL].min()
+    for name, table in tables.items():
+        table.to_csv(tmp_path / f"{name}.csv", index=False)
+
+    class Stored:
+        def table(self, name: str) -> pd.DataFrame:
+            return pd.read_csv(tmp_path / f"{name}.csv")
+
+    said = str(what_if_page(Stored()))
+    assert f"Of 25 combinations on 12x14, every one solved and judged, {len(allowed)} are allowed" in said
+    assert f"{optimum['gamma_deg']:.2f} | {optimum['p0_MPa']:.4f}" in said
