@@ -13,11 +13,10 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.compare import NUMBER
 from reports.figures.drawing import BLACK, BLUE, canvas, svg
 from reports.files import StoreError, as_words
 from reports.html import SHOWN, report_html
-from reports.site import FIGURES, files_of
+from reports.site import FIGURES, NUMBER, files_of
 
 PAGE, OVER = "change.md", "change.svg"
 PIXEL = 1.0

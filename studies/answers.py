@@ -235,8 +235,8 @@ class Swept(Shown):
 
     def figure(self) -> Figure:
         """The quantity over one setting, or its map over two."""
+        from reports.figures.comparisons import swept
         from reports.figures.drawing import drawn
-        from reports.figures.sweeps import swept
 
         with drawn() as figures:
             swept(*self.found.picture)()
@@ -244,7 +244,7 @@ class Swept(Shown):
 
     def write(self, directory: str | Path) -> None:
         """What ``footprint sweep --out`` writes, but for the files of members."""
-        from reports.figures.sweeps import draw_sweep
+        from reports.figures.comparisons import draw_sweep
 
         self.found.write(Path(directory), draw_sweep(Path(directory), *self.found.picture))
 

@@ -21,7 +21,7 @@ from KratosMultiphysics import python_linear_solver_factory
 from studies.bench.problems import LinearShell, Solved, size
 from studies.output.stopwatch import timed
 from studies.scenes.benchmarks import cantilever, hemisphere
-from studies.scenes.benchmarks import sze_pullout as pullout
+from studies.scenes.benchmarks.snapping import PullOut
 from studies.scenes.complete import complete
 from studies.scenes.statics import StaticModel
 
@@ -90,12 +90,12 @@ def _hemisphere(n1: int, n2: int) -> Shell:
 
 
 def _pull_out(n1: int, n2: int) -> Shell:
-    along, around, at = _grid(pullout.LENGTH / 2, np.pi / 2, n1, n2)
-    x = np.stack([pullout.RADIUS * np.cos(around), pullout.RADIUS * np.sin(around), along], axis=-1)
+    along, around, at = _grid(PullOut.LENGTH / 2, np.pi / 2, n1, n2)
+    x = np.stack([PullOut.RADIUS * np.cos(around), PullOut.RADIUS * np.sin(around), along], axis=-1)
     return Shell(
-        *(x, pullout.E, pullout.NU, pullout.H),
+        *(x, PullOut.E, PullOut.NU, PullOut.H),
         planes=((at[:, 0], 1), (at[:, -1], 0), (at[0], 2)),
-        forces=((int(at[0, 0]), 0, pullout.P_MAX / 4),),
+        forces=((int(at[0, 0]), 0, PullOut.P_MAX / 4),),
         read=lambda u: float(u[at[0, 0], 0]),
     )
 

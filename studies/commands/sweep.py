@@ -53,7 +53,7 @@ def run_sweep(options: argparse.Namespace) -> int:
         given = pairs(options.settings)
         kept = options.out / MEMBERS
         result = sweep(options.scene, given, over, error, options.of, kept, tell, options.mesh, **how)
-    from reports.figures.sweeps import draw_sweep
+    from reports.figures.comparisons import draw_sweep
 
     result.write(options.out, draw_sweep(options.out, *result.picture))
     print("\n".join(lines(result)))

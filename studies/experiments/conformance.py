@@ -24,10 +24,9 @@ from formulations.shell import ShellModel
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from studies.experiments.rigid_body import CASES, central_difference, left_by, rotation
 from studies.experiments.specimens import ELEMENTS, Element, Swapped, layup
-from studies.scenes.manufactured.patches import PIECES, TurnedWaves, wall
 from studies.scenes.manufactured.scene import carrying, errors, unknowns_at
 from studies.scenes.manufactured.solution import Exact, Patch
-from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
+from studies.scenes.manufactured.statements import PIECES, STATEMENTS, TurnedWaves, wall, wrong_coefficients
 from studies.scenes.statics import area_load
 from studies.solving.refinement.richardson import correction, order_of
 

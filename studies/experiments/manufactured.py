@@ -20,8 +20,7 @@ from formulations.strains.quantities import FULL
 from studies.experiments import Row, tabulated
 from studies.scenes.complete import complete
 from studies.scenes.element import ON_MESHES, PRESETS
-from studies.scenes.manufactured.patches import PIECES
-from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
+from studies.scenes.manufactured.statements import PIECES, STATEMENTS, wrong_coefficients
 from studies.solving.solve import solve
 
 MESHES = (8, 16, 32)

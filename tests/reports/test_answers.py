@@ -13,8 +13,8 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from reports.chapter import Said, statements
-from reports.compare import NUMBER
 from reports.contents import CHAPTERS
+from reports.site import NUMBER
 from reports.store import Store
 from studies.analysis.statements.tables import read_questions
 

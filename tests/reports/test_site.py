@@ -15,7 +15,6 @@ import pytest
 
 from reports import markdown, site
 from reports.chapter import INDEX_TITLE, Chapter
-from reports.compare import differences, same_number
 from reports.contents import CHAPTERS
 from reports.figures.result_figures import draw_result
 from reports.files import StoreError, as_bytes
@@ -23,7 +22,7 @@ from reports.formats import digits, fixed, percent, scientific, share
 from reports.html import REPORT
 from reports.markdown import END_MACHINE, FOLDER, FOR, MACHINE, Part, Template, machine, prose
 from reports.origin import completeness, completeness_line, foot, origin
-from reports.site import check_pages, compare_pages, rendered, write_pages
+from reports.site import check_pages, compare_pages, differences, rendered, same_number, write_pages
 from reports.store import Cell, Store, load_store
 from studies.output.atomic import write_text
 from studies.run.lists import LISTS

@@ -6,7 +6,8 @@ It is a TOML file that nobody vouches for, a table a task: ``claim`` is "met", w
 +1 for a claim that holds on all of them, -1 for one that does not, 0 for none. That a task is met is said by the judge
 of the solve (the class, equilibrium and penetration recomputed from the problem), by quantities read off the certified
 states, held against closed forms and references, and by the counts of unknowns and operations, which are made where
-they are done. That it cannot be met is said by the bounds of :mod:`studies.arena.tasks.exact`, and nothing is solved.
+they are done. That it cannot be met is said by
+the bounds of :mod:`studies.arena.tasks.catalogue`, and nothing is solved.
 """
 
 from __future__ import annotations

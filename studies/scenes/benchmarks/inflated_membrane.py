@@ -35,7 +35,7 @@ VOLUME = 2 / 3 * np.pi * RADIUS**3  # mm^3, half a sphere on the edge, the same 
 HOLE, SECTOR = 1e-3, np.pi / 90  # of the radius
 DOME = 0.25  # of the radius: height of the dome from which the first state is looked for
 FIRST = 0.2  # load fraction of that state
-# pressure over UNIT: deflection [mm]; the equations of the membrane (closed_forms) have the same digits, but 0.09655
+# pressure over UNIT: deflection [mm]; the equations of the membrane (in the tests) have the same digits, but 0.09655
 # for the first entry of the table, 0.0975 at 250 mm, which is left out
 READ = {0.51748: 500.0, 1.00262: 750.0, 1.28642: 1000.0}
 CODE_ASTER = "Code_Aster V6.05.115 (SSNS115), read as a table"

@@ -19,9 +19,9 @@ from formulations.strains.measure import StrainMeasure
 from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Request, SceneModel, Setting, Sheet
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.element import TWO_FACES, discretise, even_grid
-from studies.scenes.manufactured.patches import LAYUPS, PIECES, SPIN, Piece, faces, wall, waved
 from studies.scenes.manufactured.scene import QUANTITIES, carrying, errors, unknowns_at
 from studies.scenes.manufactured.solution import Displacement, Exact, Patch
+from studies.scenes.manufactured.statements import LAYUPS, PIECES, SPIN, Piece, faces, wall, waved
 from studies.scenes.statics import loaded_shell
 
 PRESSURE = 5.0  # MPa: p = PRESSURE (c^2 - r^2)

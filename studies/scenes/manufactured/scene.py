@@ -32,8 +32,8 @@ from studies.ask.scene import (
     Stage,
 )
 from studies.scenes.element import TWO_FACES, discretise, even_grid
-from studies.scenes.manufactured.patches import LAYUPS, PIECES, TurnedWaves, wall
 from studies.scenes.manufactured.solution import Exact, Patch, Solution
+from studies.scenes.manufactured.statements import LAYUPS, PIECES, TurnedWaves, wall
 from studies.scenes.statics import area_load, loaded_shell
 
 QUANTITIES: Mapping[str, str] = {

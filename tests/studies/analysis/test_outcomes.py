@@ -15,8 +15,8 @@ import pytest
 
 from studies.analysis.outcomes import contact_summary, outcomes
 from studies.analysis.powers import epsilon_laws, fitted_law, fitted_power
-from studies.analysis.programs import peer_factors
 from studies.analysis.tyre import grids_reaching, reaching
+from studies.analysis.uncertainty import peer_factors
 from support.stores.convergence import cells
 
 CONTACTS = {"semismooth": 1.0, "lcp": 0.5, "qp": 2.0}

@@ -13,8 +13,7 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
-from studies.arena.tasks.catalogue import HIDDEN, OPTIONS, Need, tasks
-from studies.arena.tasks.exact import EXACT
+from studies.arena.tasks.catalogue import EXACT, HIDDEN, OPTIONS, Need, tasks
 from studies.arena.tasks.grading import CANNOT, MET, Claim, Grade, grade, read_submission, values_of
 from studies.cli import main
 from studies.commands import problems as command

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.everything import fitted
-from studies.analysis.programs import agreement
+from studies.analysis.uncertainty import agreement
 from studies.ask.request import UsageError
 from studies.bench import programs
 from studies.bench.peers import CASES

@@ -13,8 +13,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from studies.ask.request import UsageError
 from studies.cli import main
 from studies.scenes import SCENES
-from studies.scenes.benchmarks import slender_beam
-from studies.scenes.benchmarks.curved_strips import LIMIT, LOADS, THICK, TwistedBeam, hook, twisted
+from studies.scenes.benchmarks import pulled_strips
+from studies.scenes.benchmarks.pulled_strips import LIMIT, LOADS, THICK, TwistedBeam, hook, twisted
 from studies.scenes.benchmarks.quad_plates import ANGLE, KNOWN, SIDE, rhombus
 from studies.scenes.benchmarks.quad_plates import NU as PLATE_NU
 from studies.scenes.benchmarks.quads import OnQuads
@@ -60,7 +60,7 @@ def beam(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str, float], Non
     """Changes a constant of the slender beam; what was solved with another one is forgotten."""
 
     def change(name: str, value: float) -> None:
-        monkeypatch.setattr(slender_beam, name, value)
+        monkeypatch.setattr(pulled_strips, name, value)
         linear.cache_clear()
 
     yield change
@@ -208,8 +208,8 @@ def test_straight_fibres_across_the_wall_stiffen_bending_in_its_plane(beam: Call
         return h * share("slender-beam", "96x16")
 
     def stiffening(h: float) -> float:
-        over = slender_beam.G / slender_beam.E * (h / slender_beam.WIDTH) ** 2
-        return slender_beam.NU**2 * over / (1 + (1 - slender_beam.NU**2) * over)
+        over = pulled_strips.G / pulled_strips.E * (h / pulled_strips.WIDTH) ** 2
+        return pulled_strips.NU**2 * over / (1 + (1 - pulled_strips.NU**2) * over)
 
     expected = (1 + stiffening(0.05)) / (1 + stiffening(0.1))
     assert flexibility(0.1) / flexibility(0.05) - 1 == pytest.approx(expected - 1, rel=0.1)
@@ -245,7 +245,7 @@ def test_the_skew_plate_is_a_plate_with_shear_of_high_order(ratio: float) -> Non
 def test_a_beam_of_rectangles_without_poissons_ratio_is_timoshenkos(beam: Callable[[str, float], None]) -> None:
     beam("NU", 0.0)
     assert share("slender-beam", "6x1") == pytest.approx(0.993, abs=1e-3)
-    for load in slender_beam.LOADS:
+    for load in pulled_strips.ALONG:
         assert share("slender-beam", "96x8", load=load) == pytest.approx(1.0, abs=1e-3)
 
 

@@ -19,7 +19,7 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
 from studies.cli import NOT_CONVERGED, main
 from studies.scenes import SCENES
-from studies.scenes.benchmarks.roofs import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
+from studies.scenes.benchmarks.snapping import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
 from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result

@@ -13,7 +13,6 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.stability import STABLE, stability
 from contact.problem import ContactProblem, ContactSolution
 from contact.verify import judge
-from studies.scenes.closed_forms.walled_column import LINE, POINT, bent, load_at
 from studies.scenes.complete import complete
 from studies.scenes.contact.walled_column import (
     BENDING,
@@ -22,9 +21,13 @@ from studies.scenes.contact.walled_column import (
     EULER,
     EXTENSION,
     LENGTH,
+    LINE,
+    POINT,
     ColumnModel,
     H,
+    bent,
     exact,
+    load_at,
 )
 from support.problems.differences import fitted_order
 from support.problems.solved import read, solved

@@ -9,8 +9,8 @@ from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import gradient_coefficients, shear_row_factors
 from studies.scenes.manufactured.contact_scene import OntoBall, Touching
-from studies.scenes.manufactured.patches import PIECES, TurnedWaves, faces, wall
 from studies.scenes.manufactured.solution import Chebyshev, Exact, Patch
+from studies.scenes.manufactured.statements import PIECES, TurnedWaves, faces, wall
 from support.problems.differences import central_difference
 
 POINTS = np.array([[0.2, 0.7], [0.55, 0.31], [0.9, 0.05]])  # shares of the sides

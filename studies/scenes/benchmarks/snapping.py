@@ -1,10 +1,7 @@
-"""Hinged cylindrical roofs under a central point load: Sze, Liu, Lo (2004), section 3.8, six of them.
-
-The load passes two or four limit points, the displacement may turn back: the curve is traced.
-"""
+"""Shells of Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, that snap: their curves are traced by arc length."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -12,12 +9,24 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.declarations import CANCEL, ROOF, SNAP, Ladder, Sheet, ShellLimit, meshes, thickness_over
-from studies.ask.scene import SOLVER, Reference, Request, SceneModel, Setting
+from studies.ask.declarations import (
+    BENT,
+    CANCEL,
+    FULL,
+    ROOF,
+    ROTATIONS,
+    SNAP,
+    Ladder,
+    Sheet,
+    ShellLimit,
+    meshes,
+    thickness_over,
+)
+from studies.ask.scene import SOLVER, Declared, Reference, Request, Scene, SceneModel, Setting
 from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, UNTIL, CurveModel, element_size, point_rise
-from studies.scenes.data import reference_rows, references
+from studies.scenes.data import reference_rows, references, tabulated
 from studies.scenes.element import ELEMENT, LINES, patch
-from studies.scenes.statics import normal_at, normal_forces
+from studies.scenes.statics import LOAD_FRACTIONS, normal_at, normal_forces
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
 P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
@@ -47,7 +56,11 @@ def published_limit(table: np.ndarray) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Roof:
-    """A quarter with two symmetry planes; the straight edges are hinged at the middle surface, the curved ones free.
+    """Hinged cylindrical roof under a central point load, section 3.8.
+
+    The load passes two or four limit points, the displacement may turn back.
+
+    A quarter with two symmetry planes; the straight edges are hinged at the middle surface, the curved ones free.
 
     layers: "isotropic", or the fibre directions of three equal plies from the inside out, degrees from the generator.
     data: the published curve.  solid: load fraction and displacement of the first limit point of a 3D solid.
@@ -138,7 +151,75 @@ def _roof(letter: str, h: float, layers: str, solid: tuple[float, float], uncert
     return Roof(f"roof-{letter}", title, h, layers, data, solid, uncertainty, **more)
 
 
-SCENES: tuple[Roof, ...] = (
+def _with_even(published: tuple[Reference, ...], rise: float) -> tuple[Reference, ...]:
+    """A table, and w_A as its elements would give it if they were as large as the wall is thick."""
+    even = (
+        replace(each, quantity="w_A_even_mm", value=each.value - float(each.at["load_fraction"]) * rise)
+        for each in published
+        if each.quantity == "w_A_mm"
+    )
+    return (*published, *even)
+
+
+class PullOut(Declared):
+    """Open cylinder pulled apart by two radial point forces: Sze, Liu, Lo (2004), section 3.5.
+
+    At half of the load the sides snap inwards, through a maximum and a minimum of the load about one per cent apart:
+    the curve is traced by arc length.
+
+    An octant: a1 from mid-length to the free end, a2 from the load to the side.
+
+    Radial displacements, outwards: w_A under the load, u_B at mid-length on the side, u_C at the end on the side.
+    """
+
+    E, NU, RADIUS, LENGTH, H = 10.5e6, 0.3125, 4.953, 10.35, 0.094  # MPa, -, mm, mm, mm
+    SHEAR = H * E / (2 * (1 + NU))  # N/mm
+    P_MAX = 40_000.0  # N per force on the whole cylinder; four octants share each
+    FILE = "sze2004_3.5_pullout_open_cylinder.csv"
+    SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.5 (S4R, 24x36)"
+    READ = {"w_A_mm": (1, 1), "u_B_mm": (2, -1), "u_C_mm": (3, -1)}  # the table has the inward motions of B and C
+    PUBLISHED_SIZE = float(np.sqrt(LENGTH / 2 / 24 * RADIUS * np.pi / 2 / 36))  # mm, of the elements
+
+    name = "sze-pullout"
+    title = "Open cylinder pulled out (Sze 3.5)"
+    default_mesh = (16, 24)
+    settings = (LOAD_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
+    references = _with_even(tabulated(FILE, SOURCE, 5e-3, READ), point_rise(P_MAX, SHEAR, H, PUBLISHED_SIZE))
+    quantities = {
+        "w_A_mm": "outwards under the force, a1 = a2 = 0; grows by the logarithm of the size of the elements",
+        "w_A_even_mm": "w_A without what elements of another size than the thickness add to it",
+        "u_B_mm": "outwards at mid-length on the side, a1 = 0, a2 = 90 degrees",
+        "u_C_mm": "outwards at the free end on the side, a1 = 5.175 mm, a2 = 90 degrees",
+    }
+    ladders = (
+        Ladder(  # even lines: with closer ones at the load the path is lost at its snap
+            ROTATIONS,
+            meshes(12, 18, 3),
+            ("w_A_even_mm", "u_B_mm", "u_C_mm"),
+            settings=FULL,
+            coarser=("6x9",),
+            causes={"u_C_mm": CANCEL},
+        ),
+    )
+    sheet = Sheet("x", 35.0, 24.0)
+    shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
+
+    def build(self, request: Request) -> SceneModel:
+        """A quarter of the force in the octant's corner, half of it on each face."""
+        end, side = self.LENGTH / 2, np.pi / 2
+        laminate, edges = (
+            Laminate.single(Ply.isotropic(self.E, self.NU, self.H)),
+            ("symmetric", "free", "symmetric", "symmetric"),
+        )
+        octant = patch(request, cylinder(self.RADIUS), (0, end), (0, side), laminate, edges)
+        A, B, C = (octant.grid.node_at(*at) for at in ((0, 0), (0, side), (end, side)))
+        radial = normal_at(octant, {"w_A_mm": (A, 1), "u_B_mm": (B, 1), "u_C_mm": (C, 1)})
+        rise = {"w_A_mm": point_rise(self.P_MAX, self.SHEAR, self.H, element_size(octant, A))}
+        return CurveModel.of(request, octant, radial, rise, forces=normal_forces(octant.grid, {A: self.P_MAX / 4}))
+
+
+SCENES: tuple[Scene, ...] = (
+    PullOut(),
     _roof("a", 12.7, "isotropic", (0.7387, 10.85), 0.015, coarsest=16),
     _roof("b", 12.7, "0/90/0", (0.3592, 9.80), 0.015),
     _roof("c", 12.7, "90/0/90", (0.5919, 13.94), 0.015),
