@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import sparse
 
+from formulations.conditions.boundary import Hangers
 from formulations.conditions.dof_map import DofMap, Images
-from formulations.conditions.hanging import Hangers
 from formulations.element.on_grid import Walls, at_faces, geometry_on, wall_on
 from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.sparsity import Pattern

@@ -13,11 +13,11 @@ from reports.chapters import (
     algorithms,
     convergence,
     cost,
-    data,
     extremes,
     faces,
     friction,
     gallery,
+    index,
     invariance,
     measures,
     shell_limits,
@@ -26,10 +26,10 @@ from reports.chapters import (
 )
 
 GROUPS = {
-    "Answers": (measures.CHAPTER, shell_limits.CHAPTER, what_if.CHAPTER, data.LEDGER),
+    "Answers": (measures.CHAPTER, shell_limits.CHAPTER, what_if.CHAPTER, index.LEDGER),
     "Verification": (tyre.CHAPTER, convergence.CHAPTER, invariance.CHAPTER),
     "Contact": (algorithms.CHAPTER, friction.CHAPTER, faces.CHAPTER, extremes.CHAPTER),
     "Cost": (cost.CHAPTER, cost.PROGRAMS),
-    "Catalogue": (gallery.CHAPTER, data.CHAPTER),
+    "Catalogue": (gallery.CHAPTER, index.APPENDIX),
 }
 CHAPTERS: list[Chapter] = [replace(each, group=group) for group, chapters in GROUPS.items() for each in chapters]

@@ -15,9 +15,8 @@ from itertools import zip_longest
 from pathlib import Path
 
 from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, conclusions, grouped, link_line, listed, of_page, relative
-from reports.chapters.data import DATA, data_files
 from reports.chapters.gallery import sheets, with_appearances
-from reports.chapters.index import campaign_page, index_page
+from reports.chapters.index import DATA, campaign_page, data_files, index_page
 from reports.contents import CHAPTERS
 from reports.files import StoreError, write_texts
 from reports.html import REPORT, report_html

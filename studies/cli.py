@@ -45,8 +45,8 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "check": ("comparison", "compare a fresh campaign with the committed baseline"),
     "compare": ("comparison", "two stores side by side, as a comment for a review or a page"),
     "card": ("parts", "what a part of yours keeps, claims and costs, on one page"),
-    "extremes": ("cases", "solve and judge one point of a map of extremes"),
-    "fuzz": ("cases", "solve one random case again and hold it against its laws"),
+    "extremes": ("sweep", "solve and judge one point of a map of extremes"),
+    "fuzz": ("sweep", "solve one random case again and hold it against its laws"),
     "bench": ("bench", "what all that a solve does costs, its growth, the harness, peers, and solvers"),
 }
 ENOUGH = 141  # as the shell has it of a process that a closed pipe ends

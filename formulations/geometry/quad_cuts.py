@@ -60,7 +60,7 @@ def cut(middle: np.ndarray, normals: np.ndarray, elements: np.ndarray, n: int, s
     places_of_all[: len(middle)] = middle
     total = np.zeros((M, 3))
     np.add.at(total, places, across.reshape(-1, 3))
-    directions = _unit(total)
+    directions = unit(total)
     directions[: len(middle)] = normals
     weights = np.stack([(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v], axis=-1)
     around, shares = np.empty((M, 4), np.intp), np.empty((M, 4))
@@ -162,7 +162,7 @@ def _blends(
     x = (1 - v) * low + v * high + (1 - u) * left + u * right - flat
     x_u = (1 - v) * low_u + v * high_u + right - left - (1 - v) * (p10 - p00) - v * (p11 - p01)
     x_v = high - low + (1 - u) * left_v + u * right_v - (1 - u) * (p01 - p00) - u * (p11 - p10)
-    return x, _unit(np.cross(x_u, x_v))
+    return x, unit(np.cross(x_u, x_v))
 
 
 def _numbers(elements: np.ndarray, ends: np.ndarray, sides: np.ndarray, n_nodes: int, n: int) -> np.ndarray:
@@ -180,7 +180,8 @@ def _numbers(elements: np.ndarray, ends: np.ndarray, sides: np.ndarray, n_nodes:
     return numbers
 
 
-def _unit(x: np.ndarray) -> np.ndarray:
+def unit(x: np.ndarray) -> np.ndarray:
+    """Vectors (..., k) of length 1."""
     return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))
 
 
@@ -196,7 +197,7 @@ def nodal_normals(x: np.ndarray, elements: np.ndarray, given: np.ndarray, known:
     weight = np.sum(onwards**2, axis=-1) * np.sum(back**2, axis=-1)
     total = np.zeros_like(x)
     np.add.at(total, elements, np.cross(onwards, back) / weight[..., None])
-    normals = np.where(known[:, None], given, _unit(total))
+    normals = np.where(known[:, None], given, unit(total))
     ends, sides = edges_of(elements)
     rim = np.zeros(len(x), bool)
     alone = np.bincount(sides.ravel(), minlength=len(ends)) == 1
@@ -206,9 +207,9 @@ def nodal_normals(x: np.ndarray, elements: np.ndarray, given: np.ndarray, known:
     single = np.bincount(elements.ravel(), minlength=len(x)) == 1
     turned = np.zeros_like(x)
     at, inside = inwards[~single[inwards[:, 0]]].T
-    tangent = _unit(rim_tangents(x, elements, SMOOTH)[at])
+    tangent = unit(rim_tangents(x, elements, SMOOTH)[at])
     np.add.at(turned, at, _as_on_an_arc(normals[at], x[inside] - x[at], normals[inside], tangent))
-    normals[at] = _unit(turned[at])
+    normals[at] = unit(turned[at])
     element, corner = np.nonzero((single & ~known)[elements])
     at = elements[element, corner]
     for _ in range(2):  # the components along both edges, which are not at right angles
@@ -227,8 +228,8 @@ def _as_on_an_arc(n: np.ndarray, chord: np.ndarray, inside: np.ndarray, tangent:
     """
     n = n - np.sum(n * tangent, axis=-1, keepdims=True) * tangent
     away = chord - np.sum(chord * tangent, axis=-1, keepdims=True) * tangent
-    c = _unit(away)
+    c = unit(away)
     across = n - np.sum(n * c, axis=-1, keepdims=True) * c
     sine = -np.sum(inside * chord, axis=-1, keepdims=True) / np.linalg.norm(away, axis=-1, keepdims=True)
     sine = np.clip(sine, -1.0, 1.0)
-    return np.asarray(sine * c + np.sqrt(1 - sine**2) * _unit(across))
+    return np.asarray(sine * c + np.sqrt(1 - sine**2) * unit(across))

@@ -1,7 +1,8 @@
 """What a scene is, and the door to all that the file of one needs.
 
-A scene is one file in :mod:`studies.scenes` and one line in its catalogue. What it declares is made of
-:mod:`studies.ask.settings` and :mod:`studies.ask.declarations`, what it builds is a :mod:`studies.ask.model`.
+A scene is a class in :mod:`studies.scenes`, alone in its file or beside its family, and a line in its catalogue. What
+it declares is made of :mod:`studies.ask.settings` and :mod:`studies.ask.declarations`, what it builds is a
+:mod:`studies.ask.model`.
 """
 
 from __future__ import annotations

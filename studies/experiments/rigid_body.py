@@ -16,8 +16,8 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import FULL, STRAINS, gradient_coefficients, shear_row_factors
 from studies.experiments import Row, tabulated
+from studies.scenes.manufactured.statements import CENTRAL_8
 
-CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
 STEP = 0.015
 FACES = (-0.1, 0.3)  # d- and d+ of the sample shell, R = 1 or 2
 

@@ -15,9 +15,10 @@ from contact.continuation.stability import UNSTABLE as UNSTABLE_WORD
 from contact.problem import ContactSolution
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, moved
-from studies.gate.foreign import FIELDS, ClaimError, Foreign
+from studies.gate.foreign import ClaimError, Foreign
 from studies.gate.recompute import Opened, Recomputed, arrays_of, as_written
 from studies.output.atomic import Table, plain
+from studies.output.vtu import FIELDS
 from studies.solving.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG, seen_in
 
 AGREE, RESOLVED = 1e-9, 1e-6  # relative

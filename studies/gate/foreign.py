@@ -16,12 +16,12 @@ from typing import Any
 
 from contact.interchange.untrusted import LARGEST, MOST, read_bytes
 from studies.ask.request import UsageError
+from studies.output.vtu import FIELDS
 from studies.run.archive import Archive, DamagedError
 from studies.scenes.complete import Cell
 from studies.solving.result import CLASSES
 
 MOST_CELLS = 50_000  # of a plan
-FIELDS = "fields.vtu"
 NAME, TABLE = re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
 ORIGIN = ("version", "commit", "date", "packages", "blas", "machine")
 OPTIONS = {**dict.fromkeys(("measure", "contact", "newton", "model", "mesh"), str), "steps": int}  # of a cell

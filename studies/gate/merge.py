@@ -26,9 +26,10 @@ import numpy as np
 
 from studies.ask.request import Request, UsageError
 from studies.gate.claims import check_request, claims_success, verify
-from studies.gate.foreign import FIELDS, ClaimError, Foreign
+from studies.gate.foreign import ClaimError, Foreign
 from studies.output.atomic import as_text, write_by, write_text
 from studies.output.provenance import provenance
+from studies.output.vtu import FIELDS
 from studies.run.archive import Archive, DamagedError
 from studies.run.campaign import Campaign
 from studies.run.collect import UNVERIFIED, VERIFIED

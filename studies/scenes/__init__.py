@@ -1,4 +1,4 @@
-"""The catalogue of scenes: one file a scene, one line here. A module is loaded when one of its scenes is asked for."""
+"""The catalogue of scenes, a line each. A module is loaded when one of its scenes is asked for."""
 
 import importlib
 from collections.abc import Iterator, Mapping, MutableMapping

@@ -175,7 +175,6 @@ class PullOut(Declared):
     E, NU, RADIUS, LENGTH, H = 10.5e6, 0.3125, 4.953, 10.35, 0.094  # MPa, -, mm, mm, mm
     SHEAR = H * E / (2 * (1 + NU))  # N/mm
     P_MAX = 40_000.0  # N per force on the whole cylinder; four octants share each
-    FILE = "sze2004_3.5_pullout_open_cylinder.csv"
     SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.5 (S4R, 24x36)"
     READ = {"w_A_mm": (1, 1), "u_B_mm": (2, -1), "u_C_mm": (3, -1)}  # the table has the inward motions of B and C
     PUBLISHED_SIZE = float(np.sqrt(LENGTH / 2 / 24 * RADIUS * np.pi / 2 / 36))  # mm, of the elements
@@ -184,7 +183,10 @@ class PullOut(Declared):
     title = "Open cylinder pulled out (Sze 3.5)"
     default_mesh = (16, 24)
     settings = (LOAD_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
-    references = _with_even(tabulated(FILE, SOURCE, 5e-3, READ), point_rise(P_MAX, SHEAR, H, PUBLISHED_SIZE))
+    references = _with_even(
+        tabulated("sze2004_3.5_pullout_open_cylinder.csv", SOURCE, 5e-3, READ),
+        point_rise(P_MAX, SHEAR, H, PUBLISHED_SIZE),
+    )
     quantities = {
         "w_A_mm": "outwards under the force, a1 = a2 = 0; grows by the logarithm of the size of the elements",
         "w_A_even_mm": "w_A without what elements of another size than the thickness add to it",

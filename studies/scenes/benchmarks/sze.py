@@ -47,14 +47,13 @@ class SlitAnnulus(Declared):
 
     E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
     P_MAX = 0.8  # N/mm along the free side of the slit, across the plate, dead
-    FILE = "sze2004_3.3_slit_annular_plate.csv"
     SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.3 (S4R, 10x80)"
 
     name = "sze-annulus"
     title = "Slit annular plate lifted at the slit (Sze 3.3)"
     default_mesh = (10, 80)
     settings = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
-    references = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "w_B_mm": (2, 1)})
+    references = tabulated("sze2004_3.3_slit_annular_plate.csv", SOURCE, 5e-3, {"w_A_mm": (1, 1), "w_B_mm": (2, 1)})
     quantities = {
         "w_A_mm": "across the plate at the inner corner of the loaded side, a1 = 6 mm, a2 = 0",
         "w_B_mm": "across the plate at the outer corner of the loaded side, a1 = 10 mm, a2 = 0",
@@ -117,14 +116,15 @@ class PinchedBetweenDiaphragms(Declared):
     E, NU, RADIUS, LENGTH, H = 30e3, 0.3, 100.0, 200.0, 1.0  # MPa, -, mm, mm, mm
     P_MAX = 12_000.0  # N per force on the whole cylinder; four octants share each
     LOADS = replace(LOAD_FRACTIONS, default=(0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0))
-    FILE = "sze2004_3.6_pinched_cylinder_diaphragms.csv"
     SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.6 (S4R, 48x48)"
 
     name = "sze-pinched"
     title = "Pinched cylinder between diaphragms (Sze 3.6)"
     default_mesh = (48, 48)
     settings = (LOADS, *ELEMENT, SOLVER)
-    references = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "u_B_mm": (2, 1)})
+    references = tabulated(
+        "sze2004_3.6_pinched_cylinder_diaphragms.csv", SOURCE, 5e-3, {"w_A_mm": (1, 1), "u_B_mm": (2, 1)}
+    )
     quantities = {
         "w_A_mm": "inwards under the force, a1 = a2 = 0",
         "u_B_mm": "outwards at mid-length on the side, a1 = 0, a2 = 90 degrees",
@@ -165,7 +165,6 @@ class SemiCylinder:
     P_MAX = 2000.0  # N on the whole semi-cylinder; a half carries a half
     E, NU = 2068.5, 0.3  # MPa
     E_L, E_T, G = 2068.5, 517.125, 795.6  # MPa; G_TT is not in the paper: G_LT; nu_LT = nu_TT = NU
-    FILE = "sze2004_3.7_pinched_semicylinder.csv"
     COARSE = "coarse elements lock in the folds; that error falls faster than the second order that is left in the end"
     SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.7 (S4R, 40x40)"
 
@@ -192,7 +191,7 @@ class SemiCylinder:
     @cached_property
     def references(self) -> tuple[Reference, ...]:
         """The published curve."""
-        return tabulated(self.FILE, self.SOURCE, 5e-3, {"w_A_mm": (self.column, 1)})
+        return tabulated("sze2004_3.7_pinched_semicylinder.csv", self.SOURCE, 5e-3, {"w_A_mm": (self.column, 1)})
 
     def laminate(self) -> Laminate:
         """One isotropic layer or the three plies, about the middle surface."""

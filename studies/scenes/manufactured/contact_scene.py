@@ -11,18 +11,16 @@ from scipy.linalg import expm
 
 from contact.obstacles.drum_sphere import Sphere
 from contact.problem import ContactSolution
-from formulations.conditions.boundary import Supports
 from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Request, SceneModel, Setting, Sheet
 from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.element import TWO_FACES, discretise, even_grid
-from studies.scenes.manufactured.scene import QUANTITIES, carrying, errors, unknowns_at
+from studies.scenes.element import TWO_FACES
+from studies.scenes.manufactured.scene import QUANTITIES, carrying, errors, held_piece, unknowns_at
 from studies.scenes.manufactured.solution import Displacement, Exact, Patch
-from studies.scenes.manufactured.statements import LAYUPS, PIECES, SPIN, Piece, faces, wall, waved
-from studies.scenes.statics import loaded_shell
+from studies.scenes.manufactured.statements import LAYUPS, PIECES, SPIN, Piece, faces, waved
 
 PRESSURE = 5.0  # MPa: p = PRESSURE (c^2 - r^2)
 LIFT = 0.1  # mm: the face clears the ball by LIFT (r^2 - c^2)^2
@@ -178,15 +176,10 @@ class ManufacturedContact(Declared):
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
-        piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
-        grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
-        supports = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
-        shell = loaded_shell(
-            discretise(request, piece.surface, grid, laminate, *supports.masks), request, section=section
-        )
+        piece, laminate, shell, supports = held_piece(request)
         angle, ball = np.deg2rad(request.number("rotation_deg")), request.number("ball_mm")
         motion = OntoBall(piece, laminate, angle, request.number("stretch"), request.number("wave_mm"), ball, 0.0)
-        measure, stiffness = MEASURES[request.measure], laminate.stiffness(section)
+        measure, stiffness = MEASURES[request.measure], laminate.stiffness(request.choice("section"))
 
         @cache
         def exact_at(radius: float) -> Touching:

@@ -16,7 +16,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.element_modes import element_modes
 from formulations.loads import Traction, edge_force
-from formulations.section.laminate import SECTIONS
+from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.declarations import Sheet
@@ -33,7 +33,7 @@ from studies.ask.scene import (
 )
 from studies.scenes.element import TWO_FACES, discretise, even_grid
 from studies.scenes.manufactured.solution import Exact, Patch, Solution
-from studies.scenes.manufactured.statements import LAYUPS, PIECES, TurnedWaves, wall
+from studies.scenes.manufactured.statements import LAYUPS, PIECES, Piece, TurnedWaves, wall
 from studies.scenes.statics import area_load, loaded_shell
 
 QUANTITIES: Mapping[str, str] = {
@@ -165,6 +165,15 @@ class ManufacturedModel(ShellSceneModel):
         return Observation({"motion": t, **norms}, norms)
 
 
+def held_piece(request: Request) -> tuple[Piece, Laminate, ShellModel, Supports]:
+    """The piece asked for, its wall, and the shell on it, held along the first edge of either coordinate."""
+    piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
+    grid = even_grid(request, piece.a1, piece.a2)
+    supports = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
+    body = discretise(request, piece.surface, grid, laminate, *supports.masks)
+    return piece, laminate, loaded_shell(body, request, section=request.choice("section")), supports
+
+
 class Manufactured(Declared):
     """A piece of a surface that is stretched, bent into waves and turned."""
 
@@ -177,12 +186,9 @@ class Manufactured(Declared):
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
-        piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
-        grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
-        held = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
-        discretisation = discretise(request, piece.surface, grid, laminate, *held.masks)
-        shell, patch = loaded_shell(discretisation, request, section=section), Patch.over(piece.a1, piece.a2)
-        measure, stiffness = MEASURES[request.measure], laminate.stiffness(section)
+        piece, laminate, shell, _ = held_piece(request)
+        measure, stiffness = MEASURES[request.measure], laminate.stiffness(request.choice("section"))
+        patch = Patch.over(piece.a1, piece.a2)
         angle, stretch = np.deg2rad(request.number("rotation_deg")), request.number("stretch")
 
         @cache

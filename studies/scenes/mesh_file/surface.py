@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from formulations.geometry.quad_cuts import cut, nodal_normals
+from formulations.geometry.quad_cuts import cut, nodal_normals, unit
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.deck import Deck
 from studies.scenes.mesh_file.keywords import listed
@@ -131,7 +131,7 @@ class Mesh:
     def check_folds(self, largest_deg: float) -> None:
         """Raise UsageError where the normals of neighbours are further apart than that."""
         nodes, elements = self._edges()
-        normals = _unit(self.areas)[elements]
+        normals = unit(self.areas)[elements]
         angle = np.degrees(np.arccos(np.clip(np.sum(normals[:, 0] * normals[:, 1], axis=-1), -1, 1)))
         if len(angle) and angle.max() > largest_deg:
             worst = int(np.argmax(angle))
@@ -146,20 +146,20 @@ class Mesh:
         for corner in range(4):
             np.add.at(total, self.elements[:, corner], self.areas)
         known = self.numbers[self.given].tolist()
-        given = np.array([_unit(np.array(deck.normals[number])).sum(axis=0) for number in known]).reshape(-1, 3)
+        given = np.array([unit(np.array(deck.normals[number])).sum(axis=0) for number in known]).reshape(-1, 3)
         against = np.sum(given * total[self.given], axis=-1) <= 0
         if against.any():
             raise UsageError(
                 f"{self.file}: normals that do not point to the side of their elements, at nodes "
                 f"{listed(np.array(known)[against].tolist())}"
             )
-        total[self.given] = _unit(given)
+        total[self.given] = unit(given)
         normals = nodal_normals(self.middle, self.elements, total, self.given)
         none = np.linalg.norm(normals, axis=-1) == 0
         if none.any():
             lost = listed(self.numbers[none].tolist())
             raise UsageError(f"{self.file}: nodes whose elements have no normal in common: {lost}")
-        return _unit(normals)
+        return unit(normals)
 
     def in_planes(self, across: np.ndarray) -> Mesh:
         """With the normals at nodes on planes of symmetry laid into these; across (N, 3) bool: own axes normal to them.
@@ -169,7 +169,7 @@ class Mesh:
         normals = self.along_axes(self.normals)
         near = across & ~self.given[:, None] & (np.abs(normals) <= LAID)
         laid = np.einsum("nix,ni->nx", self.axes, np.where(near, 0.0, normals))
-        return replace(self, normals=_unit(np.where(near.any(axis=1)[:, None], laid, self.normals)))
+        return replace(self, normals=unit(np.where(near.any(axis=1)[:, None], laid, self.normals)))
 
     def along_axes(self, x: np.ndarray) -> np.ndarray:
         """Components (N, 3) along the axes of each node, of vectors x (N, 3)."""
@@ -179,7 +179,3 @@ class Mesh:
 def _areas(corners: np.ndarray) -> np.ndarray:
     """Area vectors (E, 3) of quadrilaterals (E, 4, 3)."""
     return np.asarray(0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]))
-
-
-def _unit(x: np.ndarray) -> np.ndarray:
-    return np.asarray(x / np.linalg.norm(x, axis=-1, keepdims=True))

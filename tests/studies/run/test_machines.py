@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.data import appendix
+from reports.chapters.index import appendix
 from reports.origin import machines as section
 from reports.store import load_store
 from studies.analysis.everything import analyse

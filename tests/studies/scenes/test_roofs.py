@@ -24,7 +24,7 @@ from studies.scenes.complete import complete as resolve
 from studies.scenes.data import read_reference
 from studies.solving.result import Result
 from studies.solving.solve import solve
-from support.problems.solved import distances
+from support.problems.solved import distances, extrapolated
 
 ROOF = 1e-2  # of the load at a limit point
 CURVE = 1.2e-2  # largest distance of a published point from our curve, in units of the ranges of load and displacement
@@ -51,11 +51,6 @@ def fitted_limit(sizes: np.ndarray, values: np.ndarray) -> tuple[float, float]:
     order = float(brentq(mismatch, 0.5, 8.0))
     C = (values[1] - values[2]) / (sizes[1] ** order - sizes[2] ** order)
     return order, float(values[2] - C * sizes[2] ** order)
-
-
-def extrapolated(coarse: np.ndarray, fine: np.ndarray, ratio: float) -> np.ndarray:
-    """Limit of a sequence whose error is of the order 2 in the element size; ``ratio``: coarse over fine size."""
-    return fine + (fine - coarse) / (ratio**2 - 1)
 
 
 # --- a curve on its way to the files ----------------------------------------------------------------------------------
