@@ -70,8 +70,8 @@ def offences(file: str, source: str) -> set[str]:
 
 
 def test_arrows() -> None:
-    found = {file: offences(file, (ROOT / file).read_text(encoding="utf-8")) for file in FILES}
-    assert {file: names for file, names in found.items() if names} == {}
+    by_name = {file: offences(file, (ROOT / file).read_text(encoding="utf-8")) for file in FILES}
+    assert {file: names for file, names in by_name.items() if names} == {}
 
 
 def test_dependencies_and_extras_are_complete() -> None:

@@ -63,5 +63,5 @@ def test_a_parameter_counts_where_the_others_are_the_same() -> None:
 def test_parameters_of_the_suite_that_change_no_request_are_known() -> None:
     """Where a problem is solved by its name: the tests of scenes, commands and error control."""
     named = ("scenes", "test_cli.py", "solving/refinement/test_error_control.py")
-    found = listed("-m", "not slow", *(f"tests/studies/{name}" for name in named))
-    assert found == sorted(KNOWN)
+    actual = listed("-m", "not slow", *(f"tests/studies/{name}" for name in named))
+    assert actual == sorted(KNOWN)

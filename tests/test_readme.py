@@ -106,8 +106,8 @@ def test_the_new_measure_conforms(tutorial: str) -> None:
 
 
 def test_the_new_measure_solves_a_scene(tutorial: str) -> None:
-    found = solve(*complete("tyre", {"delta_mm": "5"}, "12x12", measure="no-drilling"))
-    assert found.outcome.converged
+    solution = solve(*complete("tyre", {"delta_mm": "5"}, "12x12", measure="no-drilling"))
+    assert solution.outcome.converged
 
 
 # --- the scene ----------------------------------------------------------------------------------------------------
@@ -129,9 +129,9 @@ def scene(monkeypatch: pytest.MonkeyPatch) -> dict:
 
 
 def sags(mesh: str, measure: str, fractions: str = "0.01,1", **settings: str) -> list[float]:
-    found = solve(*complete("arch", {"load_fraction": fractions, **settings}, mesh, measure=measure))
-    assert found.outcome.converged
-    return [step["sag_mm"] for step in found.steps]
+    solution = solve(*complete("arch", {"load_fraction": fractions, **settings}, mesh, measure=measure))
+    assert solution.outcome.converged
+    return [step["sag_mm"] for step in solution.steps]
 
 
 def curved_beam(scene: dict) -> float:
@@ -195,13 +195,13 @@ def saddle(monkeypatch: pytest.MonkeyPatch) -> str:
     ],
 )
 def test_the_new_algorithm_ends_where_ours_do(saddle: str, scene: str, given: dict[str, str], mesh: str) -> None:
-    found, ours = (solve(*complete(scene, given, mesh, contact=contact)) for contact in ("saddle", "semismooth"))
-    assert found.verdict == ours.verdict
-    assert found.verdict in SOLVED
-    assert len(found.steps) == len(ours.steps) > 0
+    actual, ours = (solve(*complete(scene, given, mesh, contact=contact)) for contact in ("saddle", "semismooth"))
+    assert actual.verdict == ours.verdict
+    assert actual.verdict in SOLVED
+    assert len(actual.steps) == len(ours.steps) > 0
     for name, value in ours.quantities.items():
-        assert found.quantities[name] == pytest.approx(value, rel=1e-7), name
-    assert found.steps[-1].get("contact_nodes") == ours.steps[-1].get("contact_nodes")
+        assert actual.quantities[name] == pytest.approx(value, rel=1e-7), name
+    assert actual.steps[-1].get("contact_nodes") == ours.steps[-1].get("contact_nodes")
 
 
 def test_a_minimal_algorithm_stays_short(saddle: str) -> None:

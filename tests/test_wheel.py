@@ -44,8 +44,8 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def wheel(built: Path) -> Path:
-    (found,) = built.glob("*.whl")
-    return found
+    (actual,) = built.glob("*.whl")
+    return actual
 
 
 @pytest.fixture(scope="module")
@@ -84,14 +84,14 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
     """Campaigns, references, baseline and assets are read by the program; of the tree it has nothing else."""
     with zipfile.ZipFile(wheel) as archive:
         shipped = {name for name in archive.namelist() if ".dist-info/" not in name}
-    told = subprocess.run(
+    done = subprocess.run(
         ["git", "ls-files", "-co", "--exclude-standard", *PACKAGES],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=True,
     )
-    ours = {name for name in told.stdout.splitlines() if not name.startswith("reports/pages/")}
+    ours = {name for name in done.stdout.splitlines() if not name.startswith("reports/pages/")}
     assert shipped - ours == {"footprint/__init__.py", "footprint/py.typed"}
     assert ours - shipped == set()
 
@@ -116,24 +116,24 @@ def test_a_wheel_from_the_sdist_is_the_same(built: Path, wheel: Path, tmp_path: 
 def test_its_metadata_are_complete(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         (name,) = (each for each in archive.namelist() if each.endswith(".dist-info/METADATA"))
-        told = message_from_string(archive.read(name).decode("utf-8"))
-    assert told["Name"] == PROJECT["name"] == DISTRIBUTION
-    assert told["Requires-Python"] == PROJECT["requires-python"]
-    assert told["License-Expression"] == "MIT"
-    assert set(told.get_all("Provides-Extra")) == set(PROJECT["optional-dependencies"])
-    assert all(told[each] for each in ("Version", "Summary", "Author", "Keywords", "Description-Content-Type"))
+        stated = message_from_string(archive.read(name).decode("utf-8"))
+    assert stated["Name"] == PROJECT["name"] == DISTRIBUTION
+    assert stated["Requires-Python"] == PROJECT["requires-python"]
+    assert stated["License-Expression"] == "MIT"
+    assert set(stated.get_all("Provides-Extra")) == set(PROJECT["optional-dependencies"])
+    assert all(stated[each] for each in ("Version", "Summary", "Author", "Keywords", "Description-Content-Type"))
 
 
 def test_sources_without_git_have_a_version(tmp_path: Path) -> None:
     """As an archive of a commit has them."""
-    told = subprocess.run(
+    done = subprocess.run(
         ["git", "ls-files", "contact", "pyproject.toml", "README.md", "LICENSE", "formulations"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=True,
     )
-    for name in told.stdout.splitlines():
+    for name in done.stdout.splitlines():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     said = subprocess.run(
@@ -150,8 +150,8 @@ print([name for name in ("numpy", "scipy", "pandas") if name in sys.modules], le
 print(footprint.solve("cantilever", mesh="4x1").verdict, footprint.describe("exact").name)"""
     environment = {**os.environ, "PYTHONPATH": str(site)}
     words = [sys.executable, "-P", "-c", code, str(site)]
-    told = subprocess.run(words, cwd=site.parent, env=environment, capture_output=True, text=True, check=True)
-    assert told.stdout.splitlines() == [f"[] {len(studies.__all__)}", "converged exact"]
+    done = subprocess.run(words, cwd=site.parent, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [f"[] {len(studies.__all__)}", "converged exact"]
 
 
 def test_it_says_its_version_and_lists_its_parts(site: Path, version: str) -> None:
@@ -180,7 +180,7 @@ def test_it_solves_plans_and_checks_without_the_tree(site: Path, version: str, t
     assert len(list((tmp_path / "store" / "cells").glob("*.json"))) == 1
     where = "import studies.gate.baseline as b, studies.scenes.data as d; print((b.HERE / b.TOLERANCES).exists(), "
     code = where + "len(d.read_reference('isotropic_tyre_3d_solid.csv')) > 0)"
-    told = subprocess.run(
+    done = subprocess.run(
         [sys.executable, "-P", "-c", code],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(site)},
@@ -188,4 +188,4 @@ def test_it_solves_plans_and_checks_without_the_tree(site: Path, version: str, t
         text=True,
         check=True,
     )
-    assert told.stdout.split() == ["True", "True"]
+    assert done.stdout.split() == ["True", "True"]

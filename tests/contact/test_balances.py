@@ -74,8 +74,8 @@ def test_other_potentials_are_balanced_up_to_the_eighth_order() -> None:
     lengths, errors = np.array([1.2, 0.9, 0.6]), []
     for length in lengths:
         u = np.array([length])
-        found = judge(exponential(), u, np.exp(u), since=np.zeros(1))  # the pressure is the force at the end
-        errors.append(found.energy * 2 * np.exp(length / 2) / length)  # over the mean derivative, too
+        verdict = judge(exponential(), u, np.exp(u), since=np.zeros(1))  # the pressure is the force at the end
+        errors.append(verdict.energy * 2 * np.exp(length / 2) / length)  # over the mean derivative, too
     assert abs(fitted_order(lengths, errors) - 8) <= ORDER
 
 
@@ -186,19 +186,19 @@ def test_wrong_normals_leave_a_force() -> None:
 
 def test_the_papers_interpolation_does_not_translate_a_curved_shell() -> None:
     """Known of the element, and now measured in every contact: the force is lost with the square of the mesh size."""
-    found = []
+    values = []
     for n in (6, 12):
         shell, problem, answer = pressed("sphere", n)
         verdict = judge(problem, answer.u, answer.pressure)
         assert verdict.energy <= CLOSED
         assert verdict.failures() == ["force"]
-        told = replace(
+        changed = replace(
             problem, others=lambda u, shell=shell: shell.outside_and_spurious(u)[0] - shell.outside_and_spurious(u)[1]
         )
-        assert judge(told, answer.u, answer.pressure).force <= CLOSED + 10 * verdict.equilibrium
+        assert judge(changed, answer.u, answer.pressure).force <= CLOSED + 10 * verdict.equilibrium
         size = np.sum(np.abs(problem.nodal_forces(answer.pressure)))
-        found.append(verdict.force * max(problem.linearise(answer.u, None).scale, size))
-    assert found[0] > 2 * found[1]
+        values.append(verdict.force * max(problem.linearise(answer.u, None).scale, size))
+    assert values[0] > 2 * values[1]
 
 
 def test_follower_loads_and_unsymmetric_sections_have_no_potential() -> None:

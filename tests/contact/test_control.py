@@ -62,15 +62,15 @@ def test_a_truss_is_led_through_its_limit_points(per_mm) -> None:
     for w in np.linspace(0.06, 2.2, 22):
         load = force(w)
         problem = pushed_to(w + load / C, per_mm)
-        found = Semismooth().solve(problem, beside(w))
-        assert judge(problem, found.u, found.pressure).failures() == []
-        assert [*found.u[:-1], per_mm * found.u[-1]] == pytest.approx([w, w + load / C, load], rel=EXACTLY)
-        given = stability(problem, found).word
-        loaded = stability(without_contact(truss(load), 2), replace(found, u=found.u[:-1])).word
+        solution = Semismooth().solve(problem, beside(w))
+        assert judge(problem, solution.u, solution.pressure).failures() == []
+        assert [*solution.u[:-1], per_mm * solution.u[-1]] == pytest.approx([w, w + load / C, load], rel=EXACTLY)
+        given = stability(problem, solution).word
+        loaded = stability(without_contact(truss(load), 2), replace(solution, u=solution.u[:-1])).word
         assert (given == STABLE) == (slope(w) + C > 0)
         assert (loaded == STABLE) == (slope(w) > 0)
-        assert spectrum(problem, found).negative == (given == UNSTABLE)
-        assert spectrum(problem, found).eigenvalues == pytest.approx([slope(w) + C])
+        assert spectrum(problem, solution).negative == (given == UNSTABLE)
+        assert spectrum(problem, solution).eigenvalues == pytest.approx([slope(w) + C])
         words.add((given, loaded))
     assert words == {(STABLE, STABLE), (STABLE, UNSTABLE), (UNSTABLE, UNSTABLE)}
 
@@ -107,11 +107,11 @@ def test_a_string_is_blown_onto_an_obstacle(name) -> None:
             10.0,
         )
         problem = replace(rest, linearise=linearise, multipliers=1)
-        found = solve_from_rest(name, problem, n)
-        assert found.outcome is Outcome.CONVERGED
-        assert judge(problem, found.u, found.pressure).failures() == []
-        q = 10.0 * found.u[-1]
+        actual = solve_from_rest(name, problem, n)
+        assert actual.outcome is Outcome.CONVERGED
+        assert judge(problem, actual.u, actual.pressure).failures() == []
+        q = 10.0 * actual.u[-1]
         assert q == pytest.approx(2 * T * g / free**2, rel=STRING)
-        inside = found.pressure[found.active][3:-3]
+        inside = actual.pressure[actual.active][3:-3]
         np.testing.assert_allclose(inside, q, rtol=1e-6)
-        assert stability(problem, found).word == STABLE
+        assert stability(problem, actual).word == STABLE

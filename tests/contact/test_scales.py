@@ -25,9 +25,9 @@ def test_stiffness_is_that_of_each_candidate_by_its_own_unknowns(rng) -> None:
     data = random_quadratic(rng, "inclined")
     problem, u = data.problem(), np.zeros(len(data.f))
     k = [1 / sum(g**2 / data.K[j, j] for j, g in enumerate(row) if g) for row in data.G]
-    found = Stiffness.of(problem, problem.linearise(u, None), u)
-    assert found.most == pytest.approx(max(k))
-    assert found.per_area == pytest.approx(float(np.median(np.array(k) / data.w)))
+    actual = Stiffness.of(problem, problem.linearise(u, None), u)
+    assert actual.most == pytest.approx(max(k))
+    assert actual.per_area == pytest.approx(float(np.median(np.array(k) / data.w)))
 
 
 def test_a_force_moves_a_candidate_by_no_less_than_it_over_the_stiffness(rng) -> None:
@@ -95,10 +95,10 @@ def test_any_travel_of_a_plane_is_pressed_alike() -> None:
     for name, exponent in product(EXACT, range(-1000, 1, 200)):
         d = 2.0**exponent
         problem, K, areas = row_of_masses(d, 0.0)
-        found = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(5, 5))
-        assert found.outcome is Outcome.CONVERGED
-        np.testing.assert_allclose(found.pressure, K @ np.full(5, d) / areas, rtol=1e-9)
-        assert judge(problem, found.u, found.pressure).failures() == []
+        solution = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(5, 5))
+        assert solution.outcome is Outcome.CONVERGED
+        np.testing.assert_allclose(solution.pressure, K @ np.full(5, d) / areas, rtol=1e-9)
+        assert judge(problem, solution.u, solution.pressure).failures() == []
 
 
 def test_a_travel_below_the_last_digits_of_the_points_has_all_of_its_own() -> None:
@@ -106,10 +106,10 @@ def test_a_travel_below_the_last_digits_of_the_points_has_all_of_its_own() -> No
     for name in EXACT:
         ulp = np.spacing(1000.0)
         problem, K, areas = row_of_masses(3 * ulp, 1000.0)
-        found = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(5, 5))
-        np.testing.assert_allclose(found.pressure, K @ np.full(5, 3 * ulp) / areas, rtol=1e-9)
-        assert judge(problem, found.u, found.pressure).failures() == []
-        assert "penetration" in judge(problem, 0.99 * found.u, found.pressure).failures()
+        solution = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(5, 5))
+        np.testing.assert_allclose(solution.pressure, K @ np.full(5, 3 * ulp) / areas, rtol=1e-9)
+        assert judge(problem, solution.u, solution.pressure).failures() == []
+        assert "penetration" in judge(problem, 0.99 * solution.u, solution.pressure).failures()
 
 
 def stretched(touch: float) -> ContactProblem:
@@ -136,5 +136,5 @@ def test_a_start_has_no_size_from_pressures_that_balance_nothing(rng) -> None:
     problem, u = data.problem(), rng.normal(size=len(data.f))
     run, m = NewtonRun(problem), len(data.w)
     lin = run.linearise(u, None)
-    found = [run.at(lin, u, p, p > 0).length for p in (np.zeros(m), np.full(m, 1e12))]
-    assert found[0] == found[1] == length(problem, Stiffness.of(problem, lin, u), u, lin.scale)
+    values = [run.at(lin, u, p, p > 0).length for p in (np.zeros(m), np.full(m, 1e12))]
+    assert values[0] == values[1] == length(problem, Stiffness.of(problem, lin, u), u, lin.scale)

@@ -32,10 +32,10 @@ def change(
 def test_bodies_that_touch_without_pressure_have_a_rate_on_each_side() -> None:
     ways, force = np.array([1.0, 0.0, -1.0]), np.zeros(3)
     state = ContactSolution.at_rest(3, 3)
-    found = Sensitivity(pressed(0.0, ways, force), state, np.inf)
-    assert found.one_sided
-    np.testing.assert_array_equal(found.undecided, [0, 1, 2])
-    above, below = found.rates(change(ways, force, state))
+    actual = Sensitivity(pressed(0.0, ways, force), state, np.inf)
+    assert actual.one_sided
+    np.testing.assert_array_equal(actual.undecided, [0, 1, 2])
+    above, below = actual.rates(change(ways, force, state))
     # up: the first stop lifts its end by 1, the others follow freely; down: the last stop does, and all mirrors
     free = np.linalg.solve(K.toarray()[1:, 1:], [1.0, 0.0])
     np.testing.assert_allclose(above.u, [1.0, *free], atol=1e-9)
@@ -54,9 +54,9 @@ def test_rates_are_those_of_solutions_beside(epsilon: float, consistent: bool) -
     at, low, high = (algorithm.solve(pressed(s, ways, force, coupling=W), start) for s in (0.0, -H, H))
     assert at.outcome is Outcome.CONVERGED
     np.testing.assert_array_equal(at.active, [True, True, False])
-    found = Sensitivity(pressed(0.0, ways, force, coupling=W), at, epsilon)
-    assert not found.one_sided
-    rates, other = found.rates(change(ways, force, at, epsilon, coupling=W))
+    actual = Sensitivity(pressed(0.0, ways, force, coupling=W), at, epsilon)
+    assert not actual.one_sided
+    rates, other = actual.rates(change(ways, force, at, epsilon, coupling=W))
     assert rates is other
     np.testing.assert_allclose(rates.u, (high.u - low.u) / (2 * H), rtol=0, atol=1e-8)
     np.testing.assert_allclose(rates.pressure, (high.pressure - low.pressure) / (2 * H), rtol=0, atol=1e-8)
@@ -65,9 +65,9 @@ def test_rates_are_those_of_solutions_beside(epsilon: float, consistent: bool) -
 def test_candidates_that_touch_without_pressure_need_forces_of_their_own() -> None:
     W = sparse.csr_matrix(np.diag(WEIGHTS) + 0.1 * np.ones((3, 3)))
     state = ContactSolution.at_rest(3, 3)
-    found = Sensitivity(pressed(0.0, np.ones(3), np.zeros(3), W), state, np.inf)
+    actual = Sensitivity(pressed(0.0, np.ones(3), np.zeros(3), W), state, np.inf)
     with pytest.raises(ValueError, match="lumped coupling"):
-        found.rates(change(np.ones(3), np.zeros(3), state, coupling=W))
+        actual.rates(change(np.ones(3), np.zeros(3), state, coupling=W))
 
 
 def test_a_moved_state_keeps_what_it_does_not_know() -> None:

@@ -100,11 +100,11 @@ def test_springs_leave_the_anchors_from_which_they_are_stretched(rng) -> None:
 def test_friction_of_the_chosen_comes_back_in_their_places(rng) -> None:
     whole = Friction(rng.normal(size=(M, 2)), np.ones(M, int), rng.normal(size=(M, 3)), rng.normal(size=(M, 3)), 2.0)
     chosen, now = np.array([True, False, True, True, False]), rng.normal(size=(M, 3))
-    found = whole.only(chosen).of_all(chosen, now)
+    actual = whole.only(chosen).of_all(chosen, now)
     for name, other in (("force", 0.0), ("state", 0), ("since", now), ("anchors", now)):
         mine = np.reshape(chosen, (M,) + (1,) * (getattr(whole, name).ndim - 1))
-        np.testing.assert_array_equal(getattr(found, name), np.where(mine, getattr(whole, name), other))
-    assert found.dissipation == 2.0
+        np.testing.assert_array_equal(getattr(actual, name), np.where(mine, getattr(whole, name), other))
+    assert actual.dissipation == 2.0
 
 
 def test_what_supports_leave_one_way_has_that_way_first_and_no_other(rng) -> None:

@@ -35,7 +35,7 @@ def free(foundation) -> Standing:
 @pytest.mark.parametrize("kind", KINDS)
 def test_passages_of_random_segments(kind) -> None:
     """Aimed at the obstacle: up to 1e6 times longer than a ball, 100 times than a drum, along which one may glide."""
-    found = tried = 0
+    actual = tried = 0
     for seed in range(8):
         rng = np.random.default_rng(seed)
         net = falling(rng, kind)
@@ -50,10 +50,10 @@ def test_passages_of_random_segments(kind) -> None:
         start, ahead = start[outside], ahead[outside]
         surely, perhaps = passing(net, start, start + ahead)
         place = free(net.foundation)
-        told = {each.candidate for each in crossings(place, start.ravel(), place, (start + ahead).ravel())}
-        assert surely <= told <= perhaps
-        found, tried = found + len(surely), tried + len(start)
-    assert 0.1 * tried < found < 0.9 * tried
+        names = {each.candidate for each in crossings(place, start.ravel(), place, (start + ahead).ravel())}
+        assert surely <= names <= perhaps
+        actual, tried = actual + len(surely), tried + len(start)
+    assert 0.1 * tried < actual < 0.9 * tried
 
 
 def test_a_chord_along_a_ball_is_a_slide_and_one_across_is_none() -> None:
@@ -69,12 +69,12 @@ def test_a_point_that_was_open_may_graze_only() -> None:
     ball = free(Sphere(np.zeros(3), 1.0))
     for turn in np.deg2rad([0.1, 10, 20, 30, 60, 179]):
         b = math.cos(turn / 2)
-        found = crossings(ball, np.array([b, 0, -3.0]), ball, np.array([b, 0, 3.0]))
-        assert bool(found) == (math.cos(turn) < 0.9)
-        if found:
+        actual = crossings(ball, np.array([b, 0, -3.0]), ball, np.array([b, 0, 3.0]))
+        assert bool(actual) == (math.cos(turn) < 0.9)
+        if actual:
             half = math.sqrt(1 - b * b)
-            assert (found[0].enters, found[0].leaves) == pytest.approx(((3 - half) / 6, (3 + half) / 6), abs=1e-8)
-            assert "candidate 0 passes through the foundation" in str(found[0])
+            assert (actual[0].enters, actual[0].leaves) == pytest.approx(((3 - half) / 6, (3 + half) / 6), abs=1e-8)
+            assert "candidate 0 passes through the foundation" in str(actual[0])
 
 
 def test_the_frame_moves_with_the_foundation() -> None:
@@ -82,9 +82,9 @@ def test_the_frame_moves_with_the_foundation() -> None:
     net = Net(Sphere(np.array([0.0, 0.0, 0.5]), 0.4), 3.0)
     ends = [net.problem_at(t).standing for t in (0.0, 1.0)]
     still = net.rest.u
-    (found,) = crossings(ends[0], still, ends[1], still)
-    assert found.candidate == 12  # the middle one of 25
-    assert (found.enters, found.leaves) == pytest.approx((0.1 / 3, 0.9 / 3), abs=1e-8)
+    (actual,) = crossings(ends[0], still, ends[1], still)
+    assert actual.candidate == 12  # the middle one of 25
+    assert (actual.enters, actual.leaves) == pytest.approx((0.1 / 3, 0.9 / 3), abs=1e-8)
     np.testing.assert_allclose(
         ends[1].positions(still) - ends[0].positions(still), np.tile(3 * UP, (25, 1)), atol=1e-15
     )
@@ -178,8 +178,8 @@ def test_without_the_check_the_ball_is_behind_the_net(monkeypatch: pytest.Monkey
     assert judge(BALL.problem_at(1.0), blind.solution.u, blind.solution.pressure).failures() == []
     assert not blind.solution.active.any()
     assert through(BALL, blind) == [12]
-    (found,) = crossings_along((BALL.problem_at(t).standing, state.u) for t, state in blind.way)
-    assert found.candidate == 12
+    (actual,) = crossings_along((BALL.problem_at(t).standing, state.u) for t, state in blind.way)
+    assert actual.candidate == 12
 
 
 @dataclass(frozen=True)
@@ -201,10 +201,10 @@ class Jumping:
 def test_an_algorithm_that_jumps_is_refused_with_the_reason() -> None:
     (point,) = follow(BALL.problem_at, 0.0, [1.0], Jumping(), BALL.rest)
     assert (point.outcome, point.reached) == (Outcome.STEP_LIMIT, 0.0)
-    told = events(point.solution.history, EventKind.PASSED)
-    assert len(told) == 11
-    assert all("candidate 12 passes through the foundation" in str(each) for each in told)
-    assert EventKind.PATH_END & told[-1].kind
+    noted = events(point.solution.history, EventKind.PASSED)
+    assert len(noted) == 11
+    assert all("candidate 12 passes through the foundation" in str(each) for each in noted)
+    assert EventKind.PATH_END & noted[-1].kind
 
 
 def test_a_point_of_an_arc_behind_the_ball_is_none() -> None:
@@ -213,8 +213,8 @@ def test_a_point_of_an_arc_behind_the_ball_is_none() -> None:
     start = ArcPoint(rest.u, 0.0, pressure=rest.pressure, active=rest.active)
     ahead, normal = np.append(start.u, 0.2), np.append(np.zeros_like(start.u), 1.0)
     curve = PressedCurve(at, at(0.0).travel(), ALGORITHMS["semismooth"]())
-    found = curve.on_plane(start, ahead, normal, "in front")
-    assert (found.factor, found.u[2 + 3 * 12]) == pytest.approx((0.2, -0.19), abs=1e-9)
+    actual = curve.on_plane(start, ahead, normal, "in front")
+    assert (actual.factor, actual.u[2 + 3 * 12]) == pytest.approx((0.2, -0.19), abs=1e-9)
     jumps = replace(curve, algorithm=Jumping())
     assert jumps.on_plane(start, ahead, normal, "behind") is None
     assert "candidate 12 passes through" in str(events(jumps.tally.history, EventKind.PASSED)[-1])
@@ -225,8 +225,8 @@ def test_linear_gaps_have_nothing_to_pass_through() -> None:
     for data in collection():
         problem = data.problem()
         begin = data.begin()
-        found = ALGORITHMS["semismooth"]().solve(problem, begin)
-        ways = np.array([problem.gap(begin.u + s * (found.u - begin.u)) for s in np.linspace(0, 1, 101)])
+        solution = ALGORITHMS["semismooth"]().solve(problem, begin)
+        ways = np.array([problem.gap(begin.u + s * (solution.u - begin.u)) for s in np.linspace(0, 1, 101)])
         assert problem.standing is None
         least = np.minimum(ways[0], ways[-1])
         assert np.all(ways >= least - 1e-12 * np.max(np.abs(ways)))
@@ -247,8 +247,8 @@ def test_what_passes_between_nodes_is_told(foundation, radius) -> None:
     assert foundation.least_radius == radius
     place, shares = replace(free(foundation), least_radius=radius), np.array([0.5, 2.0])
     for touching, size in ((np.array([True, False]), 0.5**0.5), (np.array([False, False]), 2**0.5)):
-        told = between_nodes(place, shares, touching)
-        assert bool(told) == (radius < size)
-        if told:
-            assert f"{radius:.3g} mm, is below the size of an element there, {size:.3g} mm: nodes alone touch" in told
+        stated = between_nodes(place, shares, touching)
+        assert bool(stated) == (radius < size)
+        if stated:
+            assert f"{radius:.3g} mm, is below the size of an element there, {size:.3g} mm: nodes alone touch" in stated
     assert between_nodes(None, shares, touching) == ""

@@ -55,13 +55,13 @@ def test_a_plate_under_uniform_strain(stretch: float) -> None:
     At E11 = -G/(3 E) = -1/6 the plate loses its ellipticity.
     """
     shell, u = compressed(strip(3), stretch)
-    found = short_waves(shell, u)
+    actual = short_waves(shell, u)
     strain = (stretch**2 - 1) / 2
     along_1 = H * (G / 6 + E * strain / 2)
-    np.testing.assert_allclose(found.least, min(along_1, H * G / 6), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(actual.least, min(along_1, H * G / 6), rtol=1e-9, atol=1e-12)
     if strain < 0:
-        np.testing.assert_allclose(found.angle, 0.0)
-        np.testing.assert_allclose(found.amplitude[:, ::2], -found.amplitude[:, 1::2], atol=1e-9)
+        np.testing.assert_allclose(actual.angle, 0.0)
+        np.testing.assert_allclose(actual.amplitude[:, ::2], -actual.amplitude[:, 1::2], atol=1e-9)
 
 
 def negative(n: int, strain: float) -> int:
@@ -138,8 +138,8 @@ def test_the_parts_of_an_element_make_its_area(rng) -> None:
     patch = next(iter(PATCHES.values()))
     shell = make_shell(patch.surface, patch.grid(2, 3))
     d, D = rng.normal(size=(6, 11)), SKEW_LAMINATE.stiffness(shell.section)
-    found = energy_products(shell, *[np.repeat(d[:, None], PARTS, axis=1)] * 2)
-    np.testing.assert_allclose(found, shell.discretisation.geometry.weight * np.einsum("ei,ij,ej->e", d, D, d))
+    actual = energy_products(shell, *[np.repeat(d[:, None], PARTS, axis=1)] * 2)
+    np.testing.assert_allclose(actual, shell.discretisation.geometry.weight * np.einsum("ei,ij,ej->e", d, D, d))
 
 
 ROUNDING = 1e-12  # relative

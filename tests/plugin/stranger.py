@@ -57,12 +57,12 @@ class Stiffening:
         return None
 
     def solve(self, problem, start):
-        counters, found = Counter(), start
+        counters, solution = Counter(), start
         for epsilon in (*(self.first * 10.0**k for k in range(self.rounds)), self.epsilon):
             method = Semismooth if math.isinf(epsilon) else Regularised
-            found = method(epsilon=epsilon, solver=self.solver, tolerance=self.tolerance).solve(problem, found)
-            counters.update(found.counters)
-        return replace(found, counters=dict(counters))
+            solution = method(epsilon=epsilon, solver=self.solver, tolerance=self.tolerance).solve(problem, solution)
+            counters.update(solution.counters)
+        return replace(solution, counters=dict(counters))
 
 
 E, R, WIDTH, H, ANGLE = 1e3, 100.0, 20.0, 8.0, math.pi / 3  # MPa, mm

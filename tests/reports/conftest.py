@@ -127,9 +127,9 @@ def climbed(ladder: Ladder, n: int) -> dict[str, float]:
 
     values = {}
     for quantity in ladder.quantities:
-        found = [r.value for r in SCENES[ladder.scene].references if r.quantity == quantity and holds(r.at)]
+        actual = [r.value for r in SCENES[ladder.scene].references if r.quantity == quantity and holds(r.at)]
         coarsest = int(ladder.meshes[0].split("x")[0])
-        values[quantity] = (found or [1.0])[0] * (1 - 0.1 * (coarsest / n) ** 2)
+        values[quantity] = (actual or [1.0])[0] * (1 - 0.1 * (coarsest / n) ** 2)
     return values
 
 
@@ -191,8 +191,10 @@ def epsilon_table() -> pd.DataFrame:
 def cycles_table() -> pd.DataFrame:
     """One problem on which the textbook cycles, and one on which nobody does."""
     names = ["problem", "plain_period", "trial-and-error", "semismooth, settle 1", "semismooth"]
-    found = "converged, cycle detected"
-    return pd.DataFrame([("3x3", 3, found, "iteration-limit", found), ("mild", 0, *["converged"] * 3)], columns=names)
+    message = "converged, cycle detected"
+    return pd.DataFrame(
+        [("3x3", 3, message, "iteration-limit", message), ("mild", 0, *["converged"] * 3)], columns=names
+    )
 
 
 def claims_table() -> pd.DataFrame:
@@ -253,9 +255,9 @@ def symmetry_table() -> pd.DataFrame:
             for check, deviation in checks.items():
                 design = check.startswith("plate") and measure == "donnell"
                 off = 1e-14 if check.startswith("plate") and not design else deviation
-                found = "broken by design" if design else "solver tolerance" if off > 1e-13 else "rounding"
+                actual = "broken by design" if design else "solver tolerance" if off > 1e-13 else "rounding"
                 row = {"check": check, "measure": measure, "algorithm": algorithm, "deviation": off}
-                row |= {"rounding": 1e-13, "tolerance": 1e-9, "class": found}
+                row |= {"rounding": 1e-13, "tolerance": 1e-9, "class": actual}
                 row |= {"reason": "declares E11 = -0.001" if design else "", "contact_nodes": 9, "nodes_unlike": 0}
                 rows.append({**row, "iterations": 5, "iterations_other": 6})
     return pd.DataFrame(rows)
@@ -268,9 +270,9 @@ def random_cases() -> pd.DataFrame:
     words = ("converged",) * 5 + ("",)
     laws = ("units", "the made answer", "nodes renumbered", "part = whole", "more steps", "derivatives")
     kinds = ("scene", "matrices", "posed", "scene", "scene", "scene")
-    told = {"seed": range(6), "kind": kinds, "about": "footprint solve", "word": words, "law": laws}
+    record = {"seed": range(6), "kind": kinds, "about": "footprint solve", "word": words, "law": laws}
     commands = [f"footprint fuzz --seed {seed}" for seed in range(6)]
-    return pd.DataFrame(told | {"verdict": verdicts, "said": said, "command": commands})
+    return pd.DataFrame(record | {"verdict": verdicts, "said": said, "command": commands})
 
 
 TRAVEL, PRESS = extremes.Axis.powers("delta_mm", "travel [mm]", -2, 2, 17), extremes.Axis.even("p", "p [MPa]", 0, 1, 17)
@@ -286,8 +288,10 @@ def made_up_outcome(cell: Cell) -> extremes.Found:
     if cell.options.get("contact") == "qp":
         return extremes.Found(extremes.REFUSED, "qp does not apply: it is made up")
     if travel > 1:
-        told = f"the iteration limit was reached (the set was updated {travel:g} times); cut; no limit point: the rest"
-        return extremes.Found(extremes.FAILED, told)
+        message = (
+            f"the iteration limit was reached (the set was updated {travel:g} times); cut; no limit point: the rest"
+        )
+        return extremes.Found(extremes.FAILED, message)
     return extremes.Found(extremes.CONVERGED)
 
 
@@ -439,8 +443,8 @@ def _fill(root: Path) -> None:
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     write_json(root / "references.json", {"schema": SCHEMA, "references": references})
     write_tables(root / "tables")
-    told = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
-    write_json(root / "campaigns" / "report.json", {**told, "cells": rows})
+    record = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
+    write_json(root / "campaigns" / "report.json", {**record, "cells": rows})
     write_answers(root, "report")
     written(root, "report", compared(root, "report", collect(root, "report")))
     models = [built(name) for name in BUILT]

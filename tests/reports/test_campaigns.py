@@ -167,8 +167,8 @@ def small(tmp_path: Path) -> Path:
         request = Request.of({**REQUEST, "mesh": [n, 1], "settings": {"tolerance": 1e-9}, "steps": 1})
         rows.append(Row(Cell(f"cell {n}", "cantilever", {}, {}, artefacts=False), cell_id, request).as_json())
         if ended in ("time", "memory", "crash"):
-            told = {"schema": SCHEMA, "id": cell_id, "class": ended, "reason": f"{ended} because"}
-            write_json(tmp_path / "failures" / f"{cell_id}.json", told)
+            stated = {"schema": SCHEMA, "id": cell_id, "class": ended, "reason": f"{ended} because"}
+            write_json(tmp_path / "failures" / f"{cell_id}.json", stated)
         elif ended != "missing":
             write_json(tmp_path / "cells" / f"{cell_id}.json", record(cell_id, n, ended))
     odd = Cell("odd", "cantilever", {"contact": "qp"}, artefacts=False)
@@ -177,8 +177,8 @@ def small(tmp_path: Path) -> Path:
     reference = {"scene": "cantilever", "quantity": "tip_deflection_mm", "value": EXACT, "at": at, "kind": "exact"}
     reference |= {"source": "here", "uncertainty": 0.0}
     write_json(tmp_path / "references.json", {"schema": SCHEMA, "references": [reference]})
-    told = {"schema": SCHEMA, "campaign": "made-up", "title": "Made up", "pages": "", "cells": rows}
-    write_json(tmp_path / "campaigns" / "made-up.json", told)
+    stated = {"schema": SCHEMA, "campaign": "made-up", "title": "Made up", "pages": "", "cells": rows}
+    write_json(tmp_path / "campaigns" / "made-up.json", stated)
     return tmp_path
 
 
@@ -235,8 +235,8 @@ def test_where_the_numbers_were_made_is_told_of_all_cells(small: Path) -> None:
     """A record of old does not say whether the files were modified."""
     made = {"version": "1.0", "commit": "abc", "packages": {"numpy": "2"}, "machine": {"cores": 2}}
     for n, more in enumerate(({}, {"modified": False}, {"modified": True})):
-        told = record(f"{n:x}", 2 ** (n + 3), provenance={**made, **more}, timing_s={"total": 2.0, "cpu": 1.5})
-        write_json(small / "cells" / f"{n:x}.json", told)
+        stated = record(f"{n:x}", 2 ** (n + 3), provenance={**made, **more}, timing_s={"total": 2.0, "cpu": 1.5})
+        write_json(small / "cells" / f"{n:x}.json", stated)
     text = campaign_page(load_store(small), "").text
     assert "| commit | abc: 2 cells; abc (modified): 1 cells |" in text
     assert "| time on the clock, processor time of all cells [s] | 6.00, 4.50 |" in text
@@ -290,8 +290,8 @@ def test_which_algorithm_is_faster_moves_nothing_outside_of_what_is_of_the_machi
     ],
 )
 def test_what_rests_on_too_little_is_seen(text: str, said: str) -> None:
-    (found,) = unfounded(text)
-    assert said in found
+    (actual,) = unfounded(text)
+    assert said in actual
 
 
 def declared() -> Iterator[tuple[str, tuple[str, ...]]]:
@@ -319,9 +319,9 @@ def test_the_data_have_every_planned_cell_and_their_columns(files: dict[str, str
     planned, answers, columns = (pd.read_csv(StringIO(files[f"data/{name}"])) for name in names)
     assert list(planned["label"].sort_values()) == sorted(each.label for each in loaded.planned)
     counts = planned["outcome"].value_counts().to_dict()
-    told = re.search(r"\*report: (\d+) cells planned: (.*?);", files["tyre.md"])
-    assert int(told[1]) == len(planned)
-    assert {name: int(n) for n, name in (part.split(" ", 1) for part in told[2].split(", "))} == counts
+    stated = re.search(r"\*report: (\d+) cells planned: (.*?);", files["tyre.md"])
+    assert int(stated[1]) == len(planned)
+    assert {name: int(n) for n, name in (part.split(" ", 1) for part in stated[2].split(", "))} == counts
     for name, table in (("cells", planned), ("answers", answers)):
         assert list(table) == list(columns.loc[columns["table"] == name, "column"])
     assert columns["description"].notna().all()

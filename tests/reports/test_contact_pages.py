@@ -117,8 +117,8 @@ def test_the_entry_on_the_page_enters(files: dict[str, str], monkeypatch: pytest
     lines = files["algorithms.md"].partition("```python\n")[2].partition("```")[0]
     given = {"my_method": lambda step, tolerance: (np.zeros(2), np.zeros(1), False, 3)}
     exec(lines, given)
-    found = given["SOLVERS"]["mine"].answer(None, 1e-6)
-    assert (found.claimed, found.iterations) == (False, 3)
+    actual = given["SOLVERS"]["mine"].answer(None, 1e-6)
+    assert (actual.claimed, actual.iterations) == (False, 3)
 
 
 # --- friction -------------------------------------------------------------------------------------------------------
@@ -142,8 +142,8 @@ def test_three_stops_are_shown_of_any_number() -> None:
     stops = pd.DataFrame({"stop": range(6), "drag_mm": [0.0, 0.5, 1.0, 4.0, 2.0, 0.0]})
     shown = shown_stops(stops)
     assert shown["stop"].tolist() == [1, 3, 5]
-    told = [_title(own, stops, 4.0) for _, own in shown.groupby("stop")]
-    assert told == ["plane at 0.5 mm", "plane at 4 mm", "plane back at 0 mm"]
+    messages = [_title(own, stops, 4.0) for _, own in shown.groupby("stop")]
+    assert messages == ["plane at 0.5 mm", "plane at 4 mm", "plane back at 0 mm"]
     assert shown_stops(stops[:1])["stop"].tolist() == [0]
 
 

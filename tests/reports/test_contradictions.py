@@ -93,7 +93,7 @@ def written(pages: Pages) -> Iterator[tuple[str, str]]:
 
 def said(pages: Pages, pattern: str) -> Iterator[tuple[str, re.Match[str]]]:
     """Every place on the pages where the words of a pattern are."""
-    yield from ((name, found) for name, text in written(pages) for found in re.finditer(pattern, text))
+    yield from ((name, actual) for name, text in written(pages) for actual in re.finditer(pattern, text))
 
 
 def tables(text: str) -> Iterator[tuple[str, list[dict[str, str]]]]:
@@ -133,8 +133,8 @@ def measure_of(page: str) -> str:
 
 def first(words: str) -> float:
     """The first number of a cell, NaN where it has none."""
-    found = NUMBER.search(words)
-    return float(found[0]) if found else math.nan
+    actual = NUMBER.search(words)
+    return float(actual[0]) if actual else math.nan
 
 
 def half(words: str) -> float:
@@ -158,33 +158,33 @@ def several(found: Mapping[object, set[object]]) -> Iterator[str]:
 
 def measures_on_one_mesh(pages: Pages) -> Iterator[str]:
     """1: a percentage of a measure without its interval, or words that it needs none."""
-    for name, found in said(pages, r".*(?:so the mesh is not in it|exact measure, on the same mesh).*"):
-        yield f"{name}: {found[0]}"
-    for name, found in said(pages, rf"`(?:{'|'.join(APPROXIMATE)})` \([-+][\d.]+ %\)"):
-        yield f"{name}: {found[0]}"
+    for name, actual in said(pages, r".*(?:so the mesh is not in it|exact measure, on the same mesh).*"):
+        yield f"{name}: {actual[0]}"
+    for name, actual in said(pages, rf"`(?:{'|'.join(APPROXIMATE)})` \([-+][\d.]+ %\)"):
+        yield f"{name}: {actual[0]}"
     for name, text in written(pages):
         for title, rows in tables(text):
             for row in rows:
                 named = {measure_of(name), *row, *list(row.values())[:2]}
-                told = [word for word in row.values() if re.fullmatch(r"[-+][\d.]+ %", word)]
-                if told and {bare(word) for word in named} & APPROXIMATE:
+                messages = [word for word in row.values() if re.fullmatch(r"[-+][\d.]+ %", word)]
+                if messages and {bare(word) for word in named} & APPROXIMATE:
                     yield f"{name}, {title}: {' | '.join(row.values())}"
 
 
 def unknowns_of_an_error(pages: Pages) -> Iterator[str]:
     """2: unknowns for an error of the tyre's force, on uniform grids and the cheapest; a finer one takes no fewer."""
-    found = defaultdict[object, set[object]](set)
+    actual = defaultdict[object, set[object]](set)
     for _, each in said(pages, r"within ([\d.]+) % (?:takes|on) a uniform (?:n x n )?grid of (\d+) unknowns"):
-        found[float(each[1])].add(int(each[2]))
+        actual[float(each[1])].add(int(each[2]))
     for _, each in said(pages, r"within ([\d.]+) % of its limit from (\d+) unknowns on with uniform grids"):
-        found[float(each[1])].add(int(each[2]))
+        actual[float(each[1])].add(int(each[2]))
     for _, each in said(pages, r"tyre, `force_N`: ([^`]*)"):
         for error, count in re.findall(r"([\d.]+) % costs [\d.]+ s and (\d+) unknowns", each[1]):
-            found[float(error)].add(int(count))
+            actual[float(error)].add(int(count))
     for _, _, row in rows_with(pages, "error", "element", "grid", "unknowns"):
         if (bare(row["element"]), bare(row["grid"])) == ("refined", "uniform") and row["unknowns"].isdigit():
-            found[first(row["error"])].add(int(row["unknowns"]))
-    yield from several(found)
+            actual[first(row["error"])].add(int(row["unknowns"]))
+    yield from several(actual)
     sizes = defaultdict[tuple[str, ...], list[tuple[float, float]]](list)
     for name, _, row in rows_with(pages, "within", "seconds"):
         kind = (name, problem_of(row), row.get("measure", ""), row.get("element or part", ""))
@@ -222,17 +222,17 @@ def answers_of_a_question(pages: Pages) -> Iterator[str]:
 
 def failures_told(pages: Pages) -> Iterator[str]:
     """4: what fails among the cells of problems put to two algorithms; and words that no cell bears out."""
-    for found in re.finditer(r"end on the same contact set and force", pages.get(README, "")):
-        yield f"{README}: {found[0]}"
+    for actual in re.finditer(r"end on the same contact set and force", pages.get(README, "")):
+        yield f"{README}: {actual[0]}"
     table = pd.read_csv(io.StringIO(pages[CELLS])).dropna(subset=["command"])
     table["problem"] = table["command"].str.replace(r" --contact \S+", "", regex=True)
     table = table[table.groupby("problem")["contact"].transform("nunique") > 1]
     solved = table["outcome"].isin(SOLVED)
     passed = solved.groupby(table["problem"]).transform("any")
     lost = int((~solved & (table["outcome"] != REFUSED) & (table["path_end"].isna() | passed)).sum())
-    told = {(name, int(found[1])) for name, found in said(pages, r"put to \d+ (?:contact )?algorithms (\d+) fail")}
-    yield from (f"{name}: {count} fail, but {lost} do" for name, count in sorted(told) if count != lost)
-    if not told:
+    names = {(name, int(actual[1])) for name, actual in said(pages, r"put to \d+ (?:contact )?algorithms (\d+) fail")}
+    yield from (f"{name}: {count} fail, but {lost} do" for name, count in sorted(names) if count != lost)
+    if not names:
         yield NOTHING
 
 
@@ -260,9 +260,9 @@ def better_than_their_formulation(pages: Pages) -> Iterator[str]:
 
 def empty_ranges(pages: Pages) -> Iterator[str]:
     """6: from a number to below a smaller one."""
-    for name, found in said(pages, rf"from ({NUMBER.pattern})(?: on)? to below ({NUMBER.pattern})"):
-        if float(found[1]) >= float(found[2]):
-            yield f"{name}: {found[0]}"
+    for name, actual in said(pages, rf"from ({NUMBER.pattern})(?: on)? to below ({NUMBER.pattern})"):
+        if float(actual[1]) >= float(actual[2]):
+            yield f"{name}: {actual[0]}"
 
 
 def limits_in_words(pages: Pages) -> Iterator[str]:
@@ -271,10 +271,10 @@ def limits_in_words(pages: Pages) -> Iterator[str]:
     rows = [row for _, own in tables(text) for row in own if (row.get("scene"), row.get("quantity")) == HEMISPHERE]
     limits = [row.get("limit", row.get("extrapolated", "")) for row in rows]
     words = r"hemisphere converges to ([\d.]+) mm, ([-+][\d.]+) % from the published ([\d.]+)"
-    found = re.findall(words, text)
-    if not limits or not found:
+    lines = re.findall(words, text)
+    if not limits or not lines:
         yield NOTHING
-    for limit, off, published in found:
+    for limit, off, published in lines:
         if any(abs(float(limit) - first(each)) > half(limit) + half(each) for each in limits):
             yield f"{limit} mm in words, {limits} in the table"
         if abs(100 * (float(limit) / float(published) - 1) - float(off)) > half(off) + 100 * half(limit):
@@ -283,17 +283,17 @@ def limits_in_words(pages: Pages) -> Iterator[str]:
 
 def comparisons_counted(pages: Pages) -> Iterator[str]:
     """9, 10: how many limits agree with references: a number for each kind of strains, and none for both."""
-    found = defaultdict[object, set[object]](set)
+    actual = defaultdict[object, set[object]](set)
     words = r"(?:With (\w+) strains |[Ii]n )(\d+) of (\d+) comparisons"
     for name, each in said(pages, words):
         if each[1] is None:
             yield f"{name}: {each[0]}, of any strains"
-        found[each[1]].add((int(each[2]), int(each[3])))
+        actual[each[1]].add((int(each[2]), int(each[3])))
     for name, _, row in rows_with(pages, "scenes of", "comparisons", "agree"):
         strains = re.fullmatch(r"(\w+) strains", row["scenes of"])
         if strains and name == "convergence.md":
-            found[strains[1]].add((int(row["agree"]), int(row["comparisons"])))
-    yield from several(found)
+            actual[strains[1]].add((int(row["agree"]), int(row["comparisons"])))
+    yield from several(actual)
 
 
 def wrong_errors(pages: Pages) -> Iterator[str]:
@@ -301,12 +301,12 @@ def wrong_errors(pages: Pages) -> Iterator[str]:
     count = 0
     for value, reference, error in ERRORS:
         for name, title, row in rows_with(pages, value, reference, error):
-            x, y, told = (first(row[head]) for head in (value, reference, error))
-            if any(map(math.isnan, (x, y, told))) or y == 0:
+            x, y, stated = (first(row[head]) for head in (value, reference, error))
+            if any(map(math.isnan, (x, y, stated))) or y == 0:
                 continue
             count += 1
             rounded = half(row[error]) + 100 * (half(row[value]) + abs(x / y) * half(row[reference])) / abs(y)
-            if abs(100 * (x / y - 1) - told) > 1.01 * rounded:
+            if abs(100 * (x / y - 1) - stated) > 1.01 * rounded:
                 yield f"{name}, {title}: {x:g} over {y:g} is no {row[error]}"
     if not count:
         yield NOTHING
@@ -314,47 +314,47 @@ def wrong_errors(pages: Pages) -> Iterator[str]:
 
 def forces_of_linear_strains(pages: Pages) -> Iterator[str]:
     """12: the force of the tyre at 20 mm by linear strains over that by exact ones, in words and in tables."""
-    found = dict[str, float]()
+    actual = dict[str, float]()
     for words in LINEAR_WORDS:
-        found |= {f"{name}: {each[0]}": 1 + float(each[1]) / 100 for name, each in said(pages, words)}
+        actual |= {f"{name}: {each[0]}": 1 + float(each[1]) / 100 for name, each in said(pages, words)}
     for name, each in said(pages, r"([\d.]+) (?:± [\d.]+ )?times (?:the force of exact strains|as much, where)"):
-        found[f"{name}: {each[0]}"] = float(each[1])
+        actual[f"{name}: {each[0]}"] = float(each[1])
     for name, title, row in rows_with(pages, "problem", "`linear`"):
         if bare(row["problem"]) == "tyre at delta_mm=20: force_N":
-            found[f"{name}, {title}"] = 1 + first(row["`linear`"]) / 100
+            actual[f"{name}, {title}"] = 1 + first(row["`linear`"]) / 100
     for name, title, row in rows_with(pages, "changed", "at 20 mm"):
         if row["changed"] == "`linear`":
-            found[f"{name}, {title}"] = 1 + first(row["at 20 mm"]) / 100
-    if not found:
+            actual[f"{name}, {title}"] = 1 + first(row["at 20 mm"]) / 100
+    if not actual:
         yield NOTHING
-    elif max(found.values()) - min(found.values()) > 0.006:  # the last digit of a factor
-        yield str(found)
+    elif max(actual.values()) - min(actual.values()) > 0.006:  # the last digit of a factor
+        yield str(actual)
 
 
 def mirrors(pages: Pages) -> Iterator[str]:
     """13: the mirror asymmetry in MPa and in per cent of the peak, in a conclusion and on the page of the tyre."""
     words = r"mirror symmetry of (?:its|the) contact pressure by (?:up to )?([\d.]+) MPa, ([\d.]+) %"
-    found = defaultdict[object, set[object]](set)
+    actual = defaultdict[object, set[object]](set)
     for _, each in said(pages, words):
-        found["of the paper's tyre"].add(each.groups())
-    if not found:
+        actual["of the paper's tyre"].add(each.groups())
+    if not actual:
         yield NOTHING
     for each in re.finditer(r"by up to ([\d.]+) MPa(?:,| or) ([\d.]+) % of (?:its|the) peak", pages["tyre.md"]):
-        found["of the paper's tyre"].add(each.groups())
-    yield from several(found)
+        actual["of the paper's tyre"].add(each.groups())
+    yield from several(actual)
 
 
 def effects_of_epsilon(pages: Pages) -> Iterator[str]:
     """14: what a finite ε changes in the force at 20 mm, to one digit, by the mesh that is named beside it."""
-    found = defaultdict[object, set[object]](set)
+    actual = defaultdict[object, set[object]](set)
     for name, text in written(pages):
         for sentence in re.split(r"(?<=[.;:|]) |\n", text):
             each = re.search(r"force .*20 mm .*?(\d\.?\d*e-\d+)", sentence)
             if each and (mesh := re.search(r"\d+x\d+", sentence)):
-                found[mesh[0]].add(f"{float(each[1]):.0e}")
+                actual[mesh[0]].add(f"{float(each[1]):.0e}")
             elif each:
                 yield f"{name}: {sentence}"
-    yield from several(found)
+    yield from several(actual)
 
 
 def limits_of_the_readme(pages: Pages) -> Iterator[str]:
@@ -367,10 +367,10 @@ def limits_of_the_readme(pages: Pages) -> Iterator[str]:
         yield "units that may matter"
     rows = [each[0] for _, each in said(pages, r"\| smallest travel, travel over thickness.*")]
     known = {float(number) for row in rows for number in re.findall(r"1e-\d+", row.split("|", 2)[2])}
-    told = {float(number) for number in re.findall(r"travels? below (\d+e-\d+)", text)}
-    if not known or not told or not changed:
+    names = {float(number) for number in re.findall(r"travels? below (\d+e-\d+)", text)}
+    if not known or not names or not changed:
         yield NOTHING
-    yield from (f"a travel of {number:g}" for number in sorted(told - known))
+    yield from (f"a travel of {number:g}" for number in sorted(names - known))
 
 
 def waves_unnamed(pages: Pages) -> Iterator[str]:
@@ -384,25 +384,25 @@ def waves_unnamed(pages: Pages) -> Iterator[str]:
 
 def false_claims(pages: Pages) -> Iterator[str]:
     """17: how many claims are false, without the problems that they are on, or with two counts of one number."""
-    found = defaultdict[object, set[object]](set)
+    actual = defaultdict[object, set[object]](set)
     for name, text in written(pages):
         for line in text.splitlines():
             for claims, count in re.findall(r"(\d+) (?:answers of the algorithms|claims,)[^.]*?(\d+) are false", line):
-                found[claims].add(count)
+                actual[claims].add(count)
                 if not re.search(r"\bsmall\b", line):
                     yield f"{name}: {line}"
     ours = [row for _, _, row in rows_with(pages, "solver", "false") if row["solver"] == "semismooth"]
     counts = [first(row[head]) for row in ours for head in row if head.startswith("false")]
     if any(count > 0 for count in counts) and not any(said(pages, r"claims of `semismooth`")):
         yield f"false claims of semismooth, {counts}, in a table only"
-    yield from several(found)
+    yield from several(actual)
 
 
 def no_mesh_and_a_mesh(pages: Pages) -> Iterator[str]:
     """18: pages that say to have none."""
-    for name, found in said(pages, r"no mesh[^.]*on this page"):
+    for name, actual in said(pages, r"no mesh[^.]*on this page"):
         if re.search(r"\b\d+x\d+\b|\b\d+ by \d+ elements", pages[name]):
-            yield f"{name}: {found[0]}"
+            yield f"{name}: {actual[0]}"
 
 
 def unlisted_cancellations(pages: Pages) -> Iterator[str]:
@@ -434,15 +434,15 @@ def uncertainties(pages: Pages) -> Iterator[str]:
 
 def formulations_on_sheets(pages: Pages) -> Iterator[str]:
     """14: the error of a measure in the limit of the meshes, on its sheet and on page one."""
-    found = defaultdict[object, set[object]](set)
+    actual = defaultdict[object, set[object]](set)
     for name, _, row in rows_with(pages, "problem", "in the limit of the meshes"):
         if measure_of(name) != "exact":
-            found[problem_of(row), measure_of(name)].add(row["in the limit of the meshes"].removesuffix(" †"))
+            actual[problem_of(row), measure_of(name)].add(row["in the limit of the meshes"].removesuffix(" †"))
     for _, _, row in rows_with(pages, "problem", "`linear`", "`donnell`"):
         for head, word in row.items():
             if bare(head) in MEASURES:
-                found[problem_of(row), bare(head)].add(word.removesuffix(" †"))
-    yield from several(found)
+                actual[problem_of(row), bare(head)].add(word.removesuffix(" †"))
+    yield from several(actual)
 
 
 def waves_unnamed_beside_the_force(pages: Pages) -> Iterator[str]:

@@ -126,8 +126,8 @@ def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
     assert "Time to an equal error" not in programs_page(load_store(own_store)).text  # not analysed yet
     analysed_again(own_store)
     page = programs_page(load_store(own_store))
-    found = row(page.text, "| hemisphere | `kratos` | thick | 1 % |")
-    assert found[4:] == ["20x20", "2646", "-0.34 %", "8.00", "40.0", "40.0", "200.0", "50", "+0.62 %"]
+    actual = row(page.text, "| hemisphere | `kratos` | thick | 1 % |")
+    assert actual[4:] == ["20x20", "2646", "-0.34 %", "8.00", "40.0", "40.0", "200.0", "50", "+0.62 %"]
     assert row(page.text, "| hemisphere | `kratos` | thin | 1 % |")[4:10] == ["–"] * 6
     assert row(page.text, "| hypar, 0.01 |") == ["hypar, 0.01", "8x8", "-0.95 %", "-0.95 %", "0.20 %"]
     with drawn() as figures:

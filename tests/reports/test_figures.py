@@ -43,9 +43,9 @@ from support.stores.convergence import cells
 
 def test_no_table_is_wider_than_the_page(files: dict[str, str]) -> None:
     """But for page one, which is made of other stores."""
-    found = {name: list(widths(text)) for name, text in files.items() if name.endswith(".md") and name != "index.md"}
-    assert [(name, title) for name, own in found.items() for title, width in own if width > PAGE] == []
-    assert sum(map(len, found.values())) > 60
+    by_name = {name: list(widths(text)) for name, text in files.items() if name.endswith(".md") and name != "index.md"}
+    assert [(name, title) for name, own in by_name.items() for title, width in own if width > PAGE] == []
+    assert sum(map(len, by_name.values())) > 60
     numbers = [["a word", *["0.123456 (+0.12 %)"] * 9]]
     (wide,) = widths(table("Too wide", ["a", *"bcdefghij"], numbers))
     (words,) = widths(table("As words", ["a", *"bcdefghij"], numbers, words=10))
@@ -202,9 +202,9 @@ def test_a_look_is_one_for_all_figures_and_never_runs_out() -> None:
         whole = looks([*known, *MEASURES])
         assert {name: whole[name] for name in known} == looks(known) == looks(reversed(known))
         assert all(looks([name, "zz"])[name] == whole[name] for name in known)  # alone or among others
-    found = looks([*KNOWN[0], *MEASURES]).values()
-    assert len(found) == len({(each.colour, each.marker) for each in found}) == len(KNOWN[0]) + len(MEASURES)
-    assert len({(each.colour, each.line) for each in found}) == len(found)
+    actual = looks([*KNOWN[0], *MEASURES]).values()
+    assert len(actual) == len({(each.colour, each.marker) for each in actual}) == len(KNOWN[0]) + len(MEASURES)
+    assert len({(each.colour, each.line) for each in actual}) == len(actual)
     assert len({each.colour for each in looks(KNOWN[0]).values()}) == len(KNOWN[0])
     assert len(looks(range(100))) == 100
     ours = looks([*STRAINS, *OURS])  # no algorithm looks like a measure
@@ -222,25 +222,25 @@ TWO = np.array([[0, 1, 2, 3], [4, 5, 6, 7]])
 def test_the_nearer_face_hides_the_farther_whatever_the_order() -> None:
     seen, values = np.concatenate([0.5 * SQUARE + [0.25, 0.25, 1.0], SQUARE]), np.repeat([2.0, 1.0], 4)
     for quads in (TWO, TWO[::-1]):
-        found = raster(seen, quads, values, Window.around(seen, 40, 40, margin=0.0))
-        assert np.isfinite(found.depth).all()
-        assert (found.value[36:44, 36:44] == 2.0).all()
-        assert (found.value[:12] == 1.0).all()
-        assert found.value.mean() == pytest.approx(1.25, abs=0.03)
+        actual = raster(seen, quads, values, Window.around(seen, 40, 40, margin=0.0))
+        assert np.isfinite(actual.depth).all()
+        assert (actual.value[36:44, 36:44] == 2.0).all()
+        assert (actual.value[:12] == 1.0).all()
+        assert actual.value.mean() == pytest.approx(1.25, abs=0.03)
 
 
 def test_two_faces_that_cross_are_cut_along_their_line() -> None:
     one = SQUARE + SQUARE[:, [2, 2, 0]]
     seen = np.concatenate([one, one * [1, 1, -1] + [0, 0, 1]])
-    found = raster(seen, TWO, np.repeat([1.0, 2.0], 4), Window.around(seen, 50, 50, margin=0.0))
-    assert (found.value[:, :48] == 2.0).all()
-    assert (found.value[:, 52:] == 1.0).all()
+    actual = raster(seen, TWO, np.repeat([1.0, 2.0], 4), Window.around(seen, 50, 50, margin=0.0))
+    assert (actual.value[:, :48] == 2.0).all()
+    assert (actual.value[:, 52:] == 1.0).all()
 
 
 def test_nothing_is_drawn_outside_and_no_point_inside_is_left_out() -> None:
     for size in (3, 37, 130):
-        found = raster(CUBE[:4], FACES[:1], np.zeros(4), Window.around(CUBE[:4], size, size, margin=0.25))
-        there = np.isfinite(found.depth)
+        actual = raster(CUBE[:4], FACES[:1], np.zeros(4), Window.around(CUBE[:4], size, size, margin=0.25))
+        there = np.isfinite(actual.depth)
         assert there.mean() == pytest.approx(0.25, abs=1.2 / size)
         rows = np.flatnonzero(there.any(axis=1))
         assert there[rows[0] : rows[-1] + 1][:, np.flatnonzero(there.any(axis=0))].all()
@@ -265,9 +265,9 @@ def test_a_view_turns_and_its_vertical_is_up() -> None:
 
 def test_where_nothing_is_the_picture_is_transparent() -> None:
     """Also with fewer colours than the palette holds."""
-    found = raster(CUBE[:4], FACES[:1], CUBE[:4, 0], Window.around(CUBE[:4], 40, 40, margin=0.25))
-    for colours in (np.full((*found.value.shape, 3), 0.86), palette(found.value, 0.0, 1.0)):
-        image = Image.open(io.BytesIO(base64.b64decode(webp(found, colours)))).convert("RGBA")
+    actual = raster(CUBE[:4], FACES[:1], CUBE[:4, 0], Window.around(CUBE[:4], 40, 40, margin=0.25))
+    for colours in (np.full((*actual.value.shape, 3), 0.86), palette(actual.value, 0.0, 1.0)):
+        image = Image.open(io.BytesIO(base64.b64decode(webp(actual, colours)))).convert("RGBA")
         alpha = np.asarray(image)[..., 3]
         assert image.size == (40, 40)
         assert (alpha[:9] == 0).all()

@@ -48,8 +48,8 @@ def test_a_sheet_links_to_the_pages_that_name_its_part(files: dict[str, str]) ->
     ends = files["sheets/scene-tyre.md"].partition("## On other pages")[2]
     assert "](../convergence.md)" in ends
     sheet, pages = page("sheets/scene-ring", CHAPTER.name), (page("a"), page("b"))
-    found = with_appearances({"a.md": "of a ring", "b.md": "| ring | 1 |", sheet.file: "# R"}, [sheet, *pages])
-    assert found[sheet.file].endswith("\n[b](../b.md)\n")
+    actual = with_appearances({"a.md": "of a ring", "b.md": "| ring | 1 |", sheet.file: "# R"}, [sheet, *pages])
+    assert actual[sheet.file].endswith("\n[b](../b.md)\n")
 
 
 def page(name: str, under: str = "") -> Chapter:

@@ -68,12 +68,12 @@ def faults(text: str) -> list[str]:
     """What a page must not have: blocks and marks of another kind, marks that mark nothing, titles without a table."""
     tokens = MARKDOWN.parse(text)
     children = [child for token in tokens for child in token.children or ()]
-    found = [each.type for each in tokens if each.nesting >= 0 and each.type not in BLOCKS.split()]
-    found += [each.type for each in children if each.nesting >= 0 and each.type not in INLINE.split()]
-    found += [each.content for each in children if each.type == "text" and re.search(r"[`*]|^\| |^#+ ", each.content)]
+    values = [each.type for each in tokens if each.nesting >= 0 and each.type not in BLOCKS.split()]
+    values += [each.type for each in children if each.nesting >= 0 and each.type not in INLINE.split()]
+    values += [each.content for each in children if each.type == "text" and re.search(r"[`*]|^\| |^#+ ", each.content)]
     titles = [(token, after) for token, after in zip(tokens, tokens[2:], strict=False) if is_title(token)]
-    found += [token.content for token, after in titles if after.type != "table_open"]
-    return found
+    values += [token.content for token, after in titles if after.type != "table_open"]
+    return values
 
 
 def test_pages_are_plain(files: dict[str, str]) -> None:

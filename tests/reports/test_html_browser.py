@@ -76,8 +76,8 @@ def click(browser: Browser, table: int, column: int) -> list[str]:
 
 def test_tables_sort_on_a_click(browser: Browser) -> None:
     """Numbers by their size, words by their letters; a second click the other way round."""
-    found = browser.run(NUMERIC)
-    table, column = found["at"], found["column"]
+    solution = browser.run(NUMERIC)
+    table, column = solution["at"], solution["column"]
     rising, falling = click(browser, table, column), click(browser, table, column)
     assert [float(x) for x in rising] == sorted(map(float, rising))
     assert [float(x) for x in falling] == sorted(map(float, rising), reverse=True)
@@ -123,20 +123,20 @@ TABLE = """(() => {
 def test_a_table_keeps_the_rows_that_have_the_words(browser: Browser) -> None:
     """The count beside the field says how many."""
     words = browser.run(TABLE.replace("WORDS", "null"))["first"]
-    found = browser.run(TABLE.replace("WORDS", json.dumps(words.upper())))
-    assert all(words in row for row in found["left"])
-    assert 1 <= len(found["left"]) <= found["all"]
-    assert found["told"] == f"{len(found['left'])} of {found['all']} rows"
+    solution = browser.run(TABLE.replace("WORDS", json.dumps(words.upper())))
+    assert all(words in row for row in solution["left"])
+    assert 1 <= len(solution["left"]) <= solution["all"]
+    assert solution["told"] == f"{len(solution['left'])} of {solution['all']} rows"
     nothing = browser.run(TABLE.replace("WORDS", "'no such words'"))
-    assert nothing["told"] == f"0 of {found['all']} rows"
-    assert len(browser.run(TABLE.replace("WORDS", "''"))["left"]) == found["all"]
+    assert nothing["told"] == f"0 of {solution['all']} rows"
+    assert len(browser.run(TABLE.replace("WORDS", "''"))["left"]) == solution["all"]
 
 
 def press(browser: Browser, key: str, text: str = "") -> None:
     code = {"Enter": 13, "Escape": 27, "ArrowDown": 40}.get(key, 0)
     for kind in ("keyDown", "keyUp"):
-        told = {"text": text} if text and kind == "keyDown" else {}
-        browser.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **told)
+        stated = {"text": text} if text and kind == "keyDown" else {}
+        browser.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **stated)
 
 
 def go(browser: Browser, name: str) -> None:
@@ -183,8 +183,8 @@ def test_words_are_found_by_keyboard(browser: Browser) -> None:
 
 
 def is_light(browser: Browser) -> bool:
-    told = browser.run("getComputedStyle(document.body).backgroundColor").removeprefix("rgb(").removesuffix(")")
-    levels = [int(each) for each in told.split(",")]
+    stated = browser.run("getComputedStyle(document.body).backgroundColor").removeprefix("rgb(").removesuffix(")")
+    levels = [int(each) for each in stated.split(",")]
     assert min(levels) > 200 or max(levels) < 60
     return min(levels) > 200
 
@@ -222,17 +222,17 @@ FROZEN = """[...document.querySelectorAll('.shown .freeze')].filter(wide => wide
 def test_heads_of_tables_and_first_columns_stay(browser: Browser) -> None:
     """A wide table scrolls under its head and beside its first column, says so, and is reached by keyboard."""
     browser.call("Emulation.setDeviceMetricsOverride", width=600, height=500, deviceScaleFactor=1, mobile=False)
-    found = []
+    values = []
     for name in NAMES:
         go(browser, name)
-        found += browser.run(FROZEN)
+        values += browser.run(FROZEN)
     browser.call("Emulation.clearDeviceMetricsOverride")
-    assert len(found) > 3
-    for each in found:
+    assert len(values) > 3
+    for each in values:
         assert abs(each["left"]) <= 2
         assert abs(each["top"]) <= 2 or each["down"] < CAPTION
         assert (each["hint"], each["focus"]) == ("hint", 0)
-    assert any(each["down"] > CAPTION for each in found)
+    assert any(each["down"] > CAPTION for each in values)
 
 
 def test_contents_lead_to_the_headings_of_the_page(browser: Browser) -> None:
@@ -272,9 +272,11 @@ def test_whatever_can_be_used_or_seen_has_a_name(browser: Browser) -> None:
         browser.call("Accessibility.enable")
         nodes = browser.call("Accessibility.getFullAXTree")["nodes"]
         browser.call("Accessibility.disable")
-        told = [(each["role"]["value"], each.get("name", {}).get("value", "")) for each in nodes if not each["ignored"]]
-        assert [role for role, words in told if role in NAMED and not words.strip()] == [], name
-        roles |= {role for role, _ in told}
+        messages = [
+            (each["role"]["value"], each.get("name", {}).get("value", "")) for each in nodes if not each["ignored"]
+        ]
+        assert [role for role, words in messages if role in NAMED and not words.strip()] == [], name
+        roles |= {role for role, _ in messages}
     assert {"button", "link", "combobox", "navigation", "heading", "columnheader"} <= roles
     assert {"img", "image"} & roles
     assert {"banner", "main", "contentinfo"} <= roles

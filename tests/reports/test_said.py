@@ -55,8 +55,8 @@ def test_limits_stand_in_one_table_a_line_for_measures_and_one_for_algorithms(fi
 def test_beside_dissipation_stands_that_it_converges_with_the_load_step(files: dict[str, str]) -> None:
     tables, _, after = files["friction.md"].partition("**Do not rely on the dissipation of these tables.**")
     assert tables.count("dissipated [N m] |") == 2
-    told = "dragged by 1 mm in one step each the dissipation has an error of +100 %, the force one of -4.0 %"
-    assert told in after.partition("\n\n")[0]
+    message = "dragged by 1 mm in one step each the dissipation has an error of +100 %, the force one of -4.0 %"
+    assert message in after.partition("\n\n")[0]
 
 
 def test_rates_of_the_famous_failures(files: dict[str, str], loaded: Store) -> None:
@@ -79,8 +79,8 @@ def test_points_of_maps_are_counted_by_class_and_cause(files: dict[str, str], lo
     share = f"{100 * len(asked) / len(points):.0f} %"
     assert f"{len(asked)} of {len(points)} points are solved ({share})" in files["extremes.md"]
     failed, good = counts["two", "not converged"], counts["two", "converged"]
-    told = f"the iteration limit was reached, the tangent gives no reason ({failed} of {failed})"
-    assert f"| Two settings | {good} of {failed + good} | {failed} | 0 | {told} |" in files["extremes.md"]
+    message = f"the iteration limit was reached, the tangent gives no reason ({failed} of {failed})"
+    assert f"| Two settings | {good} of {failed + good} | {failed} | 0 | {message} |" in files["extremes.md"]
 
 
 # --- what is said of a change ---------------------------------------------------------------------------------------

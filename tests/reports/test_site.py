@@ -124,7 +124,7 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     files = rendered(load_store(own_store))
     assert "| exact trial-and-error plain exact | not-converged | press at 20: it cycles |" in files["data.md"]
     nans = {name: re.findall(r".*\bnan\b.*", text)[:2] for name, text in files.items() if name.endswith(".md")}
-    assert {name: found for name, found in nans.items() if found} == {}
+    assert {name: actual for name, actual in nans.items() if actual} == {}
 
 
 # --- all pages ------------------------------------------------------------------------------------------------------
@@ -376,8 +376,8 @@ numpy 2.4, osqp 1.1.*"""
 def solved_by(*made: dict[str, Any], refused: int = 1) -> Store:
     """A cell for each that tells of its origin, the first two of one record, and some refused before they were run."""
     cells = []
-    for i, told in enumerate(made):
-        result = {"provenance": told, "timing_s": {"total": 2.0}}
+    for i, stated in enumerate(made):
+        result = {"provenance": stated, "timing_s": {"total": 2.0}}
         cells.append(Cell(str(i), "roof", "", Path(str(max(i, 1))), result, "converged", ""))
     cells += [Cell(f"refused {i}", "roof", "", Path("none"), {}, "unsupported", "why") for i in range(refused)]
     return Store(Path(), "some", tuple(cells), "Some cells")

@@ -60,8 +60,8 @@ def solid(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["solid"].cells())]
     references = [{"scene": name, **asdict(r)} for name in ("tyre", "tyre-solid") for r in SCENES[name].references]
     write_json(root / "references.json", {"schema": SCHEMA, "references": references})
-    told = {"schema": SCHEMA, "campaign": "solid", "title": "made up", "pages": ""}
-    write_json(root / "campaigns" / "solid.json", {**told, "cells": rows})
+    record = {"schema": SCHEMA, "campaign": "solid", "title": "made up", "pages": ""}
+    write_json(root / "campaigns" / "solid.json", {**record, "cells": rows})
     name = "isotropic_tyre_3d_solid.csv"
     write_text(root / "references" / name, (DATA / name).read_text(encoding="utf-8"))
     analysed_again(root, "solid")

@@ -59,8 +59,8 @@ def rows(text: str, start: str) -> list[list[str]]:
 
 
 def comparisons_of(store: Store) -> pd.DataFrame:
-    found = store.table("convergence_errors")
-    return found[found["sequence"].isin(sequences(store)["sequence"])]
+    table = store.table("convergence_errors")
+    return table[table["sequence"].isin(sequences(store)["sequence"])]
 
 
 def test_every_quantity_of_every_ladder_has_the_order_it_was_made_with(loaded: Store) -> None:
@@ -73,25 +73,25 @@ def test_every_quantity_of_every_ladder_has_the_order_it_was_made_with(loaded: S
 
 def test_agreement_is_counted_once_of_exact_and_of_linear_strains(loaded: Store) -> None:
     """The opening says what the table says; limits of our own grids do not count."""
-    found = loaded.table("convergence_summary").set_index("group")
-    whole = found.loc[["exact strains", "linear strains"]].sum()
+    table = loaded.table("convergence_summary").set_index("group")
+    whole = table.loc[["exact strains", "linear strains"]].sum()
     assert whole["sequences"] == sum(len(ladder.quantities) for ladder in LADDERS)
     every = comparisons_of(loaded)
     judged = every[every["kind"] != "refined"]
     assert whole["comparisons"] == len(judged) < len(every)
     assert whole["agree"] == (judged["verdict"] == WITHIN).sum() < len(judged)
-    row = found.loc["exact strains"]
+    row = table.loc["exact strains"]
     said = f"With exact strains {row['agree']} of {row['comparisons']} comparisons of limits with references agree"
     assert said in sentence(loaded, "convergence")
 
 
 def test_references_apply_only_to_what_was_solved(loaded: Store) -> None:
-    found = comparisons_of(loaded).groupby(["ladder", "quantity"])["value"].agg(list)
-    assert found["tyre-isotropic", "force_N"] == [pytest.approx(523.8, abs=0.1)]  # the solid at 10 mm
-    assert found["tyre", "force_N"] == [1877.3]  # its own refined grids
-    assert ("tyre", "half_length_mm") not in found  # that solid is isotropic
-    assert found["pagano-S10", "w_bar"] != found["pagano-S100", "w_bar"]
-    assert len(found["pressurised-cylinder-open", "stretch"]) == 1
+    actual = comparisons_of(loaded).groupby(["ladder", "quantity"])["value"].agg(list)
+    assert actual["tyre-isotropic", "force_N"] == [pytest.approx(523.8, abs=0.1)]  # the solid at 10 mm
+    assert actual["tyre", "force_N"] == [1877.3]  # its own refined grids
+    assert ("tyre", "half_length_mm") not in actual  # that solid is isotropic
+    assert actual["pagano-S10", "w_bar"] != actual["pagano-S100", "w_bar"]
+    assert len(actual["pressurised-cylinder-open", "stretch"]) == 1
 
 
 @pytest.mark.slow
@@ -102,21 +102,21 @@ def test_a_model_error_and_sequences_without_an_order_are_told(own_store: Path) 
         change_values(own_store, f"convergence {name} ", lambda value, i: 1 + 0.01 * (-1) ** i)
     analysed_again(own_store)
     store = load_store(own_store)
-    found = comparisons_of(store)
-    (pagano,) = found.query("ladder == 'pagano-S100' and quantity == 'w_bar'").to_dict("records")
+    actual = comparisons_of(store)
+    (pagano,) = actual.query("ladder == 'pagano-S100' and quantity == 'w_bar'").to_dict("records")
     assert pagano["model_part"] == pytest.approx(0.02, abs=1e-6)
     assert pagano["error"] - pagano["model_part"] == pytest.approx(-0.1 / 64 * 1.02, abs=1e-6)
     assert pagano["verdict"] == BEYOND
-    assert set(found.query("ladder == 'roof-a'")["verdict"]) == {NO_LIMIT}
+    assert set(actual.query("ladder == 'roof-a'")["verdict"]) == {NO_LIMIT}
     text = convergence_page(store).text
     roof, _ = rows(text, "roof-a")
     assert roof[3:6] == ["(–)", "–", "–"]
     assert roof[-1] == "–"
     (ladder,) = (ladder for ladder in LADDERS if ladder.name == "plate-contact")
-    told = [line for line in text.splitlines() if line.startswith("- ") and "plate-contact (" in line]
-    assert len(told) == len(ladder.quantities)
-    assert any(ladder.causes["contact_radius"] in line and words("contact_radius") in line for line in told)
-    assert any("the cause is not known" in line and words("contact_force") in line for line in told)
+    messages = [line for line in text.splitlines() if line.startswith("- ") and "plate-contact (" in line]
+    assert len(messages) == len(ladder.quantities)
+    assert any(ladder.causes["contact_radius"] in line and words("contact_radius") in line for line in messages)
+    assert any("the cause is not known" in line and words("contact_force") in line for line in messages)
 
 
 @pytest.mark.slow
@@ -151,13 +151,13 @@ def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path, fil
 
 def scene(name: str, coarse: Set[str], fine: Set[str], wrong: Set[str] = frozenset()) -> list[dict[str, object]]:
     """The shares that are nearest on both meshes, and those that end where the finer mesh goes on."""
-    found: list[dict[str, object]] = []
+    values: list[dict[str, object]] = []
     for half, near in ((False, fine), (True, coarse)):
         for share in SHARES:
             end = 0.7 if half and share in wrong else math.nan
             row = {"ladder": name, "share": share, "coarse": half, "nearest": share in near, "turns_at": end}
-            found.append(row | {"confirmed": share not in wrong if half else None})
-    return found
+            values.append(row | {"confirmed": share not in wrong if half else None})
+    return values
 
 
 EVERYONE = frozenset(SHARES)
@@ -171,10 +171,10 @@ def test_shares_are_counted_by_mesh_and_early_ends_are_named() -> None:
         *scene("rolled", {"nodal"}, EVERYONE, wrong={"nodal"}),
         *scene("lost", set(), {"projected", "balanced"}),
     ]
-    found = pd.DataFrame(scenes)
-    assert list(counted(found, "projected").values()) == ["projected", 1, 0, 3, 0, 1, "folded"]
-    assert list(counted(found, "balanced").values()) == ["balanced", 2, 1, 5, 1, 0, "none"]
-    assert list(counted(found, "nodal").values()) == ["nodal", 3, 2, 3, 0, 2, "folded, rolled"]
+    table = pd.DataFrame(scenes)
+    assert list(counted(table, "projected").values()) == ["projected", 1, 0, 3, 0, 1, "folded"]
+    assert list(counted(table, "balanced").values()) == ["balanced", 2, 1, 5, 1, 0, "none"]
+    assert list(counted(table, "nodal").values()) == ["nodal", 3, 2, 3, 0, 2, "folded, rolled"]
 
 
 @pytest.mark.slow
@@ -215,10 +215,10 @@ def test_every_kind_of_locking_has_its_lines(files: dict[str, str]) -> None:
 
 def test_left_over_locking_has_the_rates_it_was_made_with(loaded: Store) -> None:
     data = loaded.table("membrane_locking")
-    found = excess(data, "relaxed")
-    assert list(found.columns) == list(MESHES)
-    np.testing.assert_allclose(found.loc[1e-5] / found.loc[1e-4], 101, rtol=0.02)  # less what is there at 1e-3
-    np.testing.assert_allclose(found[8] / found[16], 64, rtol=1e-6)
+    actual = excess(data, "relaxed")
+    assert list(actual.columns) == list(MESHES)
+    np.testing.assert_allclose(actual.loc[1e-5] / actual.loc[1e-4], 101, rtol=0.02)  # less what is there at 1e-3
+    np.testing.assert_allclose(actual[8] / actual[16], 64, rtol=1e-6)
     assert rates(data) == ("101", "64")
     assert rates(data[data["elements"] > min(MESHES)])[1] == "–"  # an excess of rounding
 

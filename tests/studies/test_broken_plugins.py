@@ -139,19 +139,19 @@ def test_a_lie_is_judged_wrong_and_never_stable(lie: str, scene: str, odd, tmp_p
     assert (
         worst.replace("{worst}", {"contact": "penetration 1 mm above", "none": "equilibrium 1 above"}[scene]) in errors
     )
-    told = json.loads((tmp_path / "result.json").read_text())
-    assert (told["outcome"], told["class"]) == ("wrong", "wrong")
-    assert told["steps"][-1]["stability"]["word"] == "not counted"
+    record = json.loads((tmp_path / "result.json").read_text())
+    assert (record["outcome"], record["class"]) == ("wrong", "wrong")
+    assert record["steps"][-1]["stability"]["word"] == "not counted"
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_an_answer_without_counters_and_history_is_one(scene: str, odd, tmp_path: Path) -> None:
     code, _, errors = odd("return ContactSolution(found.u, found.pressure, found.active, found.outcome)", scene)
     assert (code, errors) == (0, "")
-    told = json.loads((tmp_path / "result.json").read_text())
-    assert told["class"] == "converged"
-    assert {told["counters"][name] for name in ("newton_iterations", "factorisations")} == {0}
-    assert told["steps"][0]["newton_iterations"] == 0
+    record = json.loads((tmp_path / "result.json").read_text())
+    assert record["class"] == "converged"
+    assert {record["counters"][name] for name in ("newton_iterations", "factorisations")} == {0}
+    assert record["steps"][0]["newton_iterations"] == 0
 
 
 @pytest.mark.parametrize("scene", SCENES)

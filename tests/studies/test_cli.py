@@ -95,11 +95,11 @@ def test_branches_of_an_unstable_tyre_are_stable_and_lie_lower(tmp_path: Path, c
     changes = [row["force_N"] / left - 1 for row in result["branches"]]
     assert [row["change_of_force"] for row in result["branches"]] == pytest.approx(changes)
     assert {"branch_1.vtu", "branch_2.vtu"} <= {path.name for path in tmp_path.iterdir()}
-    found = solve(*complete("tyre", given, "14x12", contact="trial-and-error"))
-    branches_of(found)
-    energy = found.end.problem.energy
-    left = energy(found.end.point.solution.u)
-    assert all(energy(branch.solution.u) < left - 1e-6 * abs(left) for branch in found.beside)
+    solution = solve(*complete("tyre", given, "14x12", contact="trial-and-error"))
+    branches_of(solution)
+    energy = solution.end.problem.energy
+    left = energy(solution.end.point.solution.u)
+    assert all(energy(branch.solution.u) < left - 1e-6 * abs(left) for branch in solution.beside)
 
 
 def test_a_stable_state_has_no_branch(tmp_path: Path, capsys) -> None:
@@ -144,8 +144,8 @@ def test_a_solve_prints_how_far_it_is_from_what_is_known(tmp_path: Path, capsys:
 
     shortening, _ = references("0.5")
     assert shortening.startswith("reference tip_shortening_mm 1.60642 +- 0.001 % (exact: inextensible elastica")
-    found = json.loads((tmp_path / "result.json").read_text())["quantities"]["tip_shortening_mm"]
-    assert shortening.endswith(f"; this value differs by {100 * (found / 1.60642 - 1):+.2g} %")
+    record = json.loads((tmp_path / "result.json").read_text())["quantities"]["tip_shortening_mm"]
+    assert shortening.endswith(f"; this value differs by {100 * (record / 1.60642 - 1):+.2g} %")
     assert references("0.3") == []
 
 
@@ -188,10 +188,10 @@ def test_algorithms_take_their_settings_and_agree(
 ) -> None:
     pairs = [part for text in given for part in ("--set", text)]
     assert main(["solve", "tyre", *SMALL, "--contact", contact, *pairs, "--out", str(tmp_path)]) == 0
-    found, usual = (json.loads((path / "result.json").read_text()) for path in (tmp_path, solved))
-    assert found["settings"].items() >= resolved.items()
+    actual, usual = (json.loads((path / "result.json").read_text()) for path in (tmp_path, solved))
+    assert actual["settings"].items() >= resolved.items()
     rel = 1e-3 if contact == "regularised" else 1e-9
-    assert found["steps"][0]["force_N"] == pytest.approx(usual["steps"][0]["force_N"], rel=rel)
+    assert actual["steps"][0]["force_N"] == pytest.approx(usual["steps"][0]["force_N"], rel=rel)
 
 
 def test_a_refusal_found_on_the_way_is_exit_2_with_its_reason(

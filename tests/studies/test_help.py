@@ -27,11 +27,11 @@ def below(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
 
 def parsers() -> dict[str, argparse.ArgumentParser]:
     """Of all commands, by the words after ``footprint``."""
-    found = {}
+    by_name = {}
     for name in cli.COMMANDS:
         (commands,) = (each for each in cli._parser([name])._actions if isinstance(each, argparse._SubParsersAction))
-        found |= {each.prog.removeprefix("footprint "): each for each in below(commands.choices[name])}
-    return found
+        by_name |= {each.prog.removeprefix("footprint "): each for each in below(commands.choices[name])}
+    return by_name
 
 
 PARSERS, EXAMPLES = parsers(), cli.examples()
@@ -51,7 +51,7 @@ def test_all_commands_are_walked() -> None:
 @pytest.mark.parametrize("name", PARSERS)
 def test_every_argument_has_a_text_and_its_default(name: str) -> None:
     parser = PARSERS[name]
-    told = " ".join(parser.format_help().split())
+    stated = " ".join(parser.format_help().split())
     for action in arguments(parser):
         words = action.option_strings or [action.dest]
         assert action.help, words
@@ -59,7 +59,7 @@ def test_every_argument_has_a_text_and_its_default(name: str) -> None:
         if action.option_strings and action.default not in (None, False, "", []):
             shown = parser._get_formatter()._expand_help(action)
             assert "default" in shown, words
-            assert " ".join(shown.split()).replace("-", "") in told.replace("-", ""), words
+            assert " ".join(shown.split()).replace("-", "") in stated.replace("-", ""), words
 
 
 @pytest.mark.parametrize("name", PARSERS)

@@ -131,11 +131,11 @@ def test_an_answer_shows_itself_in_a_line_and_as_a_table(run: Run) -> None:
 
 
 def test_meanings_are_shown_whole_and_no_text_is_taken_for_markup() -> None:
-    told = describe("tyre")
-    assert repr(told) == f"<Description tyre (scene): {told.meaning}>"
-    table = table_of(told._repr_html_())
-    assert table["meaning"].tolist()[:10] == told.settings["meaning"].tolist()[:10]
-    assert "<script>" not in replace(told, meaning="<script>alert(1)</script>")._repr_html_()
+    stated = describe("tyre")
+    assert repr(stated) == f"<Description tyre (scene): {stated.meaning}>"
+    table = table_of(stated._repr_html_())
+    assert table["meaning"].tolist()[:10] == stated.settings["meaning"].tolist()[:10]
+    assert "<script>" not in replace(stated, meaning="<script>alert(1)</script>")._repr_html_()
 
 
 def test_a_sweep_and_a_choice_show_themselves() -> None:

@@ -294,8 +294,8 @@ def test_a_law_from_a_file_is_solved_and_judged(tmp_path: Path) -> None:
     words = ("solve", "rubber-tube", "--mesh", "1x1", "--no-error", *settings, "--set", "law=foam")
     code, _, error = footprint(*words, "--use", tmp_path / "foam.py", "--out", tmp_path / "foam")
     assert code == 0, error
-    found = json.loads((tmp_path / "foam" / "result.json").read_text())["quantities"]["pressure_MPa"]
+    record = json.loads((tmp_path / "foam" / "result.json").read_text())["quantities"]["pressure_MPa"]
     ours = solve(*complete("rubber-tube", {**small, "law": "neo-hooke"}, "1x1")).quantities["pressure_MPa"]
-    assert found == pytest.approx(ours, rel=5e-3)
+    assert record == pytest.approx(ours, rel=5e-3)
     with pytest.raises(UsageError, match="law = 'foam' must be one of svk, hencky, neo-hooke, mooney-rivlin, ogden"):
         complete("rubber-tube", {"law": "foam"})

@@ -19,10 +19,10 @@ INFO = "model name\t: One CPU\ncpu family\t: 25\nmodel\t\t: 1\n\nmodel name\t: A
 
 
 def test_packages_are_those_installed_with_their_versions() -> None:
-    told = provenance()["packages"]
+    record = provenance()["packages"]
     there = {each.metadata["Name"]: each.version for each in importlib.metadata.distributions()}
-    assert told == {name: there[name] for name in PACKAGES if name in there}
-    assert {"numpy", "scipy", "scikit-fem", "pandas", "osqp", "clarabel", "cvxpy"} <= set(told)
+    assert record == {name: there[name] for name in PACKAGES if name in there}
+    assert {"numpy", "scipy", "scikit-fem", "pandas", "osqp", "clarabel", "cvxpy"} <= set(record)
 
 
 def test_every_package_that_may_decide_a_result_is_among_them() -> None:
@@ -41,10 +41,10 @@ def words(line: str) -> list[str]:
 
 
 def test_blas_is_the_one_that_numpy_names_and_its_threads(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = provenance()["blas"]
+    record = provenance()["blas"]
     built = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
-    assert told["numpy"] == f"{built['name']} {built['version']}"
-    assert told["scipy"]
+    assert record["numpy"] == f"{built['name']} {built['version']}"
+    assert record["scipy"]
     for name in module.THREADS:
         monkeypatch.delenv(name, raising=False)
     assert module._threads() == "any"
@@ -53,9 +53,9 @@ def test_blas_is_the_one_that_numpy_names_and_its_threads(monkeypatch: pytest.Mo
 
 
 def test_machine_names_processor_cores_and_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = provenance()["machine"]
-    assert told["cores"] == os.cpu_count()
-    assert told["memory_GiB"] > 0.1
+    record = provenance()["machine"]
+    assert record["cores"] == os.cpu_count()
+    assert record["memory_GiB"] > 0.1
     monkeypatch.setattr(Path, "read_text", lambda self, **how: INFO)
     assert module._cpu() == "Another (family 25, model 1)"
     monkeypatch.setattr(Path, "read_text", lambda self, **how: "Features\t: fp\n")

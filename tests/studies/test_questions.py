@@ -24,11 +24,11 @@ def test_every_name_is_there() -> None:
 
 
 def test_advice_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
-    found = advise("cantilever", 0.01)
+    actual = advise("cantilever", 0.01)
     assert main(["advise", "cantilever", "--error", "1%"]) == 0
-    assert found.best is not None
-    assert f"--mesh {found.best['mesh']}" in capsys.readouterr().out
-    assert found.best["bound"] <= 0.01
+    assert actual.best is not None
+    assert f"--mesh {actual.best['mesh']}" in capsys.readouterr().out
+    assert actual.best["bound"] <= 0.01
     assert advise("scordelis-lo", "0.01%").best is None
     with pytest.raises(UsageError, match="cost 'euros' must be one of"):
         advise("cantilever", "1%", cost="euros")
@@ -36,10 +36,10 @@ def test_advice_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_a_gradient_is_that_of_the_run() -> None:
     asked = {"mesh": "8x8", "delta_mm": 5}
-    found = gradient("tyre", "force_N", "p0_MPa", **asked)
-    assert found["above"].tolist() == solve("tyre", **asked).gradient("force_N", "p0_MPa")["above"].tolist()
+    actual = gradient("tyre", "force_N", "p0_MPa", **asked)
+    assert actual["above"].tolist() == solve("tyre", **asked).gradient("force_N", "p0_MPa")["above"].tolist()
     up, down = (solve("tyre", **asked, p0_MPa=0.15 + step).quantities["force_N"] for step in (1e-5, -1e-5))
-    assert found["above"].iloc[-1] == pytest.approx((up - down) / 2e-5, rel=1e-4)
+    assert actual["above"].iloc[-1] == pytest.approx((up - down) / 2e-5, rel=1e-4)
 
 
 def test_an_answer_is_judged_from_its_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -48,10 +48,10 @@ def test_an_answer_is_judged_from_its_file(tmp_path: Path, capsys: pytest.Captur
     with np.load(problem) as arrays:
         n, m = len(arrays["r"]), len(arrays["gap"])
     answer.write_text(json.dumps({"du": [0.0] * n, "pressure": [0.0] * m, "claims": {"accuracy": 1e-8}}))
-    found = judge(problem, answer)
-    assert not found.sound
+    verdict = judge(problem, answer)
+    assert not verdict.sound
     assert main(["problems", "judge", str(problem), str(answer)]) == 1
-    assert capsys.readouterr().out.splitlines() == found.lines()
+    assert capsys.readouterr().out.splitlines() == verdict.lines()
     with pytest.raises(UsageError, match=r"tolerance = 0 must be a number in \(0, inf\)"):
         judge(problem, answer, 0)
     with pytest.raises(UsageError, match=r"none\.npz: No such file"):

@@ -33,14 +33,14 @@ RING = ["sweep", "ring", "--mesh", "1x8", "--set", "delta_mm=20", "--over", "h_m
 @pytest.fixture
 def solved(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Request, bool]]:
     """The requests that a sweep has solved, and whether from a start."""
-    found = []
+    values = []
 
     def spy(scene: Any, request: Request, **how: Any) -> Any:
-        found.append((request, how.get("starts") is not None))
+        values.append((request, how.get("starts") is not None))
         return solve(scene, request, **how)
 
     monkeypatch.setattr(sweeping, "solve", spy)
-    return found
+    return values
 
 
 def table(out: Path) -> pd.DataFrame:
@@ -84,17 +84,17 @@ def test_what_makes_no_sense_is_one_line_and_writes_nothing(words, says, tmp_pat
 
 
 def test_a_range_has_its_ends_and_no_digits_of_rounding() -> None:
-    found = sweeping._asked("panel", {}, {"inflation": "-0.6:0.2:5", "nu": [0.1, 0.2, 0.3]}, None, "4x4", {})
-    assert [each.values for each in found.ranges] == [(-0.6, -0.4, -0.2, 0.0, 0.2), (0.1, 0.2, 0.3)]
+    actual = sweeping._asked("panel", {}, {"inflation": "-0.6:0.2:5", "nu": [0.1, 0.2, 0.3]}, None, "4x4", {})
+    assert [each.values for each in actual.ranges] == [(-0.6, -0.4, -0.2, 0.0, 0.2), (0.1, 0.2, 0.3)]
 
 
 @pytest.mark.parametrize("counts", [(5,), (2, 3), (3, 2), (4, 7)])
 def test_every_member_follows_one_beside_it(counts: tuple[int, ...]) -> None:
     ranges = [Range(f"key{k}", tuple(map(float, range(n)))) for k, n in enumerate(counts)]
-    found = list(order(ranges))
-    assert sorted(found) == list(places(ranges))
-    for k, place in enumerate(found[1:], 1):
-        assert math.dist(place, found[k - 1]) == 1
+    actual = list(order(ranges))
+    assert sorted(actual) == list(places(ranges))
+    for k, place in enumerate(actual[1:], 1):
+        assert math.dist(place, actual[k - 1]) == 1
 
 
 def path(place: tuple[int, ...], u: float) -> Followed:
@@ -145,22 +145,22 @@ def test_of_two_lines_a_start_goes_on_along_that_which_changes_less(u: float, ne
 @pytest.mark.slow
 def test_all_members_are_those_from_rest(solved: list) -> None:
     """Two settings of the tyre; the starts save a third of the iterations at least."""
-    found = sweep("tyre", {"delta_mm": "10"}, {"gamma_deg": "50:52:3", "p0_MPa": "0.14:0.15:2"}, mesh="12x14")
+    actual = sweep("tyre", {"delta_mm": "10"}, {"gamma_deg": "50:52:3", "p0_MPa": "0.14:0.15:2"}, mesh="12x14")
     spent = 0
-    for place in places(found.ranges):
-        member = found.members[place]
+    for place in places(actual.ranges):
+        member = actual.members[place]
         cold = solve(*complete("tyre", {"delta_mm": "10", **member.settings}, "12x14"))
         assert member.quantities == pytest.approx(cold.quantities, rel=1e-9)
         spent += cold.counters["newton_iterations"]
     assert [started for _, started in solved] == [False] + [True] * 5
-    assert sum(member.newton_iterations for member in found.members.values()) < 2 / 3 * spent
-    assert [m.started_from == "rest" for m in found.members.values()] == [True] + [False] * 5
+    assert sum(member.newton_iterations for member in actual.members.values()) < 2 / 3 * spent
+    assert [m.started_from == "rest" for m in actual.members.values()] == [True] + [False] * 5
 
 
 def test_friction_begins_from_rest_where_its_neighbour_has_none(solved: list) -> None:
-    found = sweep("panel", {}, {"mu": "0:0.4:3"}, mesh="4x4")
+    actual = sweep("panel", {}, {"mu": "0:0.4:3"}, mesh="4x4")
     assert [started for _, started in solved] == [False, False, True]
-    for member in found.members.values():
+    for member in actual.members.values():
         cold = solve(*complete("panel", member.settings, "4x4"))
         assert member.quantities == pytest.approx(cold.quantities, rel=1e-8)
 
@@ -276,26 +276,30 @@ def test_an_error_is_the_most_that_a_value_may_be_off() -> None:
 
 @pytest.mark.slow
 def test_lines_that_follow_the_error_are_those_of_the_member_in_the_middle(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, estimated = [], TyreSizes.estimated
+    actual, estimated = [], TyreSizes.estimated
 
     def spy(request: Request) -> TyreSizes:
-        found.append(request.number("gamma_deg"))
+        actual.append(request.number("gamma_deg"))
         return estimated(request)
 
     monkeypatch.setattr(TyreSizes, "estimated", spy)
     sweep("tyre", {"delta_mm": "10", "grading": "adapted"}, {"gamma_deg": "50:54:3"}, mesh="12x14")
-    assert found == [52.0]
+    assert actual == [52.0]
     clamped = sweep("tyre", {"delta_mm": "10", "grading": "adapted"}, {"clamp_deg": "118:122:3"}, mesh="12x14")
     assert [member.verdict for member in clamped.members.values()] == ["unsupported", "converged", "unsupported"]
 
 
 def test_in_a_notebook(tmp_path: Path) -> None:
-    found = sweep_in_notebook("panel", {"nu": [0.1, 0.2, 0.3], "E_ratio": range(1, 3)}, mesh="4x4", keep=tmp_path / "m")
-    assert found.members[["nu", "E_ratio"]].to_numpy().tolist() == [[n, e] for n in (0.1, 0.2, 0.3) for e in (1.0, 2.0)]
-    assert (found.found.quantity, found.found.failed) == ("force_N", [])
-    assert found.figure().axes[0].get_xlabel()
-    found.write(tmp_path)
+    actual = sweep_in_notebook(
+        "panel", {"nu": [0.1, 0.2, 0.3], "E_ratio": range(1, 3)}, mesh="4x4", keep=tmp_path / "m"
+    )
+    assert actual.members[["nu", "E_ratio"]].to_numpy().tolist() == [
+        [n, e] for n in (0.1, 0.2, 0.3) for e in (1.0, 2.0)
+    ]
+    assert (actual.found.quantity, actual.found.failed) == ("force_N", [])
+    assert actual.figure().axes[0].get_xlabel()
+    actual.write(tmp_path)
     assert json.loads((tmp_path / "sweep.json").read_text())["files"] == ["sweep.csv", "figures/sweep.svg"]
-    pd.testing.assert_frame_equal(table(tmp_path)["force_N"].to_frame(), found.members[["force_N"]])
+    pd.testing.assert_frame_equal(table(tmp_path)["force_N"].to_frame(), actual.members[["force_N"]])
     with pytest.raises(UsageError, match="evenly spaced"):
         sweep_in_notebook("panel", {"nu": [0.1, 0.2, 0.4]}, mesh="4x4")

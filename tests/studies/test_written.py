@@ -60,8 +60,8 @@ def test_a_second_choice_leaves_nothing_of_the_first(tmp_path: Path) -> None:
     (tmp_path / "mine.csv").write_text("mine")
     for scene in ("panel", "hemisphere"):  # the second has no contact, and no table of algorithms
         main(["choose", scene, "--mesh", "4x4", "--error", "20%", "--budget", "3s", "--out", str(tmp_path)])
-        told = json.loads((tmp_path / "choice.json").read_text())
-        assert {*told["files"]} == names(tmp_path) - {"choice.json", "mine.csv"}
+        record = json.loads((tmp_path / "choice.json").read_text())
+        assert {*record["files"]} == names(tmp_path) - {"choice.json", "mine.csv"}
 
 
 def test_a_result_that_lies_about_its_files_deletes_nothing_elsewhere(tmp_path: Path) -> None:
@@ -69,8 +69,8 @@ def test_a_result_that_lies_about_its_files_deletes_nothing_elsewhere(tmp_path: 
     out.mkdir()
     beside.write_text("mine")
     (out / "notes.txt").write_text("mine")
-    told = ["../beside.csv", str(beside), "notes.txt", "..", 7, ["x"]]
-    for files in (told, "fields.vtu", None, {"a": 1}):
+    messages = ["../beside.csv", str(beside), "notes.txt", "..", 7, ["x"]]
+    for files in (messages, "fields.vtu", None, {"a": 1}):
         (out / "result.json").write_text(json.dumps({"files": files}))
         assert main([*RING, "--out", str(out)]) == 0
         assert beside.exists()
@@ -102,35 +102,35 @@ def test_a_step_is_frozen_into_the_directory_of_its_result(tmp_path: Path) -> No
 
 def test_fields_hold_the_displacements_given_to_supports(tmp_path: Path) -> None:
     """Of the lifted end; and resultants are those of the lifted strip, not of one whose end stays."""
-    found = solve(*complete("heavy-strip", {"load_fraction": "0.25,0.5"}, "8x1"))
-    found.write(tmp_path)
+    solution = solve(*complete("heavy-strip", {"load_fraction": "0.25,0.5"}, "8x1"))
+    solution.write(tmp_path)
     fields = meshio.read(tmp_path / "fields.vtu")
     end = fields.points[:, 0] == 0.0
     up = fields.point_data["displacement"][end, 2]
     assert up[fields.point_data["face"][end] == 1.0] == pytest.approx([-0.5 * LIFT] * 2, rel=1e-12)
-    lifted, u = found.model.body_at(0.5), found.last.u
-    told = np.array([values[0] for name, values in fields.cell_data.items() if name.startswith("H_")]).T
-    assert told == pytest.approx(lifted.resultants(u)[:, : told.shape[1]], rel=1e-12, abs=1e-15)
-    assert abs(told - found.model.shell.resultants(u)[:, : told.shape[1]]).max() > 1e-3 * abs(told).max()
+    lifted, u = solution.model.body_at(0.5), solution.last.u
+    stated = np.array([values[0] for name, values in fields.cell_data.items() if name.startswith("H_")]).T
+    assert stated == pytest.approx(lifted.resultants(u)[:, : stated.shape[1]], rel=1e-12, abs=1e-15)
+    assert abs(stated - solution.model.shell.resultants(u)[:, : stated.shape[1]]).max() > 1e-3 * abs(stated).max()
 
 
 def test_fields_of_a_manufactured_solution_are_the_solution_at_its_held_edges(tmp_path: Path) -> None:
-    found = solve(*complete("manufactured", {}, "4x4"))
-    found.write(tmp_path)
-    model = found.model
+    solution = solve(*complete("manufactured", {}, "4x4"))
+    solution.write(tmp_path)
+    model = solution.model
     body = carrying(model.shell, model.exact_at(1.0), model.loaded)
-    told = meshio.read(tmp_path / "fields.vtu").point_data["displacement"]
-    assert told == pytest.approx(
-        np.concatenate(body.discretisation.cartesian(found.last.u, body.prescribed)), abs=1e-12
+    record = meshio.read(tmp_path / "fields.vtu").point_data["displacement"]
+    assert record == pytest.approx(
+        np.concatenate(body.discretisation.cartesian(solution.last.u, body.prescribed)), abs=1e-12
     )
     held = np.tile(body.discretisation.map.held.any(axis=1), 2)
-    assert np.linalg.norm(told[held], axis=1).max() > 1.0
+    assert np.linalg.norm(record[held], axis=1).max() > 1.0
 
 
 def test_strains_are_those_of_the_displacements_beside_them(tmp_path: Path) -> None:
     """Of a sphere under pressure: (l^2 - 1)/2 with the stretches l of both faces and of the wall, from the points."""
-    found = solve(*complete("pressurised-sphere", {}, "8x1"))
-    found.write(tmp_path)
+    solution = solve(*complete("pressurised-sphere", {}, "8x1"))
+    solution.write(tmp_path)
     fields = meshio.read(tmp_path / "fields.vtu")
     faces = np.split(fields.points, 2), np.split(fields.points + fields.point_data["displacement"], 2)
     (before, after), cells = ([np.linalg.norm(face, axis=1) for face in pair] for pair in faces), fields.cell_data
@@ -151,7 +151,7 @@ def test_gaps_and_contact_are_those_of_the_points_beside_them(tmp_path: Path) ->
         place = {delta: rows["gap_mm"] + rows["x_mm"] for delta, rows in table.groupby("delta_mm")}
         assert place[5.0].to_numpy() == pytest.approx(np.full(len(place[5.0]), place[5.0].iloc[0]), abs=1e-9)
         assert place[10.0].mean() == pytest.approx(place[5.0].mean() - 5, abs=1e-9)
-        told = json.loads((out / "result.json").read_text())
+        record = json.loads((out / "result.json").read_text())
         fields = meshio.read(out / "fields.vtu")
         x = fields.points + fields.point_data["displacement"]
         gap, touches = fields.point_data["gap"], fields.point_data["in_contact"]
@@ -160,10 +160,10 @@ def test_gaps_and_contact_are_those_of_the_points_beside_them(tmp_path: Path) ->
         assert np.all(fields.point_data["face"][known] == 1)
         assert np.array_equal(touches[known] == 1, fields.point_data["pressure"][known] > 0)
         assert np.all(touches[~known] == 0)
-        assert {"contact.csv", "nodes.csv", "fields_1.vtu", "fields.pvd"} <= {*told["files"]}
+        assert {"contact.csv", "nodes.csv", "fields_1.vtu", "fields.pvd"} <= {*record["files"]}
     ring = pd.read_csv(tmp_path / "ring" / "contact.csv")
-    told = json.loads((tmp_path / "ring" / "result.json").read_text())
-    assert ring.groupby("delta_mm")["active"].sum().tolist() == [step["contact_nodes"] for step in told["steps"]]
+    record = json.loads((tmp_path / "ring" / "result.json").read_text())
+    assert ring.groupby("delta_mm")["active"].sum().tolist() == [step["contact_nodes"] for step in record["steps"]]
 
 
 def test_a_series_has_the_state_of_every_load_and_its_nodes_the_last(tmp_path: Path) -> None:

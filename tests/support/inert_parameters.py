@@ -72,7 +72,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def inert(variants: Iterable[Variant]) -> list[str]:
     """``test: parameter`` where no two variants that differ in it alone ask for different requests."""
-    found = []
+    values = []
     for test, own in groupby(sorted(variants, key=lambda each: each.test), key=lambda each: each.test):
         mine = list(own)
         for name in mine[0].parameters:
@@ -81,5 +81,5 @@ def inert(variants: Iterable[Variant]) -> list[str]:
                 groups[each.without(name)].append(each)
             several = [group for group in groups.values() if len(group) > 1]
             if several and all(len({each.asked for each in group}) == 1 for group in several):
-                found.append(f"{test}: {name}")
-    return found
+                values.append(f"{test}: {name}")
+    return values

@@ -128,10 +128,10 @@ def _seen(problem: ContactProblem, state: ContactSolution, along: np.ndarray) ->
 def _observed(stage: Stage, problem: ContactProblem, state: ContactSolution, target: float) -> object:
     """What is read off a state that is none: where that fails, the reason, for it is as good a sign."""
     try:
-        found = stage.observe(problem, state, target)
+        actual = stage.observe(problem, state, target)
     except (ArithmeticError, ValueError) as error:
         return str(error)
-    return repr(found.step), repr(found.quantities)
+    return repr(actual.step), repr(actual.quantities)
 
 
 def effect(before: Print, after: Print) -> str:
@@ -173,11 +173,11 @@ def effects(
     for setting in scene.settings:
         if setting.presets:  # a name of others, resolved away
             continue
-        found = ((name, setting.key, value, tried(setting.key, value)) for value in _others(setting, request))
+        actual = ((name, setting.key, value, tried(setting.key, value)) for value in _others(setting, request))
         if setting.kind == "choice":
-            rows += found
+            rows += actual
         else:
-            rows.append(_first_accepted(found))
+            rows.append(_first_accepted(actual))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -197,7 +197,7 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
     A word counts by itself, a number whichever value it was given. What is refused everywhere is listed, and what fails
     anywhere with another error than one for people.
     """
-    found = []
+    values = []
     for name in names:
         rows = pd.concat([effects(name, **way) for way in ({}, *WAYS.get(name, ()))], ignore_index=True)
         if rows["setting"].eq("distort").any():
@@ -215,8 +215,8 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
         for _, own in rows.groupby([rows["setting"], word], sort=False):
             broken = own[own["effect"].str.startswith(FAILS)]
             if len(broken) or own["effect"].str.startswith((NONE, REFUSED)).all():
-                found.append((broken if len(broken) else own).iloc[0])
-    return pd.DataFrame(found, columns=list(COLUMNS)).reset_index(drop=True)
+                values.append((broken if len(broken) else own).iloc[0])
+    return pd.DataFrame(values, columns=list(COLUMNS)).reset_index(drop=True)
 
 
 def algorithm_effects(
@@ -232,11 +232,11 @@ def algorithm_effects(
         for setting in parameters_of(contact):
             for value in moved(setting, setting.default, FAR):
                 try:
-                    found = effect(before, _run(scene, mesh, {**given, setting.key: value}, contact))
+                    actual = effect(before, _run(scene, mesh, {**given, setting.key: value}, contact))
                 except UsageError as error:
-                    found = f"{REFUSED}: {error}"
-                rows.append((contact, setting.key, value, found))
-                if setting.kind != "choice" and not found.startswith((NONE, REFUSED)):
+                    actual = f"{REFUSED}: {error}"
+                rows.append((contact, setting.key, value, actual))
+                if setting.kind != "choice" and not actual.startswith((NONE, REFUSED)):
                     break
     return pd.DataFrame(rows, columns=["contact", "setting", "value", "effect"])
 

@@ -24,8 +24,8 @@ from studies.output.atomic import write_json, write_table
 
 def row(text: str, *words: str) -> list[str]:
     """The cells of the first line that has all of these words; raises StopIteration where there is none."""
-    found = next(line for line in text.splitlines() if all(word in line for word in words))
-    return [word.strip() for word in found.split("|")[1:-1]]
+    actual = next(line for line in text.splitlines() if all(word in line for word in words))
+    return [word.strip() for word in actual.split("|")[1:-1]]
 
 
 def place(root: Path, label: str, campaign: str = "report") -> Path:
@@ -64,7 +64,7 @@ OF_MEDIANS = re.compile(r"^(\w+_)?ratio$")  # a declared column, where its low a
 
 def unfounded(text: str) -> list[str]:
     """Tables with a median that lack the number of problems, or the share that is solved, and rankings of too few."""
-    return [*_tables(text), *(f"ranked: {found[0]}" for found in RANKING.finditer(text) if int(found[1]) < FEWEST)]
+    return [*_tables(text), *(f"ranked: {actual[0]}" for actual in RANKING.finditer(text) if int(actual[1]) < FEWEST)]
 
 
 def _tables(text: str) -> Iterator[str]:

@@ -27,7 +27,7 @@ def tables_of(declaration: Mapping[str, Any]) -> set[str]:
     """The tables that a declaration names."""
     named = {each.get("from") for each in (declaration, *declaration["values"].values()) if isinstance(each, Mapping)}
     texts = [text for text in _texts(declaration["values"]) if not text.startswith("= ")]
-    named |= {found["table"] for found in map(VALUE.fullmatch, texts) if found}
+    named |= {actual["table"] for actual in map(VALUE.fullmatch, texts) if actual}
     return {name for name in named if name}
 
 

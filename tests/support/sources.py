@@ -21,10 +21,10 @@ def nodes_of(source: str) -> list[ast.AST]:
     """All statements of a file, and its expressions, too, where one of them may import."""
     if any(name in source for name in DYNAMIC):
         return list(ast.walk(ast.parse(source)))
-    found: list[ast.AST] = [ast.parse(source)]
-    for node in found:  # which grows
-        found += [each for name in BLOCKS for each in getattr(node, name, ())]
-    return found
+    values: list[ast.AST] = [ast.parse(source)]
+    for node in values:  # which grows
+        values += [each for name in BLOCKS for each in getattr(node, name, ())]
+    return values
 
 
 ROOT = Path(__file__).parents[2]
@@ -44,28 +44,28 @@ class Block:
 
 
 def blocks(page: Path) -> list[Block]:
-    found = BLOCK.findall(page.read_text(encoding="utf-8"))
-    return [Block(language, title, text, not reason) for reason, language, title, text in found]
+    actual = BLOCK.findall(page.read_text(encoding="utf-8"))
+    return [Block(language, title, text, not reason) for reason, language, title, text in actual]
 
 
 def file_of(page: str, title: str) -> str:
     """The text of a file on a page of the manual."""
-    (found,) = (each.text for each in blocks(MANUAL / f"{page}.md") if each.title == title)
-    return found
+    (actual,) = (each.text for each in blocks(MANUAL / f"{page}.md") if each.title == title)
+    return actual
 
 
 def lines(block: Block) -> list[tuple[str, int]]:
     """Each command of a block for the shell, with the exit code that its comment states; it may go on below."""
-    found = []
+    values = []
     for line in block.text.replace("\\\n", " ").splitlines():
         command, _, comment = line.partition("  #")
         stated = re.search(r"^ exit (\d)", comment)
-        found.append((command.strip(), int(stated[1]) if stated else 0))
-    return [each for each in found if each[0]]
+        values.append((command.strip(), int(stated[1]) if stated else 0))
+    return [each for each in values if each[0]]
 
 
 def commands(page: Path) -> list[list[str]]:
     """The words of every command ``footprint``, run or not."""
     shell = (each for each in blocks(page) if each.language == "sh")
-    told = (shlex.split(line, comments=True) for block in shell for line, _ in lines(block) if "footprint " in line)
-    return [words[1:] for words in told if words and words[0] == "footprint"]
+    stated = (shlex.split(line, comments=True) for block in shell for line, _ in lines(block) if "footprint " in line)
+    return [words[1:] for words in stated if words and words[0] == "footprint"]

@@ -138,9 +138,9 @@ def test_the_full_system_has_springs_by_area_and_the_set_of_its_own_answer(name)
     """The answer of a finite epsilon on unequal areas is that of all others, and no step has to correct its set."""
     for seed, epsilon in product(range(3), (1.0, 1e3, np.inf)):
         data = random_quadratic(np.random.default_rng(seed), "definite")
-        known, found = (
+        known, actual = (
             solve_from_rest(each, data.problem(), len(data.f), epsilon, **options)
             for each, options in (("semismooth", {}), (name, {"system": "full"}))
         )
-        np.testing.assert_allclose(found.pressure, known.pressure, rtol=0, atol=ORACLE)
-        assert not events(found.history, EventKind.SUBSTITUTE)
+        np.testing.assert_allclose(actual.pressure, known.pressure, rtol=0, atol=ORACLE)
+        assert not events(actual.history, EventKind.SUBSTITUTE)

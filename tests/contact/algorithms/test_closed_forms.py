@@ -166,9 +166,9 @@ def test_chain_of_hardening_springs(name, epsilon) -> None:
             closed = np.where(a, walls + G @ u + p / epsilon, p)
             return np.concatenate([internal(u) - f - G.T @ (weights * p), closed])
 
-        found = root(equations, np.zeros(n + 3), tol=1e-13)
-        u, p = found.x[:n], found.x[n:]
-        assert np.max(np.abs(equations(found.x))) <= TOUCH
+        actual = root(equations, np.zeros(n + 3), tol=1e-13)
+        u, p = actual.x[:n], actual.x[n:]
+        assert np.max(np.abs(equations(actual.x))) <= TOUCH
         if np.all(p >= -TOUCH) and np.all((walls + G @ u >= -TOUCH) | a):
             consistent.append((u, p, a))
     assert len(consistent) == 1
@@ -241,9 +241,9 @@ def iterations(scene: str, n: int) -> np.ndarray:
 @pytest.mark.parametrize("scene", SCENES)
 def test_iterations_of_semismooth_do_not_grow_with_the_mesh(scene: str) -> None:
     """Every load, and the whole path."""
-    found = np.array([iterations(scene, n) for n in (64, 256, 1024)])
-    for each in (*found.T, found.sum(axis=1)):
-        assert each.max() <= FACTOR * each.min(), found
+    actual = np.array([iterations(scene, n) for n in (64, 256, 1024)])
+    for each in (*actual.T, actual.sum(axis=1)):
+        assert each.max() <= FACTOR * each.min(), actual
 
 
 def test_the_rim_of_a_strip_is_settled_on_one_linearisation() -> None:

@@ -101,8 +101,8 @@ def test_nnls_itself_is_right_or_corrected() -> None:
     for seed in range(40):
         data, _, pressure = manufactured(np.random.default_rng(seed), "definite", states)
         S = data.G @ np.linalg.solve(data.K, data.G.T)
-        found = by_nnls(S, data.g0 + data.G @ np.linalg.solve(data.K, data.f))
-        np.testing.assert_allclose(found.z, data.w * pressure, rtol=0, atol=NNLS, err_msg=f"seed {seed}")
+        actual = by_nnls(S, data.g0 + data.G @ np.linalg.solve(data.K, data.f))
+        np.testing.assert_allclose(actual.z, data.w * pressure, rtol=0, atol=NNLS, err_msg=f"seed {seed}")
 
 
 def test_nnls_alone_is_no_oracle_of_exact_touch() -> None:

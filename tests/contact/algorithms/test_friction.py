@@ -46,13 +46,13 @@ def solved(algorithm: ContactAlgorithm, problem: ContactProblem) -> ContactSolut
 def test_all_that_claim_the_exact_law_agree(name: str, seeds: range) -> None:
     for seed, mu in product(seeds, (0.1, 0.5, 1.0)):
         wanted = planted(seed, mu)
-        found = solved(EXACT[name], wanted.problem)
-        assert found.outcome is Outcome.CONVERGED, (seed, mu)
-        assert np.array_equal(found.rubbed.state, wanted.state), (seed, mu)
-        fields = (found.u, wanted.u), (found.pressure, wanted.normal), (found.rubbed.force, wanted.friction)
+        solution = solved(EXACT[name], wanted.problem)
+        assert solution.outcome is Outcome.CONVERGED, (seed, mu)
+        assert np.array_equal(solution.rubbed.state, wanted.state), (seed, mu)
+        fields = (solution.u, wanted.u), (solution.pressure, wanted.normal), (solution.rubbed.force, wanted.friction)
         for mine, built in fields:
             assert np.max(np.abs(mine - built)) < 1e-8, (seed, mu)
-        assert not judge(wanted.problem, found.u, found.pressure, found.rubbed.force).failures(), (seed, mu)
+        assert not judge(wanted.problem, solution.u, solution.pressure, solution.rubbed.force).failures(), (seed, mu)
 
 
 def same(found: ContactSolution, wanted: ContactSolution, close: float = 1e-8) -> None:
@@ -80,32 +80,32 @@ def test_with_none_the_answer_is_that_without_friction() -> None:
         problem = planted(2, 0.0).problem
         frictionless = by_the_exact_law()[name]
         wanted = frictionless.solve(replace(problem, coulomb=None), ContactSolution.at_rest(26, 7))
-        found = solved(frictionless, problem)
-        assert wanted.outcome is found.outcome is Outcome.CONVERGED
-        assert np.array_equal(found.active, wanted.active)
-        assert np.max(np.abs(found.u - wanted.u)) < 1e-8
-        assert np.max(np.abs(found.pressure - wanted.pressure)) < 1e-8
-        assert not np.any(found.rubbed.force)
+        solution = solved(frictionless, problem)
+        assert wanted.outcome is solution.outcome is Outcome.CONVERGED
+        assert np.array_equal(solution.active, wanted.active)
+        assert np.max(np.abs(solution.u - wanted.u)) < 1e-8
+        assert np.max(np.abs(solution.pressure - wanted.pressure)) < 1e-8
+        assert not np.any(solution.rubbed.force)
 
 
 def test_smooth_candidates_beside_rough_ones() -> None:
     for name in EXACT:
         problem = planted(4, 0.7).problem
         mixed = with_mu(problem, np.where(np.arange(7) % 2, problem.coulomb.mu, 0.0))
-        wanted, found = solved(Semismooth(), mixed), solved(EXACT[name], mixed)
-        assert wanted.outcome is found.outcome is Outcome.CONVERGED
-        assert np.max(np.abs(found.rubbed.force - wanted.rubbed.force)) < 1e-8
-        assert not np.any(found.rubbed.force[::2])
-        assert not judge(mixed, found.u, found.pressure, found.rubbed.force).failures()
+        wanted, actual = solved(Semismooth(), mixed), solved(EXACT[name], mixed)
+        assert wanted.outcome is actual.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(actual.rubbed.force - wanted.rubbed.force)) < 1e-8
+        assert not np.any(actual.rubbed.force[::2])
+        assert not judge(mixed, actual.u, actual.pressure, actual.rubbed.force).failures()
 
 
 def test_an_endless_friction_ties() -> None:
     for name in ("trial-and-error", "regularised", "augmented-lagrangian"):
         problem = tied(3)
-        wanted, found = solved(Semismooth(), problem), solved(by_the_exact_law(1e8)[name], problem)
-        assert wanted.outcome is found.outcome is Outcome.CONVERGED
-        assert np.max(np.abs(found.rubbed.force - wanted.rubbed.force)) < (1e-8 if is_exact(name) else 1e-6)
-        assert not np.any(found.rubbed.state == State.SLIP)
+        wanted, actual = solved(Semismooth(), problem), solved(by_the_exact_law(1e8)[name], problem)
+        assert wanted.outcome is actual.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(actual.rubbed.force - wanted.rubbed.force)) < (1e-8 if is_exact(name) else 1e-6)
+        assert not np.any(actual.rubbed.state == State.SLIP)
 
 
 def test_it_gives_programmes_no_bound() -> None:
@@ -120,17 +120,17 @@ def test_candidates_that_share_unknowns_are_held_together() -> None:
         step, wanted = manufactured(np.random.default_rng(seed), 4, np.array([0, 1, 2, 2]))
         problem = step.problem()
         for name in HELD:
-            found = by_the_exact_law()[name].solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
-            if name == "trial-and-error" and not found.outcome.converged:
-                ended.add(found.outcome)
+            solution = by_the_exact_law()[name].solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
+            if name == "trial-and-error" and not solution.outcome.converged:
+                ended.add(solution.outcome)
                 continue
-            assert found.outcome is Outcome.CONVERGED, name
-            assert np.max(np.abs(found.u - wanted.u)) < 1e-8
-            assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-8
-        found = AugmentedLagrangian().solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
-        assert found.outcome is Outcome.CONVERGED
-        assert np.max(np.abs(found.u - wanted.u)) < 1e-8
-        assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-8
+            assert solution.outcome is Outcome.CONVERGED, name
+            assert np.max(np.abs(solution.u - wanted.u)) < 1e-8
+            assert np.max(np.abs(solution.rubbed.force - wanted.friction)) < 1e-8
+        solution = AugmentedLagrangian().solve(problem, ContactSolution.at_rest(len(wanted.u), 4))
+        assert solution.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(solution.u - wanted.u)) < 1e-8
+        assert np.max(np.abs(solution.rubbed.force - wanted.friction)) < 1e-8
     assert ended <= {Outcome.CYCLING}
 
 
@@ -142,9 +142,9 @@ def two_ways() -> ContactProblem:
 
 def test_a_candidate_with_less_ways_than_its_slip_is_refused() -> None:
     for name in HELD:
-        found = solved(by_the_exact_law()[name], two_ways())
-        assert found.outcome is Outcome.REFUSED
-        assert "less ways than its slip has" in str(events(found.history, EventKind.FAILED)[-1])
+        solution = solved(by_the_exact_law()[name], two_ways())
+        assert solution.outcome is Outcome.REFUSED
+        assert "less ways than its slip has" in str(events(solution.history, EventKind.FAILED)[-1])
 
 
 def test_all_of_the_catalogue_know_friction() -> None:
@@ -207,9 +207,9 @@ def test_what_strong_friction_is_said_to_be_obeys_the_law(name: str, seeds: rang
     """Beyond what is known to have one answer, each finds one."""
     for seed, mu in product(seeds, (1.0, 3.0)):
         wanted = planted(seed, mu, coupled=0.8, m=10)
-        found = solved(EXACT[name], wanted.problem)
-        assert found.outcome is Outcome.CONVERGED, (seed, mu)
-        assert not judge(wanted.problem, found.u, found.pressure, found.rubbed.force).failures(), (seed, mu)
+        solution = solved(EXACT[name], wanted.problem)
+        assert solution.outcome is Outcome.CONVERGED, (seed, mu)
+        assert not judge(wanted.problem, solution.u, solution.pressure, solution.rubbed.force).failures(), (seed, mu)
 
 
 def by_semismooth(problem: ContactProblem, algorithm: Semismooth | TrialAndError | None = None) -> ContactSolution:
@@ -221,37 +221,37 @@ def test_the_planted_answer_is_found() -> None:
     """All three states are in each; with one component of slip the linearisation is exact and one iteration does."""
     for seed, mu, components in product(range(4), (0.1, 0.4, 1.0), (1, 2)):
         wanted = planted(seed, mu, components=components)
-        found = by_semismooth(wanted.problem)
-        assert found.outcome is Outcome.CONVERGED
-        assert np.array_equal(found.rubbed.state, wanted.state)
+        actual = by_semismooth(wanted.problem)
+        assert actual.outcome is Outcome.CONVERGED
+        assert np.array_equal(actual.rubbed.state, wanted.state)
         for mine, built in (
-            (found.u, wanted.u),
-            (found.pressure, wanted.normal),
-            (found.rubbed.force, wanted.friction),
+            (actual.u, wanted.u),
+            (actual.pressure, wanted.normal),
+            (actual.rubbed.force, wanted.friction),
         ):
             assert np.max(np.abs(mine - built)) < 1e-9
-        assert found.counters["newton_iterations"] <= (1 if components == 1 else 6)
+        assert actual.counters["newton_iterations"] <= (1 if components == 1 else 6)
 
 
 def test_semismooth_ties_who_touches_by_an_endless_friction() -> None:
     """Against K du - J_A^T F_A = f, v_A = 0 of the candidates that touch."""
     for seed in range(5):
         problem = tied(seed)
-        found = by_semismooth(problem)
-        assert found.outcome is Outcome.CONVERGED
-        touch = found.rubbed.state == State.STICK
+        actual = by_semismooth(problem)
+        assert actual.outcome is Outcome.CONVERGED
+        touch = actual.rubbed.state == State.STICK
         assert touch.any()
-        assert np.all(touch | (found.rubbed.state == State.OPEN))
-        u = np.zeros_like(found.u)
+        assert np.all(touch | (actual.rubbed.state == State.OPEN))
+        u = np.zeros_like(actual.u)
         lin = problem.linearise(u, None)
         slips = problem.coulomb.slip_jacobian(u)[np.repeat(touch, 2)]
         J = sparse.vstack([problem.gap_jacobian(u)[touch], slips]).toarray()
         v = np.append(problem.gap(u)[touch], problem.coulomb.slip(u)[touch].ravel())
         zero = np.zeros((len(J), len(J)))
         x = np.linalg.solve(np.block([[lin.tangent.toarray(), -J.T], [J, zero]]), np.append(-lin.residual, -v))
-        assert np.max(np.abs(found.u - x[: len(u)])) <= 1e-9 * np.max(np.abs(found.u))
-        assert np.all(problem.gap(found.u)[~touch] >= 0)
-        assert np.all(found.pressure[touch] >= 0)
+        assert np.max(np.abs(actual.u - x[: len(u)])) <= 1e-9 * np.max(np.abs(actual.u))
+        assert np.all(problem.gap(actual.u)[~touch] >= 0)
+        assert np.all(actual.pressure[touch] >= 0)
 
 
 class TestKlarbring:
@@ -272,41 +272,41 @@ class TestKlarbring:
     def answers(self, mu: float, load: tuple[float, float], slip0: float = 0.0) -> list[tuple[float, float, str]]:
         """(u_t, u_n, state) of all answers."""
         Ft, Fn = load
-        found = []
+        values = []
         u = np.linalg.solve(self.K, load)
         if u[1] < 0:
-            found.append((float(u[0]), float(u[1]), "open"))
+            values.append((float(u[0]), float(u[1]), "open"))
         ut = -slip0
         f, t = Fn - self.K[1, 0] * ut, self.K[0, 0] * ut - Ft
         if f >= 0 and abs(t) <= mu * f:
-            found.append((ut, 0.0, "stick"))
+            values.append((ut, 0.0, "stick"))
         for way in (1.0, -1.0):  # Ktt ut - Ft = -way mu f, f = Fn - Knt ut
             slope = self.K[0, 0] - way * mu * self.K[1, 0]
             ut = (Ft - way * mu * Fn) / slope
             f = Fn - self.K[1, 0] * ut
             if f >= 0 and way * (ut + slip0) > 0:
-                found.append((ut, 0.0, "slip"))
-        return found
+                values.append((ut, 0.0, "slip"))
+        return values
 
     def test_below_the_bound_there_is_one_answer_and_it_is_found(self) -> None:
         for load in ((0.2, 1.0), (2.0, 1.0), (-2.0, 1.0), (0.3, -1.0), (5.0, 1.0)):
             answers = self.answers(0.8, load)
             assert len(answers) == 1
-            found = by_semismooth(self.problem(0.8, load))
-            assert found.outcome is Outcome.CONVERGED
-            assert found.u == pytest.approx(answers[0][:2], abs=1e-12)
+            actual = by_semismooth(self.problem(0.8, load))
+            assert actual.outcome is Outcome.CONVERGED
+            assert actual.u == pytest.approx(answers[0][:2], abs=1e-12)
 
     def test_beyond_it_no_false_answer_is_claimed(self) -> None:
         """One of several is found, or none is claimed; there is never none (Brouwer's theorem on Tresca's passes)."""
         counts = set[int]()
         for mu, force, slip0 in product((1.8, 2.5, 6.0), (-3.0, -1.0, 0.3, 1.5, 1.8, 2.5, 4.0), (-0.7, 0.0, 0.7)):
             load = (force, 1.0)
-            answers, found = self.answers(mu, load, slip0), by_semismooth(self.problem(mu, load, slip0))
+            answers, actual = self.answers(mu, load, slip0), by_semismooth(self.problem(mu, load, slip0))
             counts.add(len(answers))
-            if found.outcome is Outcome.CONVERGED:
-                assert any(np.allclose(found.u, each[:2], atol=1e-10) for each in answers), (found, answers)
+            if actual.outcome is Outcome.CONVERGED:
+                assert any(np.allclose(actual.u, each[:2], atol=1e-10) for each in answers), (actual, answers)
             else:
-                assert found.outcome in {Outcome.CYCLING, Outcome.SINGULAR, Outcome.ITERATION_LIMIT}
+                assert actual.outcome in {Outcome.CYCLING, Outcome.SINGULAR, Outcome.ITERATION_LIMIT}
         assert min(counts) == 1 < max(counts)
 
 

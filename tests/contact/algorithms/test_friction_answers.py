@@ -111,8 +111,8 @@ def test_an_answer_is_what_it_was(way: str) -> None:
     for name, problem in problems().items():
         if (case := f"{way}: {name}") in GOLDEN:
             n = problem.coulomb.slip_jacobian(np.zeros(0)).shape[1]
-            found = algorithm.solve(problem, ContactSolution.at_rest(n, len(problem.weights)))
-            compare(found, problem.nodal_forces(found.pressure), GOLDEN[case], BY_TOLERANCE.get(way, EXACT))
+            solution = algorithm.solve(problem, ContactSolution.at_rest(n, len(problem.weights)))
+            compare(solution, problem.nodal_forces(solution.pressure), GOLDEN[case], BY_TOLERANCE.get(way, EXACT))
 
 
 def test_every_value_written_down_is_compared() -> None:
@@ -148,40 +148,40 @@ def counted(seeds: Iterable[int], names: Iterable[str] = QUICK) -> Counter[str]:
         counts["false"] += bool(judge(problem, own.du, own.normal, own.friction).failures())
         counts["every state"] += len(set(own.state.tolist())) == len(State)
         for algorithm in [ALGORITHMS[name](tolerance=TOLERANCE, epsilon=np.inf) for name in names]:
-            found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.mu)))
-            if not found.outcome.converged:
-                counts[f"{algorithm.name} {found.outcome.word}"] += 1
+            solution = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.mu)))
+            if not solution.outcome.converged:
+                counts[f"{algorithm.name} {solution.outcome.word}"] += 1
                 continue
-            counts["false"] += bool(judge(problem, found.u, found.pressure, found.rubbed.force).failures())
-            same = compared(step, own, found.u, found.pressure, found.rubbed.force).agrees
+            counts["false"] += bool(judge(problem, solution.u, solution.pressure, solution.rubbed.force).failures())
+            same = compared(step, own, solution.u, solution.pressure, solution.rubbed.force).agrees
             counts[f"{algorithm.name} {'agrees' if same else 'differs'}"] += 1
     return counts
 
 
 def test_semismooth_and_the_oracle_agree_on_random_steps() -> None:
     for seed in range(FEW):
-        found = counted([seed])
-        assert found["false"] == 0
-        assert found["semismooth agrees"] == 1
-        assert not [name for name in found if name.endswith("differs")]
+        actual = counted([seed])
+        assert actual["false"] == 0
+        assert actual["semismooth agrees"] == 1
+        assert not [name for name in actual if name.endswith("differs")]
 
 
 @pytest.mark.slow
 def test_no_exact_algorithm_has_another_answer() -> None:
-    found = counted(range(10 * FEW), EXACT_ONES)
-    assert found["false"] == 0
-    assert not [name for name in found if name.endswith("differs")]
+    actual = counted(range(10 * FEW), EXACT_ONES)
+    assert actual["false"] == 0
+    assert not [name for name in actual if name.endswith("differs")]
 
 
 @pytest.mark.slow
 def test_they_agree_on_many() -> None:
     """The naive set ends on a quarter of them, cycles on the others."""
-    found = counted(range(MANY))
-    assert found["false"] == 0
-    assert found["semismooth agrees"] == MANY
-    assert not [name for name in found if name.endswith("differs")]
-    assert found["trial-and-error agrees"] >= 0.1 * MANY
-    assert found["every state"] >= 0.9 * MANY
+    actual = counted(range(MANY))
+    assert actual["false"] == 0
+    assert actual["semismooth agrees"] == MANY
+    assert not [name for name in actual if name.endswith("differs")]
+    assert actual["trial-and-error agrees"] >= 0.1 * MANY
+    assert actual["every state"] >= 0.9 * MANY
 
 
 STOPS = 7
@@ -243,8 +243,8 @@ def test_no_algorithm_converges_to_what_the_judge_refuses(name: str, seeds: rang
         assert states or name == "trial-and-error", seed  # which cycles on most of them, and says so
         largest = max((abs(at.dissipation) for _, at in states), default=0.0)
         for stage, at in states:
-            found = at.solution
-            verdict = judge(stage.problem, found.u, found.pressure, found.rubbed.force, epsilon=epsilon)
+            actual = at.solution
+            verdict = judge(stage.problem, actual.u, actual.pressure, actual.rubbed.force, epsilon=epsilon)
             assert not verdict.failures(), (seed, at.load, verdict.kkt)
             if np.isinf(epsilon):
                 assert at.dissipation >= -DISSIPATED * largest, seed

@@ -41,17 +41,17 @@ def test_friction_between_two_corners_is_short_by_the_cosine() -> None:
     for kind in (Qp, Lcp):
         short = []
         for sides in SIDES.tolist():
-            found = solved(kind(sides=sides, finish=False), dragged(math.pi / sides))
-            assert found.outcome is Outcome.CONVERGED
-            short.append(1 - float(np.linalg.norm(found.rubbed.force)) / 0.5)
+            solution = solved(kind(sides=sides, finish=False), dragged(math.pi / sides))
+            assert solution.outcome is Outcome.CONVERGED
+            short.append(1 - float(np.linalg.norm(solution.rubbed.force)) / 0.5)
             assert short[-1] == pytest.approx(1 - math.cos(math.pi / sides), abs=1e-6)
         assert np.polyfit(np.log(SIDES), np.log(short), 1)[0] == pytest.approx(-2, abs=0.05)
 
 
 def test_it_is_never_shorter_nor_beyond_the_disc() -> None:
     for kind, angle in product((Qp, Lcp), np.linspace(0.05, 1.5, 5)):
-        found = solved(kind(sides=8, finish=False), dragged(angle))
-        against = found.rubbed.force[0] @ [math.cos(angle), math.sin(angle)] / 0.5
+        solution = solved(kind(sides=8, finish=False), dragged(angle))
+        against = solution.rubbed.force[0] @ [math.cos(angle), math.sin(angle)] / 0.5
         assert math.cos(math.pi / 8) - 1e-6 <= against <= 1 + 1e-6
 
 
@@ -59,18 +59,18 @@ def test_the_judge_refuses_the_polygon_and_takes_what_exact_steps_make_of_it() -
     for kind in (Qp, Lcp):
         problem = planted(5, 0.5).problem
         for finish in (False, True):
-            found = solved(kind(finish=finish), problem)
-            assert found.outcome is Outcome.CONVERGED
-            assert bool(judge(problem, found.u, found.pressure, found.rubbed.force).failures()) is not finish
-            told = [str(event) for event in events(found.history, EventKind.SUBSTITUTE)]
-            assert any("forces are those of the programme" in text for text in told) is not finish
+            solution = solved(kind(finish=finish), problem)
+            assert solution.outcome is Outcome.CONVERGED
+            assert bool(judge(problem, solution.u, solution.pressure, solution.rubbed.force).failures()) is not finish
+            messages = [str(event) for event in events(solution.history, EventKind.SUBSTITUTE)]
+            assert any("forces are those of the programme" in text for text in messages) is not finish
 
 
 def test_a_slip_with_one_way_has_no_polygon() -> None:
     wanted = planted(5, 0.5, components=1)
-    found = solved(Lcp(sides=4, finish=False), wanted.problem)
-    assert found.outcome is Outcome.CONVERGED
-    assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-9
+    solution = solved(Lcp(sides=4, finish=False), wanted.problem)
+    assert solution.outcome is Outcome.CONVERGED
+    assert np.max(np.abs(solution.rubbed.force - wanted.friction)) < 1e-9
 
 
 def test_discs_are_those_of_cvxpy(rng: np.random.Generator) -> None:
@@ -84,14 +84,14 @@ def test_discs_are_those_of_cvxpy(rng: np.random.Generator) -> None:
     block = Block(W, v, np.ones(c), np.ones(c), np.ones((c, 3), bool))
     programme, chosen = Tresca.of(block, 0).programme(bound)
     tresca = Tresca.of(block, 0)
-    found = tresca.forces(ask("clarabel", programme, 1e-10, polish=False).x, chosen)
+    actual = tresca.forces(ask("clarabel", programme, 1e-10, polish=False).x, chosen)
     F = cp.Variable(3 * c)
     discs = [cp.norm(F[3 * i + 1 : 3 * i + 3]) <= bound[i] for i in range(c)]
     cp.Problem(cp.Minimize(cp.quad_form(F, cp.psd_wrap(W)) / 2 + v @ F), [F[::3] >= 0, *discs]).solve(
         solver=cp.SCS, eps=1e-10, max_iters=100_000
     )
-    assert np.max(np.abs(found.ravel() - F.value)) < 1e-6
-    assert np.max(np.linalg.norm(found[:, 1:], axis=1) / bound) == pytest.approx(1, abs=1e-6)
+    assert np.max(np.abs(actual.ravel() - F.value)) < 1e-6
+    assert np.max(np.linalg.norm(actual[:, 1:], axis=1) / bound) == pytest.approx(1, abs=1e-6)
 
 
 def test_a_backend_without_discs_says_so() -> None:
@@ -105,12 +105,12 @@ def test_a_backend_without_discs_says_so() -> None:
 def test_no_energy_no_programme() -> None:
     K = np.array([[1.0, 0.3, 0.0], [-0.3, 1.0, 0.0], [0.0, 0.0, 1.0]])
     problem = dragged(0.4, K)
-    found = solved(Qp(), problem)
-    assert found.outcome is Outcome.REFUSED
-    assert "no energy to minimise" in str(events(found.history, EventKind.FAILED)[-1])
-    found = solved(Lcp(), problem)
-    assert found.outcome is Outcome.CONVERGED
-    assert not judge(problem, found.u, found.pressure, found.rubbed.force).failures()
+    solution = solved(Qp(), problem)
+    assert solution.outcome is Outcome.REFUSED
+    assert "no energy to minimise" in str(events(solution.history, EventKind.FAILED)[-1])
+    solution = solved(Lcp(), problem)
+    assert solution.outcome is Outcome.CONVERGED
+    assert not judge(problem, solution.u, solution.pressure, solution.rubbed.force).failures()
 
 
 def test_pivots_are_bounded() -> None:
@@ -127,10 +127,10 @@ def test_pivots_are_bounded() -> None:
 def test_where_pivots_may_not_go_on_exact_steps_take_over(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(friction_compliance, "PIVOTS_EACH", 0)
     wanted = planted(5, 0.5)
-    found = solved(Lcp(), wanted.problem)
-    assert found.outcome is Outcome.CONVERGED
-    assert np.max(np.abs(found.rubbed.force - wanted.friction)) < 1e-8
-    assert any("settled by exact steps instead" in str(event) for event in events(found.history))
+    solution = solved(Lcp(), wanted.problem)
+    assert solution.outcome is Outcome.CONVERGED
+    assert np.max(np.abs(solution.rubbed.force - wanted.friction)) < 1e-8
+    assert any("settled by exact steps instead" in str(event) for event in events(solution.history))
     refused = solved(Lcp(finish=False), wanted.problem)
     assert refused.outcome is Outcome.UNSOLVED
 
@@ -144,12 +144,12 @@ def test_a_body_that_only_the_foundation_holds() -> None:
         S[[0, 2]] = np.eye(4)[along]
         load = np.array([0.0, -1.0, 0.8, -1.0])
         problem = linear(K, load, G, S, np.zeros(2), np.zeros((2, 2)), np.full(2, 0.5))
-        found = solved(kind(), problem)
-        assert found.outcome is Outcome.CONVERGED
-        assert found.rubbed.state.tolist() == [State.STICK, State.SLIP]
-        assert found.u == pytest.approx([0.0, 0.0, 0.3, 0.0], abs=1e-12)
-        assert found.rubbed.force[:, 0] == pytest.approx([-0.3, -0.5], abs=1e-12)
-        assert any("only the foundation holds" in str(event) for event in events(found.history))
+        solution = solved(kind(), problem)
+        assert solution.outcome is Outcome.CONVERGED
+        assert solution.rubbed.state.tolist() == [State.STICK, State.SLIP]
+        assert solution.u == pytest.approx([0.0, 0.0, 0.3, 0.0], abs=1e-12)
+        assert solution.rubbed.force[:, 0] == pytest.approx([-0.3, -0.5], abs=1e-12)
+        assert any("only the foundation holds" in str(event) for event in events(solution.history))
         lost = replace(problem, linearise=linear_mechanics(sparse.csc_matrix(K), 3 * load))
         assert not solved(kind(), with_mu(lost, np.full(2, 0.1))).outcome.converged
 

@@ -106,8 +106,8 @@ class Stuck:
         return np.append(point.u, point.factor)
 
     def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint:
-        found = self.place(start) + self.moves * (guess - self.place(start))
-        return ArcPoint(found[:-1], float(found[-1]))
+        actual = self.place(start) + self.moves * (guess - self.place(start))
+        return ArcPoint(actual[:-1], float(actual[-1]))
 
     def tangent(self, point: ArcPoint, along: np.ndarray) -> np.ndarray:
         raise SingularMatrixError("no tangent")
@@ -116,6 +116,6 @@ class Stuck:
 @pytest.mark.parametrize("moves", [0.0, 0.3, 1.0])
 def test_a_point_off_its_plane_or_without_a_tangent_is_none(moves) -> None:
     ahead = np.array([0.6, 0.8])
-    found, onwards = ArcLength(1.0)._advance(Stuck(moves), ArcPoint(np.zeros(1), 0.0), ahead, watchful=False)
-    assert found is None
+    actual, onwards = ArcLength(1.0)._advance(Stuck(moves), ArcPoint(np.zeros(1), 0.0), ahead, watchful=False)
+    assert actual is None
     np.testing.assert_array_equal(onwards, ahead)

@@ -56,11 +56,11 @@ def tilted(load: float) -> float:
 def test_a_buckled_column_leans_to_either_side(load: float) -> None:
     problem, upright = column(load), at(0.0)
     assert stability(problem, upright).word == UNSTABLE
-    found = stable_branches(problem, upright, ALGORITHMS["semismooth"](tolerance=1e-12))
-    assert found is not None
-    assert [branch.found for branch in found] == [True, True]
-    assert [branch.stability.word for branch in found] == [STABLE, STABLE]
-    angles = sorted(float(branch.solution.u[0]) for branch in found)
+    actual = stable_branches(problem, upright, ALGORITHMS["semismooth"](tolerance=1e-12))
+    assert actual is not None
+    assert [branch.found for branch in actual] == [True, True]
+    assert [branch.stability.word for branch in actual] == [STABLE, STABLE]
+    angles = sorted(float(branch.solution.u[0]) for branch in actual)
     assert angles == pytest.approx([-tilted(load), tilted(load)], rel=EXACT)
 
 
@@ -77,9 +77,9 @@ def test_a_column_leans_on_a_wall_with_the_force_of_its_moments(name: str) -> No
     load, wall = 1.5, 0.8
     angle, P = math.asin(wall / LENGTH), load * K / LENGTH
     assert angle < tilted(load)
-    found = stable_branches(column(load, wall), at(0.0, 1), ALGORITHMS[name](epsilon=math.inf))
-    assert found is not None
-    free, leaning = sorted(found, key=lambda branch: float(branch.solution.u[0]))
+    actual = stable_branches(column(load, wall), at(0.0, 1), ALGORITHMS[name](epsilon=math.inf))
+    assert actual is not None
+    free, leaning = sorted(actual, key=lambda branch: float(branch.solution.u[0]))
     assert [free.found, leaning.found] == [True, True]
     assert free.solution.u[0] == pytest.approx(-tilted(load), rel=EXACT)
     assert leaning.solution.u[0] == pytest.approx(angle, rel=EXACT)
@@ -98,19 +98,19 @@ def test_a_shallow_truss_snaps_to_the_outer_roots_of_its_cubic() -> None:
 
     problem, middle = without(linearise), at(float(roots[1]))
     assert stability(problem, middle).negative == 1
-    found = stable_branches(problem, middle, ALGORITHMS["semismooth"](tolerance=1e-12))
-    assert found is not None
-    assert sorted(float(branch.solution.u[0]) for branch in found) == pytest.approx([roots[0], roots[2]], rel=EXACT)
+    actual = stable_branches(problem, middle, ALGORITHMS["semismooth"](tolerance=1e-12))
+    assert actual is not None
+    assert sorted(float(branch.solution.u[0]) for branch in actual) == pytest.approx([roots[0], roots[2]], rel=EXACT)
 
 
 @pytest.mark.slow
 def test_a_descent_without_an_end_says_so() -> None:
     """r = -u: no equilibrium but the unstable one."""
     problem = without(lambda u, memory: Linearisation(-u, sparse.csc_matrix([[-1.0]]), max(abs(float(u[0])), 1.0)))
-    found = stable_branches(problem, at(0.0), ALGORITHMS["semismooth"](tolerance=1e-12))
-    assert found is not None
-    assert not any(branch.found for branch in found)
-    assert all(branch.reason for branch in found)
+    actual = stable_branches(problem, at(0.0), ALGORITHMS["semismooth"](tolerance=1e-12))
+    assert actual is not None
+    assert not any(branch.found for branch in actual)
+    assert all(branch.reason for branch in actual)
 
 
 def test_springs_add_their_stiffness_and_vanish_where_they_hold() -> None:
@@ -137,6 +137,6 @@ def test_the_unstable_mode_may_be_far_stiffer_than_the_softest() -> None:
     middle = ContactSolution(np.zeros(n), np.zeros(0), np.zeros(0, bool), Outcome.CONVERGED)
     assert min(spectrum(problem, middle).eigenvalues) > 0  # the softest do not show it
     assert spectrum(problem, middle, negative=1).eigenvalues == pytest.approx([-5.0], rel=EXACT)
-    found = stable_branches(problem, middle, ALGORITHMS["semismooth"](tolerance=1e-12))
-    assert found is not None
-    assert sorted(float(branch.solution.u[-1]) for branch in found) == pytest.approx([-(5**0.5), 5**0.5], rel=EXACT)
+    actual = stable_branches(problem, middle, ALGORITHMS["semismooth"](tolerance=1e-12))
+    assert actual is not None
+    assert sorted(float(branch.solution.u[-1]) for branch in actual) == pytest.approx([-(5**0.5), 5**0.5], rel=EXACT)

@@ -62,8 +62,8 @@ def test_who_was_left_out_and_penetrates_is_taken_in() -> None:
         np.testing.assert_allclose(near.u, every.u, rtol=0, atol=1e-9)
         np.testing.assert_allclose(near.pressure, every.pressure, rtol=1e-9, atol=1e-12)
         np.testing.assert_array_equal(near.active, every.active)
-        told = events(near.history, EventKind.TAKEN_IN)
-        assert len(told) == len(algorithm.seen) - 1
+        noted = events(near.history, EventKind.TAKEN_IN)
+        assert len(noted) == len(algorithm.seen) - 1
         assert near.counters["factorisations"] >= every.counters["factorisations"]
 
 
@@ -83,8 +83,8 @@ def test_the_failure_of_the_few_is_that_of_the_step() -> None:
     assert problem.only is not None
     only, nothing = problem.only, linear_mechanics(np.zeros((2, 2)), np.array([0.0, 1.0]))
     loose = replace(problem, linearise=nothing, only=lambda chosen: replace(only(chosen), linearise=nothing))
-    found = solve_within_reach(Semismooth(), loose, ContactSolution.at_rest(2, 2))
-    assert not found.outcome.converged
+    actual = solve_within_reach(Semismooth(), loose, ContactSolution.at_rest(2, 2))
+    assert not actual.outcome.converged
 
 
 @pytest.mark.slow
@@ -139,12 +139,12 @@ def test_a_start_near_the_answer_saves_iterations_and_moves_nothing() -> None:
 
 def test_a_start_that_leads_nowhere_is_left_for_the_last_state_and_paid_for() -> None:
     (plain,) = follow(softening, 0.0, [0.5], Semismooth(), REST)
-    (found,) = follow(softening, 0.0, [0.5], Semismooth(), REST, starts=lambda index, last, t: at(5.0))
-    assert found.outcome.converged
-    assert found.substeps == 1
-    assert np.array_equal(found.solution.u, plain.solution.u)
-    assert found.solution.counters["assemblies"] > plain.solution.counters["assemblies"]
-    (event,) = events(found.solution.history, EventKind.FAILED)
+    (actual,) = follow(softening, 0.0, [0.5], Semismooth(), REST, starts=lambda index, last, t: at(5.0))
+    assert actual.outcome.converged
+    assert actual.substeps == 1
+    assert np.array_equal(actual.solution.u, plain.solution.u)
+    assert actual.solution.counters["assemblies"] > plain.solution.counters["assemblies"]
+    (event,) = events(actual.solution.history, EventKind.FAILED)
     assert "not from the state of another grid" in str(event)
 
 
@@ -179,7 +179,7 @@ def test_slips_are_counted_from_the_path_and_not_from_the_start() -> None:
     last = replace(ContactSolution.at_rest(4, 2), friction=before)
     traction, state = np.ones((2, 2)), np.array([2, 1], np.int8)
     start = Start(np.ones(4), np.ones(2), np.ones(2, bool), None, traction, state)
-    found = start.instead_of(last, np.array([10.0, 20.0])).friction
-    assert np.array_equal(found.force, [[10, 10], [20, 20]])
-    assert np.array_equal(found.state, state)
-    assert (found.since is before.since, found.anchors is before.anchors, found.dissipation) == (True, True, 3.0)
+    actual = start.instead_of(last, np.array([10.0, 20.0])).friction
+    assert np.array_equal(actual.force, [[10, 10], [20, 20]])
+    assert np.array_equal(actual.state, state)
+    assert (actual.since is before.since, actual.anchors is before.anchors, actual.dissipation) == (True, True, 3.0)

@@ -65,20 +65,20 @@ T_LIMIT = truss_state(W_LIMIT)[0]
 def test_a_truss_ends_at_its_limit_point() -> None:
     for nearness in (0.1, 0.05, 0.02):
         states = [truss_state(W_LIMIT * (1 - part)) for part in (1.0, 3 * nearness, 2 * nearness, nearness)]
-        found = why_it_ends(truss(), states)
-        assert found.kind is PathEnd.LIMIT_POINT
-        assert found.sentence.startswith("limit point")
+        actual = why_it_ends(truss(), states)
+        assert actual.kind is PathEnd.LIMIT_POINT
+        assert actual.sentence.startswith("limit point")
         # the next term of the law is of third order in the deflection, of order 3/2 in the parameter
-        assert found.limit == pytest.approx(T_LIMIT, abs=3 * nearness**3 * T_LIMIT)
-        assert f"{found.limit:.7g}" in found.sentence
+        assert actual.limit == pytest.approx(T_LIMIT, abs=3 * nearness**3 * T_LIMIT)
+        assert f"{actual.limit:.7g}" in actual.sentence
 
 
 def test_the_softest_motion_of_the_truss() -> None:
     t, state = truss_state(-0.2)
-    found = spectrum(truss()(t), state)
-    assert found.eigenvalues == pytest.approx(A * (3 * 0.8**2 - H**2) + C, rel=EXACT)
-    assert np.abs(found.modes) == pytest.approx(np.array([[1.0], [0.0]]), abs=EXACT)
-    assert found.negative == 0
+    actual = spectrum(truss()(t), state)
+    assert actual.eigenvalues == pytest.approx(A * (3 * 0.8**2 - H**2) + C, rel=EXACT)
+    assert np.abs(actual.modes) == pytest.approx(np.array([[1.0], [0.0]]), abs=EXACT)
+    assert actual.negative == 0
     t, state = truss_state(-0.8)  # on the way back
     assert spectrum(truss()(t), state).negative == 1
 
@@ -103,20 +103,20 @@ def link():
 
 def test_a_link_ends_at_its_bifurcation() -> None:
     times = [part * T_BUCKLING for part in (0.0, 0.9, 0.95, 0.99)]
-    found = why_it_ends(link(), [(t, in_contact([0.0, t], C_LINK * t)) for t in times])
-    assert found.kind is PathEnd.BIFURCATION
-    assert found.sentence.startswith("bifurcation near 0.297: ")
-    assert "1 % of that at 0," in found.sentence
-    assert found.limit is None
+    actual = why_it_ends(link(), [(t, in_contact([0.0, t], C_LINK * t)) for t in times])
+    assert actual.kind is PathEnd.BIFURCATION
+    assert actual.sentence.startswith("bifurcation near 0.297: ")
+    assert "1 % of that at 0," in actual.sentence
+    assert actual.limit is None
 
 
 def test_branches_that_cross_are_no_limit_point_even_along_the_mode() -> None:
     """-x^2 + t x = 0 with a second unknown in contact: on x = t the tangent is -t, and the path moves on at speed 1."""
     at = pressed(lambda x, d: np.array([x * (d - x), d + 9]), lambda x, d: [[d - 2 * x, x], [0, 1]], 1.0)
     states = [(t, in_contact([t, t], t + 9)) for t in (-1.0, -0.03, -0.02, -0.01)]
-    found = why_it_ends(at, states)
-    assert found.limit is None
-    assert found.sentence.startswith("bifurcation near -0.01: ")
+    actual = why_it_ends(at, states)
+    assert actual.limit is None
+    assert actual.sentence.startswith("bifurcation near -0.01: ")
 
 
 def test_a_limit_point_is_told_from_a_bifurcation_just_before_it() -> None:
@@ -138,9 +138,9 @@ def test_a_limit_point_is_told_from_a_bifurcation_just_before_it() -> None:
 
     truss_states = [truss_state(part * W_LIMIT) for part in (0.0, 0.86, 0.91, 0.94)]
     states = [(t, in_contact([*state.u, 0.0], state.pressure[0])) for t, state in truss_states]
-    found = why_it_ends(at, states)
-    assert found.limit == pytest.approx(T_LIMIT, rel=1e-3)
-    assert "1 eigenvalue is negative, none at 0: it has passed branches" in found.sentence
+    actual = why_it_ends(at, states)
+    assert actual.limit == pytest.approx(T_LIMIT, rel=1e-3)
+    assert "1 eigenvalue is negative, none at 0: it has passed branches" in actual.sentence
 
 
 @pytest.mark.slow
@@ -163,9 +163,9 @@ def test_a_chain_that_can_carry_no_more_ends_at_its_limit() -> None:
 
 def test_a_solver_that_fails_is_not_taken_for_the_end_of_the_path() -> None:
     states = [truss_state(w) for w in (-0.01, -0.05, -0.06, -0.07)]
-    found = why_it_ends(truss(), states)
-    assert found.sentence.startswith("no limit point: ")
-    assert found.limit is None
+    actual = why_it_ends(truss(), states)
+    assert actual.sentence.startswith("no limit point: ")
+    assert actual.limit is None
 
 
 def test_two_states_tell_nothing() -> None:
@@ -186,10 +186,10 @@ def test_the_softest_motion_by_dense_algebra() -> None:
         restricted = Z.T @ (K if np.isinf(epsilon) else K + epsilon * (G.T * w) @ G) @ Z
         values, modes = np.linalg.eigh(restricted)
         order = np.argsort(np.abs(values))[:MODES] if m > 4 else np.argsort(np.abs(values))
-        found = spectrum(problem, state, epsilon)
-        assert found.eigenvalues == pytest.approx(values[order], rel=1e-7)
-        assert np.abs(np.sum(found.modes * (Z @ modes[:, order]), axis=0)) == pytest.approx(1.0, rel=1e-6)
-        assert found.negative == np.sum(values < 0)
+        actual = spectrum(problem, state, epsilon)
+        assert actual.eigenvalues == pytest.approx(values[order], rel=1e-7)
+        assert np.abs(np.sum(actual.modes * (Z @ modes[:, order]), axis=0)) == pytest.approx(1.0, rel=1e-6)
+        assert actual.negative == np.sum(values < 0)
 
 
 def test_an_unsymmetric_tangent_has_an_eigenvalue_but_no_count() -> None:
@@ -198,10 +198,10 @@ def test_an_unsymmetric_tangent_has_an_eigenvalue_but_no_count() -> None:
     values = np.append(0.01, np.linspace(1, 2, 29))
     K = root @ np.diag(values) @ np.linalg.inv(root)
     problem = Quadratic(K, np.zeros(30), np.eye(30)[:1], np.zeros(1), np.ones(1)).problem()
-    found = spectrum(problem, ContactSolution.at_rest(30, 1))
-    assert found.eigenvalues[0] == pytest.approx(0.01, rel=1e-6)
-    assert abs(found.modes[:, 0] @ root[:, 0]) == pytest.approx(np.linalg.norm(root[:, 0]), rel=1e-6)
-    assert found.negative is None
+    actual = spectrum(problem, ContactSolution.at_rest(30, 1))
+    assert actual.eigenvalues[0] == pytest.approx(0.01, rel=1e-6)
+    assert abs(actual.modes[:, 0] @ root[:, 0]) == pytest.approx(np.linalg.norm(root[:, 0]), rel=1e-6)
+    assert actual.negative is None
 
 
 def test_nothing_is_free_to_move() -> None:
@@ -225,11 +225,11 @@ def test_a_path_turns_back_where_a_candidate_lifts_off_a_softening_body(stiffnes
         u = (t - 1.0) / (stiffness + (0.0 if np.isinf(epsilon) else epsilon))
         return in_contact([0.0 if np.isinf(epsilon) else u], 1.0 - t if np.isinf(epsilon) else -epsilon * u)
 
-    found = why_it_ends(at, [(t, state(t)) for t in (0.0, 0.95, 0.97, 0.98)], epsilon)
-    assert (found.kind is PathEnd.LIMIT_POINT) == turns
+    actual = why_it_ends(at, [(t, state(t)) for t in (0.0, 0.95, 0.97, 0.98)], epsilon)
+    assert (actual.kind is PathEnd.LIMIT_POINT) == turns
     if turns:
-        assert found.limit == pytest.approx(1.0, rel=EXACT)
-        assert "turns back where candidate 0 lifts off, 0 negative eigenvalues" in found.sentence
+        assert actual.limit == pytest.approx(1.0, rel=EXACT)
+        assert "turns back where candidate 0 lifts off, 0 negative eigenvalues" in actual.sentence
 
 
 def test_a_path_is_followed_through_a_bifurcation_and_the_history_says_so() -> None:
@@ -239,9 +239,9 @@ def test_a_path_is_followed_through_a_bifurcation_and_the_history_says_so() -> N
         epsilon, max_iterations, failed = np.inf, 40, False
 
         def solve(self, problem, start):
-            found = ALGORITHMS["semismooth"]().solve(problem, start)
+            solution = ALGORITHMS["semismooth"]().solve(problem, start)
             self.failed, failing = True, not self.failed
-            return replace(found, outcome=Outcome.ITERATION_LIMIT) if failing else found
+            return replace(solution, outcome=Outcome.ITERATION_LIMIT) if failing else solution
 
     (point,) = follow(link(), 0.0, [0.5], Startled(), in_contact([0.0, 0.0], 0.0), smallest=2.0**-6)
     assert point.outcome is Outcome.CONVERGED

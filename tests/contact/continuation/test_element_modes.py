@@ -114,10 +114,10 @@ def test_a_column_still_buckles_where_its_elements_have_modes() -> None:
     """A thick one whose elements are 64, 32 and 16 times wider than long: the last are not driven."""
     P = math.pi**2 * E * 0.5**3 / 12 / (4 * L**2)
     wide, less, square = (partial(euler, column(10.0, (64, n), 0.5)) for n in (1, 2, 4))
-    found = critical(wide, P)
-    assert buckles(less, found)
-    assert buckles(square, found)
-    counts = [verdict(at(1.01 * found)) for at in (wide, less, square)]
+    actual = critical(wide, P)
+    assert buckles(less, actual)
+    assert buckles(square, actual)
+    counts = [verdict(at(1.01 * actual)) for at in (wide, less, square)]
     assert [count.negative for count in counts] == [1, 1, 1]
     assert [count.word for count in counts] == [UNSTABLE] * 3
     assert counts[0].element_modes > counts[1].element_modes > counts[2].element_modes == 0
@@ -127,16 +127,16 @@ def test_a_column_still_buckles_where_its_elements_have_modes() -> None:
 def test_modes_of_elements_of_a_cantilever_are_no_instability(n: int, modes: int) -> None:
     """At 1.34 % of compression at its clamp, from about 120 elements of its length and one of its width on."""
     scene, request = complete("cantilever", {"load_fraction": "1"}, (n, 1))
-    found = solve(scene, request)
-    told = found.loads[-1].certificate["stability"]
-    assert (told["word"], told["negative"], told["element_modes"]) == (STABLE, 0, modes)
-    assert (found.verdict, found.unstable) == (CONVERGED, [])
+    solution = solve(scene, request)
+    record = solution.loads[-1].certificate["stability"]
+    assert (record["word"], record["negative"], record["element_modes"]) == (STABLE, 0, modes)
+    assert (solution.verdict, solution.unstable) == (CONVERGED, [])
     if not modes:
-        assert found.notes == []
+        assert solution.notes == []
         return
-    assert told["cuts"][0] == 1
-    mesh = (n, told["cuts"][1])
-    assert found.notes[0].endswith(f"of elements alone, not of the shell: {n}x{mesh[1]} removes them")
+    assert record["cuts"][0] == 1
+    mesh = (n, record["cuts"][1])
+    assert solution.notes[0].endswith(f"of elements alone, not of the shell: {n}x{mesh[1]} removes them")
     cut = solve(*complete("cantilever", {"load_fraction": "1"}, mesh)).loads[-1].certificate["stability"]
     assert (cut["negative"], cut["element_modes"]) == (0, 0)
 
@@ -146,9 +146,9 @@ def test_a_strip_that_a_couple_rolls_up_buckles_sideways_and_its_elements_have_m
     """The couple follows the director: a rod of these stiffnesses leaves its plane at 0.796 of a full circle."""
     loads = {"load_fraction": "0.785,0.81,1"}
     whole, long = (solve(*complete("sze-moment", loads, mesh)) for mesh in ((24, 1), (128, 1)))
-    counts = [[step["stability"]["negative"] for step in found.steps] for found in (whole, long)]
+    counts = [[step["stability"]["negative"] for step in actual.steps] for actual in (whole, long)]
     assert counts == [[0, 1, 1], [0, 1, 1]]
-    alone = [found.steps[-1]["stability"]["element_modes"] for found in (whole, long)]
+    alone = [actual.steps[-1]["stability"]["element_modes"] for actual in (whole, long)]
     assert alone == [0, 40]
     assert long.verdict == UNSTABLE
 
@@ -173,9 +173,9 @@ STABLE_ONES = (
 def test_no_state_is_unstable_because_its_elements_are_long(scene: str, mesh: str) -> None:
     """Up to 16 times longer than on an even grid, both ways; on finer grids all of these are stable."""
     settings = {"tyre": {"delta_mm": "5,10"}, "hemisphere": {"load_fraction": "0.2"}}.get(scene, {})
-    found = solve(*complete(scene, settings, mesh))
-    assert found.verdict == CONVERGED
-    assert found.unstable == []
+    solution = solve(*complete(scene, settings, mesh))
+    assert solution.verdict == CONVERGED
+    assert solution.unstable == []
 
 
 @pytest.mark.parametrize("turned", [0.0, 1.1])
@@ -220,11 +220,11 @@ def test_smooth_motions_have_no_alternating_shear() -> None:
 @pytest.mark.parametrize(("scene", "mesh"), [("roof-a", (8, 8)), ("roof-b", (4, 16))])
 def test_a_roof_that_has_snapped_is_unstable_by_itself_however_near_its_limit_point(scene: str, mesh: tuple) -> None:
     """Between its limit points one eigenvalue is negative, and as small as one likes: none is of elements."""
-    found = solve(*complete(scene, {}, mesh))
-    counts = [step["stability"]["negative"] + step["stability"]["element_modes"] for step in found.steps]
+    solution = solve(*complete(scene, {}, mesh))
+    counts = [step["stability"]["negative"] + step["stability"]["element_modes"] for step in solution.steps]
     assert max(counts) == 1
-    assert [step["stability"]["element_modes"] for step in found.steps] == [0] * len(counts)
-    assert found.notes == []
+    assert [step["stability"]["element_modes"] for step in solution.steps] == [0] * len(counts)
+    assert solution.notes == []
 
 
 def test_neighbours_share_a_side_and_close_around_a_seam() -> None:
@@ -248,7 +248,7 @@ def test_elements_of_a_mesh_without_lines_are_as_long_as_on_a_grid() -> None:
     on_quads = ShellModel(body, MEASURES["exact"], newton="plain")
     pressed = np.zeros((grid.n_nodes, 6))
     pressed[:, 2:4] = -0.2 * grid.nodes[:, 1:]
-    found = [ElementModes(each, each.discretisation.map.restrict(pressed)) for each in (model, on_quads)]
-    assert found[0].aspect == pytest.approx(4.0)
-    assert found[1].aspect == pytest.approx(found[0].aspect)
-    assert np.allclose(found[1].drive, found[0].drive, rtol=1e-6, atol=1e-9)
+    values = [ElementModes(each, each.discretisation.map.restrict(pressed)) for each in (model, on_quads)]
+    assert values[0].aspect == pytest.approx(4.0)
+    assert values[1].aspect == pytest.approx(values[0].aspect)
+    assert np.allclose(values[1].drive, values[0].drive, rtol=1e-6, atol=1e-9)

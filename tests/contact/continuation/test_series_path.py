@@ -94,9 +94,9 @@ def test_snap_back() -> None:
 def test_the_curve_is_known_wherever_the_load_passes() -> None:
     trace = traced()
     roots = np.sort(np.roots([1, -3, 2, -0.1]).real)
-    found = [trace.at(0.1, passage) for passage in range(3)]
-    assert [point.u[0] for point in found] == pytest.approx(roots, abs=ON_CURVE)
-    assert [point.rising for point in found] == [True, False, True]
+    values = [trace.at(0.1, passage) for passage in range(3)]
+    assert [point.u[0] for point in values] == pytest.approx(roots, abs=ON_CURVE)
+    assert [point.rising for point in values] == [True, False, True]
     with pytest.raises(LookupError, match="passes 3 times, not 4"):
         trace.at(0.1, 3)
     with pytest.raises(LookupError, match="does not pass the load factor 2"):
@@ -132,9 +132,9 @@ def test_a_model_that_is_not_what_its_series_says_gets_nowhere() -> None:
 
 def roof(**given: str) -> CurveModel:
     built = resolve("roof-a", {"path": "series", **given}, "4x4")
-    found = built[0].build(built[1])
-    assert isinstance(found, CurveModel)
-    return found
+    actual = built[0].build(built[1])
+    assert isinstance(actual, CurveModel)
+    return actual
 
 
 @cache
@@ -182,8 +182,8 @@ def test_coefficients_are_derivatives_of_the_path() -> None:
     points = []
     for length in a:
         guess = weights * (x0 + length * x1)
-        found = curve.on_plane(start, guess, weights * x1, "difference")
-        points.append(np.append(found.u, found.factor))
+        actual = curve.on_plane(start, guess, weights * x1, "difference")
+        points.append(np.append(actual.u, actual.factor))
     fitted = np.linalg.solve(np.vander(a / a[0], increasing=True), np.array(points))
     for k, tolerance in ((1, 1e-8), (2, 1e-6), (3, 1e-5), (4, 1e-3)):
         expected = piece.x[k] * a[0] ** k

@@ -50,9 +50,9 @@ def test_negative_eigenvalues_are_those_of_dense_algebra() -> None:
             wanted = int(np.sum(np.linalg.eigvalsh(projected(data, active, epsilon)) < 0))
             for ordered in (False, True):  # by SuperLU, by fronts
                 problem = replace(data.problem(), ordered=ordered)
-                found = stability(problem, on(active, len(data.f)), epsilon)
-                assert (found.negative, found.rounding) == (wanted, 0)
-                assert found.word == (UNSTABLE if wanted else STABLE)
+                actual = stability(problem, on(active, len(data.f)), epsilon)
+                assert (actual.negative, actual.rounding) == (wanted, 0)
+                assert actual.word == (UNSTABLE if wanted else STABLE)
             seen.add(wanted)
         assert len(seen) > 2
 
@@ -73,13 +73,13 @@ def test_a_tangent_that_is_not_symmetric_is_stable_unstable_or_not_counted() -> 
     words = set()
     for seed in range(40):
         data, active = indefinite(seed, "inclined", skew=0.1)
-        found = stability(data.problem(), on(active, len(data.f)))
+        actual = stability(data.problem(), on(active, len(data.f)))
         M = projected(data, active, math.inf)
         divergent = int(np.sum(np.linalg.eigvals(M).real < 0))
         work = np.linalg.eigvalsh((M + M.T) / 2)
-        assert found.word == (STABLE if work[0] > 0 else UNSTABLE if divergent else NOT_COUNTED)
-        assert (found.negative or 0) <= divergent
-        words.add(found.word)
+        assert actual.word == (STABLE if work[0] > 0 else UNSTABLE if divergent else NOT_COUNTED)
+        assert (actual.negative or 0) <= divergent
+        words.add(actual.word)
     assert words >= {STABLE, UNSTABLE}
     turned = np.array([[-1.0, 10.0], [-10.0, 2.0]])  # work is negative along the first axis; eigenvalues 1/2 +- 9.9i
     problem = Quadratic(turned, np.zeros(2), np.zeros((0, 2)), np.zeros(0), np.zeros(0)).problem()
@@ -89,9 +89,9 @@ def test_a_tangent_that_is_not_symmetric_is_stable_unstable_or_not_counted() -> 
 def test_a_consistent_coupling_is_not_counted() -> None:
     data = random_quadratic(np.random.default_rng(0), "definite")
     coupling = np.diag(data.w) + 0.1
-    found = stability(data.problem(coupling), on(np.ones(len(data.w), bool), len(data.f)))
-    assert found.word == NOT_COUNTED
-    assert "consistent" in found.sentence
+    actual = stability(data.problem(coupling), on(np.ones(len(data.w), bool), len(data.f)))
+    assert actual.word == NOT_COUNTED
+    assert "consistent" in actual.sentence
 
 
 def springs(n: int) -> sparse.csc_matrix:
@@ -112,9 +112,9 @@ def test_a_body_that_only_the_foundation_holds_has_an_eigenvalue_without_a_sign(
     problem = ContactProblem(
         lambda u, memory: Linearisation(K @ u, K, 1.0), lambda u: G @ u, lambda u: G, np.ones(1), ordered=False
     )
-    found = stability(problem, on(np.ones(1, bool), 2 * n))
-    assert found.word == STABLE
-    assert found.rounding <= 1
+    actual = stability(problem, on(np.ones(1, bool), 2 * n))
+    assert actual.word == STABLE
+    assert actual.rounding <= 1
 
 
 K_LINK, LENGTH = 3.0, 2.0
@@ -157,6 +157,6 @@ def test_an_element_with_a_mode_is_cut_in_two_at_the_least() -> None:
 
     data = Quadratic(np.diag([-1.0, 1.0]), np.zeros(2), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
     problem = replace(data.problem(), element_modes=lambda u: One())
-    found = stability(problem, on(np.zeros(0, bool), 2))
-    assert (found.negative, found.element_modes, found.cuts) == (0, 1, (2, 1))
-    assert "elements cut in 2 along a1 have none" in found.sentence
+    actual = stability(problem, on(np.zeros(0, bool), 2))
+    assert (actual.negative, actual.element_modes, actual.cuts) == (0, 1, (2, 1))
+    assert "elements cut in 2 along a1 have none" in actual.sentence

@@ -67,8 +67,8 @@ def test_forces_balance(pairing: str, mirrored: bool, axes: int) -> None:
     np.testing.assert_allclose(forces[:20].sum(axis=0), one.resultant(u, nodal), atol=ROUNDING)
     np.testing.assert_allclose(moment[:axes], 0, atol=ROUNDING)
     assert (np.max(np.abs(moment)) > 1e-4) == mirrored
-    found = pair_balance(between(linear_mechanics(np.eye(len(u)), np.zeros(len(u))), one), u, nodal / one.weights)
-    assert max(each for each in found if each is not None) <= ROUNDING
+    actual = pair_balance(between(linear_mechanics(np.eye(len(u)), np.zeros(len(u))), one), u, nodal / one.weights)
+    assert max(each for each in actual if each is not None) <= ROUNDING
 
 
 def test_planes_of_symmetry_that_cross_leave_no_moment_to_judge() -> None:
@@ -110,9 +110,9 @@ def _worst_height(count: int, distorted: float, across: np.ndarray) -> float:
     points[:, 2] = np.sqrt(RADIUS**2 - np.sum((points[:, :2] @ across.T) ** 2, axis=1))
     heights = Bulges.of(points, patches, np.tile(np.eye(3), (len(points), 1, 1))).at(points).k.reshape(-1, 4)
     whole = inner[patches].all(axis=1)
-    found, middle = heights[whole] @ blend(np.zeros((1, 2)))[0][0], points[patches[whole]].mean(axis=1)
+    actual, middle = heights[whole] @ blend(np.zeros((1, 2)))[0][0], points[patches[whole]].mean(axis=1)
     return float(
-        np.max(np.abs(found - RADIUS + np.hypot(np.linalg.norm(middle[:, :2] @ across.T, axis=1), middle[:, 2])))
+        np.max(np.abs(actual - RADIUS + np.hypot(np.linalg.norm(middle[:, :2] @ across.T, axis=1), middle[:, 2])))
     )
 
 
@@ -138,9 +138,9 @@ def test_only_what_holds_a_rim_across_itself_is_a_plane_of_symmetry(left: tuple[
     points, patches = sheet(4, 3, 1.0, 0.0, 0.1, up=True)
     free = np.tile(np.eye(3), (len(points), 1, 1))
     free[:4] = np.diag(np.array(left, float))
-    found = Bulges.of(points, patches, free)
-    assert np.abs(found.across).tolist() == [[1.0, 0.0, 0.0]] * mirrors
-    assert np.sum(np.any(found.ways != np.eye(3), axis=(1, 2))) == mirrors
+    actual = Bulges.of(points, patches, free)
+    assert np.abs(actual.across).tolist() == [[1.0, 0.0, 0.0]] * mirrors
+    assert np.sum(np.any(actual.ways != np.eye(3), axis=(1, 2))) == mirrors
 
 
 @pytest.mark.parametrize("radius", [1.0, 7.3, 100.5])

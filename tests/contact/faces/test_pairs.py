@@ -60,10 +60,10 @@ def test_both_searches_find_the_same_distances() -> None:
     """In front of a bent face, behind it, and beside its rim."""
     x, quads = sheet(6, 5, 1.0, 0.0, 0.3, up=True)
     points = np.random.default_rng(4).uniform(-1.5, 1.5, (300, 3)) * [1.0, 1.0, 0.4]
-    found, anew = nearest(points, x, quads), distances(points, x, quads)
+    actual, anew = nearest(points, x, quads), distances(points, x, quads)
     assert np.min(anew) < -0.1
-    assert np.sum(~found.free.all(axis=1)) > 50
-    np.testing.assert_allclose(found.gap, anew, rtol=0, atol=10 * ROUNDING)
+    assert np.sum(~actual.free.all(axis=1)) > 50
+    np.testing.assert_allclose(actual.gap, anew, rtol=0, atol=10 * ROUNDING)
 
 
 @pytest.mark.parametrize("turn", [0, 1])
@@ -80,9 +80,9 @@ def test_a_point_at_a_corner_of_patches_that_are_turned_is_found() -> None:
     """No box is left out by the rounding of its turn."""
     x, quads = sheet(6, 5, 1.0, 0.0, 0.3, up=True)
     x += 100.0
-    found = nearest(x, x, quads)
-    np.testing.assert_allclose(found.gap, 0.0, atol=1e4 * ROUNDING)
-    assert np.all([corner in quads[quad] for corner, quad in enumerate(found.quad)])
+    actual = nearest(x, x, quads)
+    np.testing.assert_allclose(actual.gap, 0.0, atol=1e4 * ROUNDING)
+    assert np.all([corner in quads[quad] for corner, quad in enumerate(actual.quad)])
 
 
 def test_a_search_that_is_wrong_is_seen_by_the_judge() -> None:
@@ -93,9 +93,9 @@ def test_a_search_that_is_wrong_is_seen_by_the_judge() -> None:
     lowered = np.zeros((n // 3, 3))
     lowered[:m, 2] = np.where(one.reference[:m, 0] > 0.5, -0.11, 0.0)
     assert np.min(problem.gap(lowered.ravel())) > 0
-    told = judge(replace(problem, faces=one), lowered.ravel(), np.zeros(m))
-    assert told.penetration == pytest.approx(0.01)
-    assert "penetration" in told.failures()
+    verdict = judge(replace(problem, faces=one), lowered.ravel(), np.zeros(m))
+    assert verdict.penetration == pytest.approx(0.01)
+    assert "penetration" in verdict.failures()
 
 
 def test_pieces_of_flat_faces_have_all_of_their_area_and_the_loads_of_both() -> None:
@@ -127,8 +127,8 @@ def test_candidates_that_move_alike_are_one_with_their_mean_gap_and_the_sum_of_t
     couples, u = joined(one.sampling, 2), np.zeros(one.operator.shape[1])
     areas, gaps = (each.reshape(-1, 2) for each in (one.weights, one.at(u).gap))
     np.testing.assert_allclose(couples.weights, areas.sum(axis=1), rtol=ROUNDING)
-    found = replace(one, sampling=couples).at(u).gap
-    np.testing.assert_allclose(found, (areas * gaps).sum(axis=1) / areas.sum(axis=1), rtol=1e-12)
+    actual = replace(one, sampling=couples).at(u).gap
+    np.testing.assert_allclose(actual, (areas * gaps).sum(axis=1) / areas.sum(axis=1), rtol=1e-12)
     assert np.ptp(gaps, axis=1).max() > 1e-3
     assert couples.nodes.tolist() == one.nodes[::2].tolist()
 
@@ -137,9 +137,9 @@ def test_a_patch_that_turns_away_from_the_master_at_rest_has_points_all_over() -
     """One upright sheet beside a flat one, which it may be laid on later."""
     above, below = sheet(2, 2, 1.0, 0.0, 0.0, up=False), sheet(3, 3, 1.0, 0.0, 0.0, up=True)
     turned = above[0] @ np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]) + np.array([0.0, 0.0, 5.0])
-    found = mortar(np.vstack([turned, below[0]]), above[1], below[1] + len(turned), np.arange(len(turned)))
-    assert found.points.shape[0] == OWN**2 * len(above[1])
-    assert found.weights.sum() == pytest.approx(4.0, rel=ROUNDING)
+    actual = mortar(np.vstack([turned, below[0]]), above[1], below[1] + len(turned), np.arange(len(turned)))
+    assert actual.points.shape[0] == OWN**2 * len(above[1])
+    assert actual.weights.sum() == pytest.approx(4.0, rel=ROUNDING)
 
 
 def test_polygons_are_cut_by_polygons() -> None:
@@ -170,11 +170,11 @@ def test_algorithms_and_the_oracle_agree_on_two_nets(pairing: str, name: str) ->
     stiff = np.where(np.arange(n) < 3 * m, 1.0, 5.0 if pairing == "mortar" else 100.0)
     K *= np.sqrt(np.outer(stiff, stiff))
     problem = between(linear_mechanics(K, load.ravel()), one)
-    found = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
-    assert found.outcome.converged
-    told = judge(problem, found.u, found.pressure)
-    assert not told.failures()
-    assert max(told.balances["pair_force"], told.balances["pair_moment"]) <= PAIR
-    assert 3 < found.active.sum() < m
-    _, pressure = minimise(freeze(problem, found.u, found.pressure, {}))
-    np.testing.assert_allclose(found.pressure, pressure, rtol=0, atol=1e-8 * np.max(pressure))
+    solution = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    assert solution.outcome.converged
+    verdict = judge(problem, solution.u, solution.pressure)
+    assert not verdict.failures()
+    assert max(verdict.balances["pair_force"], verdict.balances["pair_moment"]) <= PAIR
+    assert 3 < solution.active.sum() < m
+    _, pressure = minimise(freeze(problem, solution.u, solution.pressure, {}))
+    np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=1e-8 * np.max(pressure))

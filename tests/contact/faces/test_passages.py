@@ -68,17 +68,17 @@ def test_passages_of_random_segments_through_a_box_that_moves_and_grows(rng: np.
     ]
     slave = np.arange(m).reshape(-1, 4)
     meeting = Ways(lambda u: ends[int(u[0])], slave, quads + m)
-    told = {
+    names = {
         each.candidate
         for each in crossings(meeting, np.zeros(1), meeting, np.ones(1))
         if each.kind == "slave point" and each.candidate < m
     }
-    found = [by_half_spaces(start[i], end[i], sizes) for i in range(m)]
+    values = [by_half_spaces(start[i], end[i], sizes) for i in range(m)]
     for i in np.flatnonzero(outside):
-        what, margin = found[i]
+        what, margin = values[i]
         if abs(margin) > SURELY:
-            assert (i in told) == (what in ("across", "deep")), (i, what, margin)
-    words = [what for (what, _), kept in zip(found, outside, strict=True) if kept]
+            assert (i in names) == (what in ("across", "deep")), (i, what, margin)
+    words = [what for (what, _), kept in zip(values, outside, strict=True) if kept]
     assert k == 6 * (CUT + 1) ** 2
     for what in ("misses", "deep", "slight", "across", "corner"):
         assert words.count(what) >= 5, what
@@ -90,9 +90,9 @@ def test_corners_of_the_master_are_looked_at_as_well() -> None:
     plate = np.array([[-1.5, -1.5, 0], [1.5, -1.5, 0], [1.5, 1.5, 0], [-1.5, 1.5, 0]])
     below = [np.vstack([plate, 0.5 * x + [0.1, 0.2, height]]) for height in (3.0, -3.0)]
     meeting = Ways(lambda u: below[int(u[0])], np.array([[0, 1, 2, 3]]), quads + 4)
-    found = crossings(meeting, np.zeros(1), meeting, np.ones(1))
-    assert {each.kind for each in found} == {"master point"}
-    assert {each.candidate for each in found} == set(range(4, 4 + len(x)))
+    actual = crossings(meeting, np.zeros(1), meeting, np.ones(1))
+    assert {each.kind for each in actual} == {"master point"}
+    assert {each.candidate for each in actual} == set(range(4, 4 + len(x)))
 
 
 # --- rings on springs -------------------------------------------------------------------------------------------------

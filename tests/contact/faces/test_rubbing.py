@@ -129,25 +129,27 @@ def test_algorithms_agree_on_two_nets_that_rub(name: str, pairing: str) -> None:
     """All but trial-and-error, whose states go round in a circle here."""
     problem, wanted = rubbing_nets(pairing)
     algorithm = by_the_exact_law(1e6)[name]
-    found = algorithm.solve(problem, ContactSolution.at_rest(len(wanted.u), len(problem.weights)))
-    assert found.outcome.converged
-    told = judge(problem, found.u, found.pressure, found.rubbed.force, epsilon=algorithm.epsilon)
-    assert not told.failures()
-    assert max(told.balances["pair_force"], told.balances["pair_moment"]) <= PAIR
-    assert {State.OPEN, State.STICK, State.SLIP} == set(found.rubbed.state.tolist())
+    solution = algorithm.solve(problem, ContactSolution.at_rest(len(wanted.u), len(problem.weights)))
+    assert solution.outcome.converged
+    verdict = judge(problem, solution.u, solution.pressure, solution.rubbed.force, epsilon=algorithm.epsilon)
+    assert not verdict.failures()
+    assert max(verdict.balances["pair_force"], verdict.balances["pair_moment"]) <= PAIR
+    assert {State.OPEN, State.STICK, State.SLIP} == set(solution.rubbed.state.tolist())
     bound = 1e-8 if math.isinf(algorithm.epsilon) else 1e-3
-    np.testing.assert_allclose(found.rubbed.force, wanted.rubbed.force, rtol=0, atol=bound * np.max(found.pressure))
+    np.testing.assert_allclose(
+        solution.rubbed.force, wanted.rubbed.force, rtol=0, atol=bound * np.max(solution.pressure)
+    )
     if name != "augmented-lagrangian":  # rows of averaged gaps leave out how their points move
-        assert found.counters["newton_iterations"] <= (8 if pairing == "nodes" else 12)
+        assert solution.counters["newton_iterations"] <= (8 if pairing == "nodes" else 12)
 
 
 def test_the_oracle_agrees() -> None:
     """Tresca programmes of an interior point on the step at its solution."""
-    problem, found = rubbing_nets()
-    step = freeze(problem, found.u, found.pressure, {})
+    problem, actual = rubbing_nets()
+    step = freeze(problem, actual.u, actual.pressure, {})
     assert isinstance(step, FrozenFrictionalStep)
-    normal = problem.nodal_forces(found.pressure)
-    assert confirm(step, np.zeros(len(found.u)), normal, found.rubbed.force).agrees
+    normal = problem.nodal_forces(actual.pressure)
+    assert confirm(step, np.zeros(len(actual.u)), normal, actual.rubbed.force).agrees
 
 
 SPOILT = {
@@ -158,21 +160,21 @@ SPOILT = {
 
 @pytest.mark.parametrize("what", list(SPOILT))
 def test_the_judge_sees_where_slips_are_counted_from(what: str) -> None:
-    problem, found = rubbing_nets()
+    problem, actual = rubbing_nets()
     names, spoil = SPOILT[what]
-    other = problem.since(spoil(found.rubbed.since))
-    told = judge(other, found.u, found.pressure, found.rubbed.force)
-    assert names <= set(told.failures())
+    other = problem.since(spoil(actual.rubbed.since))
+    verdict = judge(other, actual.u, actual.pressure, actual.rubbed.force)
+    assert names <= set(verdict.failures())
 
 
 def test_the_judge_does_not_trust_the_slip_of_the_problem() -> None:
-    problem, found = rubbing_nets()
+    problem, actual = rubbing_nets()
     law = problem.coulomb
-    assert not judge(problem, found.u, found.pressure, found.rubbed.force).failures()
+    assert not judge(problem, actual.u, actual.pressure, actual.rubbed.force).failures()
     lame = replace(law, slip=lambda u: np.zeros((len(law.mu), 2)))
-    wrong = np.where(found.rubbed.state[:, None] == State.STICK, 0.0, found.rubbed.force)
-    told = judge(replace(problem, coulomb=lame), found.u, found.pressure, -wrong)
-    assert {"direction", "generated"} <= set(told.failures())
+    wrong = np.where(actual.rubbed.state[:, None] == State.STICK, 0.0, actual.rubbed.force)
+    verdict = judge(replace(problem, coulomb=lame), actual.u, actual.pressure, -wrong)
+    assert {"direction", "generated"} <= set(verdict.failures())
 
 
 def path(posed: Callable[[float], ContactProblem], drags: tuple[float, ...]) -> list[ContactSolution]:
@@ -185,12 +187,12 @@ def path(posed: Callable[[float], ContactProblem], drags: tuple[float, ...]) -> 
     at = laid(before, at)
     for drag in drags:
         problem = posed(drag)
-        found = by_the_exact_law()["semismooth"].solve(problem, at)
-        assert found.outcome.converged
+        solution = by_the_exact_law()["semismooth"].solve(problem, at)
+        assert solution.outcome.converged
         judged = problem.since(anchors_left(problem, before, at))
-        assert not judge(judged, found.u, found.pressure, found.rubbed.force, since=at.u).failures()
-        states.append(found)
-        before, at = problem, found
+        assert not judge(judged, solution.u, solution.pressure, solution.rubbed.force, since=at.u).failures()
+        states.append(solution)
+        before, at = problem, solution
     return states
 
 
@@ -238,16 +240,16 @@ def test_springs_leave_anchors_behind_on_the_face() -> None:
     """The end of a spring that sticks is where it was, that of one that slips as far behind as it is stretched."""
     problem, _, load = nets(0.3)
     algorithm = by_the_exact_law(20.0)["regularised"]
-    found = algorithm.solve(problem, ContactSolution.at_rest(load.size, len(problem.weights)))
-    assert found.outcome.converged
-    friction, law = found.rubbed, problem.coulomb
+    solution = algorithm.solve(problem, ContactSolution.at_rest(load.size, len(problem.weights)))
+    assert solution.outcome.converged
+    friction, law = solution.rubbed, problem.coulomb
     left = problem.since(friction.anchors)
     stretched = -friction.force / (20.0 * problem.weights[:, None])
     sticks = friction.state == State.STICK
     assert sticks.sum() > 1
-    np.testing.assert_allclose(law.slip(found.u)[sticks], stretched[sticks], atol=1e-10)
-    behind, stretch = (np.linalg.norm(each, axis=1) for each in (left.coulomb.slip(found.u), stretched))
+    np.testing.assert_allclose(law.slip(solution.u)[sticks], stretched[sticks], atol=1e-10)
+    behind, stretch = (np.linalg.norm(each, axis=1) for each in (left.coulomb.slip(solution.u), stretched))
     np.testing.assert_allclose(behind, stretch, rtol=0.02, atol=ROUNDING)
-    again = algorithm.solve(problem, found)
+    again = algorithm.solve(problem, solution)
     assert again.outcome.converged
-    np.testing.assert_allclose(again.u, found.u, atol=1e-3)
+    np.testing.assert_allclose(again.u, solution.u, atol=1e-3)

@@ -66,9 +66,9 @@ class Biased(Pair):
     off: float = 0.0
 
     def forces(self, u: np.ndarray, nodal: np.ndarray) -> np.ndarray:
-        found = super().forces(u, nodal)
-        found[self.master[0, 0], 2] += self.off
-        return found
+        actual = super().forces(u, nodal)
+        actual[self.master[0, 0], 2] += self.off
+        return actual
 
 
 def test_the_judge_looks_at_every_pair_by_itself() -> None:
@@ -79,12 +79,12 @@ def test_the_judge_looks_at_every_pair_by_itself() -> None:
     wrong = Several(tuple(Biased(**each, off=off) for each, off in zip(fields, (0.1, -0.1), strict=True)))
     problem = between(linear_mechanics(sparse.csc_matrix(sparse.eye_array(n)), np.zeros(n)), whole)
     pressure = np.ones(m)
-    right, told = (judge(replace(problem, faces=each), np.zeros(n), pressure) for each in (whole, wrong))
+    right, stated = (judge(replace(problem, faces=each), np.zeros(n), pressure) for each in (whole, wrong))
     assert max(right.balances["pair_force"], right.balances["pair_moment"]) <= PAIR
     nodal = problem.nodal_forces(pressure)
     assert abs(wrong.forces(np.zeros(n), nodal).sum()) <= PAIR * nodal.sum()
-    assert told.balances["pair_force"] > 1e-3
-    assert {"pair_force", "pair_moment"} <= set(told.failures())
+    assert stated.balances["pair_force"] > 1e-3
+    assert {"pair_force", "pair_moment"} <= set(stated.failures())
 
 
 def pressed(pairing: str, aside: float = 0.0) -> tuple[ContactProblem, Several]:
@@ -104,13 +104,13 @@ def pressed(pairing: str, aside: float = 0.0) -> tuple[ContactProblem, Several]:
 def test_three_nets_in_a_row_are_what_an_oracle_makes_of_them(pairing: str) -> None:
     problem, whole = pressed(pairing)
     n, m = whole.operator.shape[1], len(whole.weights)
-    found = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
-    assert found.outcome.converged
-    told = judge(problem, found.u, found.pressure)
-    assert not told.failures()
-    assert all(found.active[own].any() for own in whole.candidates)
-    _, pressure = minimise(freeze(problem, found.u, found.pressure, {}))
-    np.testing.assert_allclose(found.pressure, pressure, rtol=0, atol=EXACT * np.max(pressure))
+    solution = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    assert solution.outcome.converged
+    verdict = judge(problem, solution.u, solution.pressure)
+    assert not verdict.failures()
+    assert all(solution.active[own].any() for own in whole.candidates)
+    _, pressure = minimise(freeze(problem, solution.u, solution.pressure, {}))
+    np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=EXACT * np.max(pressure))
 
 
 @pytest.mark.parametrize("pairing", ["nodes", pytest.param("mortar", marks=pytest.mark.slow)])
@@ -119,16 +119,16 @@ def test_three_nets_that_rub_are_what_an_oracle_makes_of_them(pairing: str) -> N
     plain, whole = pressed(pairing, aside=1.0)
     problem = rubbed(plain, 0.3)
     n, m = whole.operator.shape[1], len(whole.weights)
-    found = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
-    assert found.outcome.converged
-    told = judge(problem, found.u, found.pressure, found.rubbed.force)
-    assert not told.failures()
-    assert max(told.balances["pair_force"], told.balances["pair_moment"]) <= PAIR
-    assert set(found.rubbed.state.tolist()) == set(State)
-    assert all(found.rubbed.force[own].any() for own in whole.candidates)
-    step = freeze(problem, found.u, found.pressure, {})
+    solution = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    assert solution.outcome.converged
+    verdict = judge(problem, solution.u, solution.pressure, solution.rubbed.force)
+    assert not verdict.failures()
+    assert max(verdict.balances["pair_force"], verdict.balances["pair_moment"]) <= PAIR
+    assert set(solution.rubbed.state.tolist()) == set(State)
+    assert all(solution.rubbed.force[own].any() for own in whole.candidates)
+    step = freeze(problem, solution.u, solution.pressure, {})
     assert isinstance(step, FrozenFrictionalStep)
-    assert confirm(step, np.zeros(n), problem.nodal_forces(found.pressure), found.rubbed.force).agrees
+    assert confirm(step, np.zeros(n), problem.nodal_forces(solution.pressure), solution.rubbed.force).agrees
 
 
 def test_the_slips_of_all_pairs_have_their_derivatives_and_anchors(rng: np.random.Generator) -> None:
@@ -157,12 +157,12 @@ def test_the_judge_looks_at_the_friction_of_every_pair_by_itself() -> None:
     n, m = whole.operator.shape[1], len(whole.weights)
     law = problem.coulomb
     assert isinstance(law.sliding, Rubbings)
-    found = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
+    solution = ALGORITHMS["semismooth"](epsilon=math.inf).solve(problem, ContactSolution.at_rest(n, m))
     lower, upper = law.sliding.each
     lame = Rubbings((lower, replace(upper, anchors=np.roll(upper.anchors, 1, axis=0))))
     wrong = replace(problem, coulomb=replace(law, sliding=lame))
-    assert not judge(problem, found.u, found.pressure, found.rubbed.force).failures()
-    assert judge(wrong, found.u, found.pressure, found.rubbed.force).failures()
+    assert not judge(problem, solution.u, solution.pressure, solution.rubbed.force).failures()
+    assert judge(wrong, solution.u, solution.pressure, solution.rubbed.force).failures()
 
 
 def test_a_smooth_pair_has_no_friction_beside_one_that_rubs() -> None:

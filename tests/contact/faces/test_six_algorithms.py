@@ -64,17 +64,17 @@ def visited(cell: str, name: str, epsilon: float) -> list[Visited]:
 def test_algorithms_agree_or_say_why_not(cell: str, name: str) -> None:
     """States of a path with friction depend on its steps: where one was cut only the whole force is compared."""
     epsilon = math.inf if is_exact(name) else SPRINGS
-    found, wanted = visited(cell, name, epsilon), visited(cell, "semismooth", epsilon)
+    actual, wanted = visited(cell, name, epsilon), visited(cell, "semismooth", epsilon)
     assert all(each.converged for each in wanted)
     if (cell, name) in CYCLES:
-        assert found[-1].converged or found[-1].said
-        for one, other in zip(found, wanted, strict=False):
+        assert actual[-1].converged or actual[-1].said
+        for one, other in zip(actual, wanted, strict=False):
             if one.converged:
                 forces, right = (each.problem.nodal_forces(each.state.pressure).sum() for each in (one, other))
                 assert forces == pytest.approx(right, rel=CLOSE)
         return
-    assert len(found) == len(wanted)
-    for one, other in zip(found, wanted, strict=True):
+    assert len(actual) == len(wanted)
+    for one, other in zip(actual, wanted, strict=True):
         assert one.converged, one.said
         ours, theirs = one.state, other.state
         forces, right = (each.problem.nodal_forces(each.state.pressure) for each in (one, other))

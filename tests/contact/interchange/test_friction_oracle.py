@@ -22,12 +22,12 @@ EXACT = 1e-8  # of quantities of the order one
 def agrees(seed: int) -> None:
     rng = np.random.default_rng(seed)
     step, answer = manufactured(rng, int(rng.integers(1, 7)))
-    found = minimise(step)
-    np.testing.assert_array_equal(found.state, answer.state)
-    np.testing.assert_allclose(found.normal, answer.normal, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-    assert judge(step.problem(), found.du, found.normal, found.friction).failures() == []
+    actual = minimise(step)
+    np.testing.assert_array_equal(actual.state, answer.state)
+    np.testing.assert_allclose(actual.normal, answer.normal, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(actual.friction, answer.friction, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(actual.du, answer.u, rtol=0, atol=EXACT)
+    assert judge(step.problem(), actual.du, actual.normal, actual.friction).failures() == []
 
 
 def test_it_finds_the_answer_that_is_built_in() -> None:
@@ -47,10 +47,10 @@ def test_klarbrings_springs_have_one_answer_at_small_mu() -> None:
     for mu, load in product((0.0, 0.2, 0.8), loads):
         springs = klarbring(mu, load, 1.0)
         (answer,) = all_answers(springs)
-        found = minimise(springs)
-        np.testing.assert_array_equal(found.state, answer.state)
-        np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-        np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
+        actual = minimise(springs)
+        np.testing.assert_array_equal(actual.state, answer.state)
+        np.testing.assert_allclose(actual.du, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(actual.friction, answer.friction, rtol=0, atol=EXACT)
         assert judge(springs.problem(), answer.u, answer.normal, answer.friction).failures() == []
 
 
@@ -61,17 +61,17 @@ def test_klarbrings_springs_have_three_answers_at_large_mu() -> None:
     assert {int(answer.state[0]) for answer in answers} == {State.OPEN, State.STICK, State.SLIP}
     for answer in answers:
         assert judge(springs.problem(), answer.u, answer.normal, answer.friction).failures() == []
-    found = minimise(springs)
-    assert min(np.max(np.abs(found.du - answer.u)) for answer in answers) <= EXACT
+    actual = minimise(springs)
+    assert min(np.max(np.abs(actual.du - answer.u)) for answer in answers) <= EXACT
 
 
 def test_in_any_units() -> None:
     for length, force in ((4.0**10, 1.0), (4.0**-10, 1.0), (1.0, 4.0**10), (1.0, 4.0**-10)):
         step, answer = manufactured(np.random.default_rng(2), 5)
-        found = minimise(in_units(step, length, force))
-        np.testing.assert_array_equal(found.state, answer.state)
-        np.testing.assert_allclose(found.du / length, answer.u, rtol=0, atol=EXACT)
-        np.testing.assert_allclose(found.friction / force, answer.friction, rtol=0, atol=EXACT)
+        actual = minimise(in_units(step, length, force))
+        np.testing.assert_array_equal(actual.state, answer.state)
+        np.testing.assert_allclose(actual.du / length, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(actual.friction / force, answer.friction, rtol=0, atol=EXACT)
 
 
 def test_a_spoilt_answer_is_contradicted() -> None:
@@ -101,10 +101,10 @@ def test_a_matrix_that_is_not_symmetric() -> None:
         n = len(step.r)
         skew = 0.1 * np.triu(np.ones((n, n)), 1)
         other = replace(step, K=sparse.csc_matrix(step.K + skew - skew.T))
-        found = minimise(balanced(other, answer))
-        np.testing.assert_array_equal(found.state, answer.state)
-        np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-        np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
+        actual = minimise(balanced(other, answer))
+        np.testing.assert_array_equal(actual.state, answer.state)
+        np.testing.assert_allclose(actual.du, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(actual.friction, answer.friction, rtol=0, atol=EXACT)
 
 
 def test_an_endless_friction_ties_who_touches() -> None:
@@ -112,16 +112,16 @@ def test_an_endless_friction_ties_who_touches() -> None:
     for seed in range(3):
         problem = tied(seed)
         step = freeze(problem, np.zeros(26), np.zeros(len(problem.weights)), {})
-        found = minimise(step)
-        touch = np.flatnonzero(found.state == State.STICK)
+        actual = minimise(step)
+        touch = np.flatnonzero(actual.state == State.STICK)
         assert len(touch)
-        assert State.SLIP not in found.state
+        assert State.SLIP not in actual.state
         J = step.H.toarray()[:, (3 * touch[:, None] + np.arange(3)).ravel()]
         K, ways = step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
         A = np.block([[K, -J], [J.T, np.zeros((J.shape[1], J.shape[1]))]])
         wanted = np.linalg.solve(A, np.concatenate([-step.r, -ways]))
-        np.testing.assert_allclose(found.du, wanted[: len(K)], rtol=0, atol=EXACT)
-        assert judge(problem, found.du, found.normal, found.friction).failures() == []
+        np.testing.assert_allclose(actual.du, wanted[: len(K)], rtol=0, atol=EXACT)
+        assert judge(problem, actual.du, actual.normal, actual.friction).failures() == []
 
 
 def pulled(force: float) -> FrozenFrictionalStep:
@@ -131,11 +131,11 @@ def pulled(force: float) -> FrozenFrictionalStep:
 
 
 def test_friction_alone_may_hold_a_body() -> None:
-    found = minimise(pulled(0.9))
-    assert found.passes <= 2
-    assert found.state.tolist() == [State.STICK]
-    np.testing.assert_allclose(found.friction, [[-0.9, 0.0]], rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.du, 0.0, rtol=0, atol=EXACT)
+    actual = minimise(pulled(0.9))
+    assert actual.passes <= 2
+    assert actual.state.tolist() == [State.STICK]
+    np.testing.assert_allclose(actual.friction, [[-0.9, 0.0]], rtol=0, atol=EXACT)
+    np.testing.assert_allclose(actual.du, 0.0, rtol=0, atol=EXACT)
     with pytest.raises(OracleError):
         minimise(pulled(1.1))
 
@@ -147,10 +147,10 @@ def test_redundant_contacts_share_what_one_carries() -> None:
         order = np.repeat(np.arange(4), 2)
         rows = (2 * order[:, None] + np.arange(2)).ravel()
         twice = replace(step, G=step.G[order], gap=step.gap[order], weights=step.weights[order])
-        found = minimise(replace(twice, S=step.S[rows], slip=step.slip[order], mu=step.mu[order]))
-        np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
-        np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
-        np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
+        actual = minimise(replace(twice, S=step.S[rows], slip=step.slip[order], mu=step.mu[order]))
+        np.testing.assert_allclose(actual.du, answer.u, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(actual.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
+        np.testing.assert_allclose(actual.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
 
 
 def test_a_contact_that_just_touches_carries_nothing() -> None:
@@ -159,7 +159,7 @@ def test_a_contact_that_just_touches_carries_nothing() -> None:
     r = np.array([1.0, -3.0, 0.0, -1e-15, -3.0, 0.0])  # K du + r = F with K = 1: f = r_n, and a slip of 3 - mu f
     step = dense_step(eye, r, eye[[0, 3]], np.zeros(2), eye[[1, 2, 4, 5]], np.zeros((2, 2)), np.full(2, 0.5))
     slips = np.full(2, State.SLIP)
-    found = settle(step, Known(np.zeros(6), np.ones(2), np.array([[-0.5, 0.0], [-0.5, 0.0]]), slips))
-    np.testing.assert_allclose(found.friction, [[-0.5, 0.0], [0.0, 0.0]], rtol=0, atol=EXACT)
-    assert found.normal[1] == 0
-    assert np.all(found.friction[1] == 0)
+    actual = settle(step, Known(np.zeros(6), np.ones(2), np.array([[-0.5, 0.0], [-0.5, 0.0]]), slips))
+    np.testing.assert_allclose(actual.friction, [[-0.5, 0.0], [0.0, 0.0]], rtol=0, atol=EXACT)
+    assert actual.normal[1] == 0
+    assert np.all(actual.friction[1] == 0)

@@ -100,11 +100,11 @@ def test_a_step_is_solved_alone(name, tmp_path) -> None:
         path = tmp_path / "step.npz"
         freeze(problem, start, pressure, {}).write(path)
         alone = FrozenStep.read(path).problem()
-        found = ALGORITHMS[name](epsilon=math.inf).solve(alone, ContactSolution.at_rest(n, 6))
-        assert found.outcome is Outcome.CONVERGED
-        np.testing.assert_allclose(start + found.u, u, rtol=0, atol=ORACLE)
-        np.testing.assert_allclose(found.pressure, p, rtol=0, atol=ORACLE)
-        verdict = judge(alone, found.u, found.pressure)
+        solution = ALGORITHMS[name](epsilon=math.inf).solve(alone, ContactSolution.at_rest(n, 6))
+        assert solution.outcome is Outcome.CONVERGED
+        np.testing.assert_allclose(start + solution.u, u, rtol=0, atol=ORACLE)
+        np.testing.assert_allclose(solution.pressure, p, rtol=0, atol=ORACLE)
+        verdict = judge(alone, solution.u, solution.pressure)
         assert verdict.failures() == []
         assert verdict.energy <= ROUNDING
 
@@ -232,10 +232,10 @@ def test_with_friction_there_and_back(made, tmp_path) -> None:
 
 def test_whoever_reads_the_file_has_its_friction(made, tmp_path) -> None:
     made[0].write(tmp_path / "step.npz")
-    found = FrozenStep.read(tmp_path / "step.npz")
-    assert isinstance(found, FrozenFrictionalStep)
-    assert rubs_the_same(found, made[0])
-    assert found.meta == {}
+    actual = FrozenStep.read(tmp_path / "step.npz")
+    assert isinstance(actual, FrozenFrictionalStep)
+    assert rubs_the_same(actual, made[0])
+    assert actual.meta == {}
 
 
 def test_a_problem_frozen_anywhere_has_the_same_answer(made, rng) -> None:

@@ -27,9 +27,9 @@ def frozen(data) -> FrozenStep:
 def test_it_is_right_where_nnls_is(epsilon, seed, kind) -> None:
     data = random_quadratic(np.random.default_rng(seed), kind)
     u, pressure = dual_by_nnls(data, epsilon)
-    du, found = minimise(frozen(data), epsilon)
+    du, actual = minimise(frozen(data), epsilon)
     np.testing.assert_allclose(du, u, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found, pressure, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(actual, pressure, rtol=0, atol=EXACT)
     assert confirm(frozen(data), u, pressure, epsilon).agrees
 
 
@@ -51,9 +51,9 @@ def test_badly_scaled_steps(rng) -> None:
         G = data.G / unit[None, :]
         scaled = Quadratic(data.K / np.outer(unit, unit), force * data.f / unit, G, force * data.g0, data.w)
         u, p = dual_by_nnls(data, math.inf)
-        found = minimise(frozen(scaled))
-        np.testing.assert_allclose(found[1] / force, p, rtol=0, atol=1e-7)
-        np.testing.assert_allclose(found[0] / unit / force, u, rtol=0, atol=1e-7)
+        actual = minimise(frozen(scaled))
+        np.testing.assert_allclose(actual[1] / force, p, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(actual[0] / unit / force, u, rtol=0, atol=1e-7)
 
 
 def test_a_spoilt_answer_is_contradicted() -> None:

@@ -94,8 +94,8 @@ def test_every_storage_is_read(write, rng, tmp_path) -> None:
     M, H, b = W + 9 * np.eye(9), rng.normal(size=(9, 9)), rng.normal(size=9)
     whole = parse(f"3\n3\n{write(M)}\n{write(H)}\n{numbers(q)}\n{numbers(b)}\n{MU}\n1\n")
     assert whole.kind == "global"
-    for found, wanted in ((whole.M.toarray(), M), (whole.H.toarray(), H), (whole.q, q), (whole.offset, b)):
-        np.testing.assert_allclose(found, wanted, rtol=1e-15)
+    for actual, wanted in ((whole.M.toarray(), M), (whole.H.toarray(), H), (whole.q, q), (whole.offset, b)):
+        np.testing.assert_allclose(actual, wanted, rtol=1e-15)
 
 
 def relative(step, forces: np.ndarray) -> np.ndarray:
@@ -129,19 +129,19 @@ def test_in_a_plane_nothing_pulls_in_the_second_direction(whole, rng) -> None:
     text = f"{dense(np.linalg.inv(W))} {dense(np.eye(4))} {numbers(0 * q)}" if whole else dense(W)
     step = parse(f"2 2 {text} {numbers(q)} 0.3 0.3").step()
     forces = rng.normal(size=(2, 2))
-    found = relative(step, np.column_stack([forces, np.zeros(2)]).ravel()).reshape(2, 3)
-    np.testing.assert_allclose(found[:, :2].ravel(), W @ forces.ravel() + q, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found[:, 2], 0.0, rtol=0, atol=EXACT)
+    actual = relative(step, np.column_stack([forces, np.zeros(2)]).ravel()).reshape(2, 3)
+    np.testing.assert_allclose(actual[:, :2].ravel(), W @ forces.ravel() + q, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(actual[:, 2], 0.0, rtol=0, atol=EXACT)
 
 
 def test_one_contact_by_hand() -> None:
     """W = 1, q = (-1, 3, 4), mu = 0.1: f = 1, slip against (3, 4), friction -0.1 (0.6, 0.8)."""
     step = parse(f"3 1 {dense(np.eye(3))} -1 3 4 0.1").step()
-    found = minimise(step)
-    assert found.state.tolist() == [State.SLIP]
-    np.testing.assert_allclose(found.normal, 1.0, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction, [[-0.06, -0.08]], rtol=0, atol=EXACT)
-    assert judge(step.problem(), found.du, found.normal, found.friction).failures() == []
+    actual = minimise(step)
+    assert actual.state.tolist() == [State.SLIP]
+    np.testing.assert_allclose(actual.normal, 1.0, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(actual.friction, [[-0.06, -0.08]], rtol=0, atol=EXACT)
+    assert judge(step.problem(), actual.du, actual.normal, actual.friction).failures() == []
 
 
 ONE = "0 3 3 3 3 1 0 0 0 1 0 0 0 1"
@@ -230,18 +230,18 @@ def test_any_forces_make_the_ways_of_the_problem() -> None:
 def test_an_active_set_has_the_answer_of_the_oracle(make) -> None:
     problem = make(np.random.default_rng(3))
     step, wanted = with_own_ways(problem), minimise(problem.step())
-    found = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 3))
-    assert found.outcome.converged
-    assert judge(step.problem(), found.u, found.pressure, found.rubbed.force).failures() == []
-    np.testing.assert_allclose(found.pressure, wanted.normal, rtol=0, atol=CLOSE)
-    np.testing.assert_allclose(found.rubbed.force, wanted.friction, rtol=0, atol=CLOSE)
+    solution = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 3))
+    assert solution.outcome.converged
+    assert judge(step.problem(), solution.u, solution.pressure, solution.rubbed.force).failures() == []
+    np.testing.assert_allclose(solution.pressure, wanted.normal, rtol=0, atol=CLOSE)
+    np.testing.assert_allclose(solution.rubbed.force, wanted.friction, rtol=0, atol=CLOSE)
 
 
 def test_in_a_plane_the_second_slip_of_its_own_way_is_none() -> None:
     W = sparse.csc_matrix(np.diag([1.0, 2.0, 3.0, 4.0]))
     step = with_own_ways(SiconosProblem(2, COEFFICIENTS[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W))
     assert np.diff(step.S.indptr).tolist() == [1, 0, 1, 0]
-    found = minimise(SiconosProblem(2, COEFFICIENTS[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W).step())
+    actual = minimise(SiconosProblem(2, COEFFICIENTS[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W).step())
     own = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 2))
     np.testing.assert_allclose(own.pressure, [1.0, 2 / 3], rtol=0, atol=CLOSE)  # W is diagonal: each alone
-    np.testing.assert_allclose(own.rubbed.force, found.friction, rtol=0, atol=CLOSE)
+    np.testing.assert_allclose(own.rubbed.force, actual.friction, rtol=0, atol=CLOSE)

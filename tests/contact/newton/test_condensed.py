@@ -25,9 +25,9 @@ KINDS = [("obstacle", True), ("inclined", True), ("inclined", False)]
 
 def linearised(problem: ContactProblem, u: np.ndarray, base: np.ndarray, epsilon: float, solver: str) -> Condensed:
     run = NewtonRun(problem, epsilon, solver)
-    found = run.linear(run.linearise(u, None), u, np.zeros(len(base)), base)
-    assert isinstance(found, Condensed)
-    return found
+    actual = run.linear(run.linearise(u, None), u, np.zeros(len(base)), base)
+    assert isinstance(actual, Condensed)
+    return actual
 
 
 def example(kind: str, symmetric: bool, seed: int) -> tuple[Quadratic, np.ndarray, np.random.Generator]:
@@ -149,14 +149,14 @@ def test_one_factorisation_an_iteration_is_enough() -> None:
     exact = {"epsilon": "inf"}
     _, force, pressure = tyre("semismooth", solver="splu", **exact)
     for contact in ("semismooth", "lcp", "qp", "trial-and-error"):
-        counters, found, pressed = tyre(contact, **exact)
+        counters, actual, pressed = tyre(contact, **exact)
         assert counters["factorisations"] <= counters["newton_iterations"] + 2, contact
-        assert found == pytest.approx(force, rel=SAME), contact
+        assert actual == pytest.approx(force, rel=SAME), contact
         np.testing.assert_allclose(pressed, pressure, rtol=0, atol=1e-8 * np.max(pressure))
         assert np.array_equal(pressed > 0, pressure > 0)
     for contact in ("lcp", "qp"):
-        _, found, pressed = tyre(contact, system="full", **exact)
-        assert found == pytest.approx(force, rel=SAME), contact
+        _, actual, pressed = tyre(contact, system="full", **exact)
+        assert actual == pytest.approx(force, rel=SAME), contact
         assert np.array_equal(pressed > 0, pressure > 0)
 
 

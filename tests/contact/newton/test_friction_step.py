@@ -80,12 +80,12 @@ def test_a_step_is_that_of_the_saddle_point_system_on_any_states(anew: bool, mon
         step = linear_step(problem, u, base)
         for laws in (base, *(random_laws(rng, m, flat=components == 1) for _ in range(4))):
             step = step.near(laws)
-            wanted, foreseen, found = saddle_point(problem, u, laws), step.foreseen(laws), step.step(laws)
+            wanted, foreseen, actual = saddle_point(problem, u, laws), step.foreseen(laws), step.step(laws)
             assert (step.base is laws) == (anew or laws is base)
-            assert np.max(np.abs(found.du - wanted.du)) < 1e-11
-            for told in (foreseen, found):
+            assert np.max(np.abs(actual.du - wanted.du)) < 1e-11
+            for stated in (foreseen, actual):
                 for name in ("gap", "slip", "normal", "friction"):
-                    assert np.max(np.abs(getattr(told, name) - getattr(wanted, name))) < 1e-11, (name, laws.state)
+                    assert np.max(np.abs(getattr(stated, name) - getattr(wanted, name))) < 1e-11, (name, laws.state)
 
 
 def test_the_law_of_a_slip_has_the_derivatives_of_friction() -> None:
@@ -149,10 +149,10 @@ def test_the_error_falls_with_the_inverse_of_epsilon() -> None:
         wanted, stiff = planted(seed, 0.5), np.array([1e3, 1e4, 1e5, 1e6])
         errors = []
         for epsilon in stiff:
-            found = on_springs(wanted.problem, epsilon, len(wanted.u))
-            assert found.outcome is Outcome.CONVERGED
-            assert np.array_equal(found.rubbed.state, wanted.state)
-            errors.append(np.max(np.abs(found.rubbed.force - wanted.friction)))
+            actual = on_springs(wanted.problem, epsilon, len(wanted.u))
+            assert actual.outcome is Outcome.CONVERGED
+            assert np.array_equal(actual.rubbed.state, wanted.state)
+            errors.append(np.max(np.abs(actual.rubbed.force - wanted.friction)))
         assert np.polyfit(np.log(stiff), np.log(errors), 1)[0] == pytest.approx(-1, abs=0.02)
 
 
@@ -160,11 +160,11 @@ def test_no_digit_is_lost_on_stiff_springs() -> None:
     """By the law where that can be worked out from u, by the answer without springs where it cannot."""
     for mu, epsilon in product((0.1, 1.0), (1.0, 1e4, 1e12)):
         wanted = planted(7, mu)
-        found = on_springs(wanted.problem, epsilon, len(wanted.u))
-        assert found.outcome is Outcome.CONVERGED
-        f, t = returned(wanted.problem, found.u, epsilon) if epsilon < 1e5 else (wanted.normal, wanted.friction)
-        assert np.max(np.abs(found.pressure - f)) < 1e-8
-        assert np.max(np.abs(found.rubbed.force - t)) < 1e-8
+        actual = on_springs(wanted.problem, epsilon, len(wanted.u))
+        assert actual.outcome is Outcome.CONVERGED
+        f, t = returned(wanted.problem, actual.u, epsilon) if epsilon < 1e5 else (wanted.normal, wanted.friction)
+        assert np.max(np.abs(actual.pressure - f)) < 1e-8
+        assert np.max(np.abs(actual.rubbed.force - t)) < 1e-8
 
 
 def test_one_candidate_in_closed_form() -> None:
@@ -174,13 +174,13 @@ def test_one_candidate_in_closed_form() -> None:
         G, S = np.array([[0.0, 0.0, 1.0]]), np.eye(3)[:2]
         load = np.array([0.6 * along, 0.8 * along, -pressed])
         problem = linear(K * np.eye(3), load, G, S, np.zeros(1), np.zeros((1, 2)), np.full(1, mu))
-        found, f = on_springs(problem, k, 3), k * pressed / (K + k)
+        actual, f = on_springs(problem, k, 3), k * pressed / (K + k)
         sticks = along * k / (K + k) <= mu * f
         u_t = along / (K + k) if sticks else (along - mu * f) / K
-        assert found.u == pytest.approx([0.6 * u_t, 0.8 * u_t, -pressed / (K + k)], rel=1e-12)
-        assert found.pressure[0] == pytest.approx(f, rel=1e-12)
-        assert np.linalg.norm(found.rubbed.force) == pytest.approx(k * u_t if sticks else mu * f, rel=1e-12)
-        assert found.rubbed.state[0] == (State.STICK if sticks else State.SLIP)
+        assert actual.u == pytest.approx([0.6 * u_t, 0.8 * u_t, -pressed / (K + k)], rel=1e-12)
+        assert actual.pressure[0] == pytest.approx(f, rel=1e-12)
+        assert np.linalg.norm(actual.rubbed.force) == pytest.approx(k * u_t if sticks else mu * f, rel=1e-12)
+        assert actual.rubbed.state[0] == (State.STICK if sticks else State.SLIP)
 
 
 def test_the_step_on_springs_is_newtons_on_the_residual() -> None:

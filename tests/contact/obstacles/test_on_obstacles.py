@@ -157,8 +157,8 @@ def test_the_curvature_makes_newton_quadratic(hollow, rng) -> None:
     assert all(run.outcome is Outcome.CONVERGED and run.active.all() for run in runs)
     exact = x / np.linalg.norm(x[:, [0, 2]], axis=1)[:, None] * R  # back to the nearest point of the drum
     for run in runs:
-        found = candidates.positions(run.u)
-        np.testing.assert_allclose(found[:, [0, 2]], exact[:, [0, 2]], rtol=0, atol=1e-8)
+        actual = candidates.positions(run.u)
+        np.testing.assert_allclose(actual[:, [0, 2]], exact[:, [0, 2]], rtol=0, atol=1e-8)
     quadratic, linear = (run.counters["newton_iterations"] for run in runs)
     assert quadratic <= 4
     assert linear >= 8

@@ -37,9 +37,9 @@ def pattern(n: int, density: float, unknowns: int, seed: int) -> sparse.csc_matr
 
 
 def symmetric(A: sparse.csc_matrix, shift: float) -> sparse.csc_matrix:
-    found = sparse.csc_matrix(A + A.T + shift * sparse.eye_array(A.shape[0]))
-    found.sort_indices()
-    return found
+    actual = sparse.csc_matrix(A + A.T + shift * sparse.eye_array(A.shape[0]))
+    actual.sort_indices()
+    return actual
 
 
 def factored(A: sparse.csc_matrix) -> Multifrontal:
@@ -64,13 +64,13 @@ def test_any_symmetric_pattern_is_solved(n, density, unknowns, seed, whole) -> N
             eigenvalues = np.linalg.eigvalsh(K.toarray())
             if np.min(np.abs(eigenvalues)) < 1e-6:
                 continue
-            found = factored(K)
+            actual = factored(K)
             for rhs in (b, b[:, 0]):
-                x = found.solve(rhs)
+                x = actual.solve(rhs)
                 assert x.shape == rhs.shape
                 exact = np.linalg.solve(K.toarray(), rhs)
                 assert np.max(np.abs(x - exact)) <= 1e-6 * np.max(np.abs(exact))
-            assert found.negative == np.sum(eigenvalues < 0)
+            assert actual.negative == np.sum(eigenvalues < 0)
     finally:
         tree.WHOLE = keep
 
@@ -107,22 +107,22 @@ def test_tangents_of_shells_and_their_inertia(shape) -> None:
         shift = 0.0 if share == 0 else float(np.mean(eigenvalues[at : at + 2]))
         A = K.copy()
         A.setdiag(K.diagonal() - shift)
-        found = factored(A)
-        assert found.negative == np.sum(eigenvalues < shift)
-        x = checked_solve(found, A, b)
+        actual = factored(A)
+        assert actual.negative == np.sum(eigenvalues < shift)
+        x = checked_solve(actual, A, b)
         size = float(abs(A).sum(axis=0).max()) * np.max(np.abs(x)) + np.max(np.abs(b))
         assert np.max(np.abs(A @ x - b)) <= BACKWARD_ERROR * size
 
 
 def test_fronts_cover_every_unknown_once_and_children_come_first() -> None:
     K = tangent(20, 20)
-    found = Analysis.of(K.indptr, K.indices)
-    assert np.array_equal(np.sort(found.order), np.arange(K.shape[0]))
-    assert [front.start for front in found.fronts[1:]] == [front.stop for front in found.fronts[:-1]]
-    children = [child for front in found.fronts for child, _ in front.children]
-    assert len(children) == len(set(children)) == len(found.fronts) - 1
-    assert all(child < k for k, front in enumerate(found.fronts) for child, _ in front.children)
-    assert len(found.fronts) > 10
+    actual = Analysis.of(K.indptr, K.indices)
+    assert np.array_equal(np.sort(actual.order), np.arange(K.shape[0]))
+    assert [front.start for front in actual.fronts[1:]] == [front.stop for front in actual.fronts[:-1]]
+    children = [child for front in actual.fronts for child, _ in front.children]
+    assert len(children) == len(set(children)) == len(actual.fronts) - 1
+    assert all(child < k for k, front in enumerate(actual.fronts) for child, _ in front.children)
+    assert len(actual.fronts) > 10
 
 
 def test_a_boundary_in_many_pieces_goes_to_its_parent_at_once() -> None:

@@ -200,5 +200,5 @@ def test_strains_at_gauss_points_are_those_of_their_modes(rng) -> None:
     shell = make_shell(Plate(), Grid.tensor(np.array([0.0, 1.0, 3.0]), np.array([0.0, 2.0])))
     geometry, element = shell.discretisation.geometry, shell._element
     modes = rng.normal(size=(2, N_M))
-    found = element.on_modes(geometry, element.at_gauss(geometry, modes), None)
-    np.testing.assert_allclose(found, modes, rtol=0, atol=ROUNDING * 10)
+    actual = element.on_modes(geometry, element.at_gauss(geometry, modes), None)
+    np.testing.assert_allclose(actual, modes, rtol=0, atol=ROUNDING * 10)

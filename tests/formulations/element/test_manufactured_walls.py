@@ -75,7 +75,7 @@ def forces(body: Discretisation, bubble: Bubble, law: str) -> np.ndarray:
     a = grid.points(xi)
     half = 0.5 * (grid.nodes[grid.elements[:, 2]] - grid.nodes[grid.elements[:, 0]])
     geometry, frame = bubble.surface.geometry(*np.moveaxis(a, -1, 0)), bubble.surface.frame(*np.moveaxis(a, -1, 0))
-    found, voigt = np.zeros((grid.n_nodes, len(at), 3)), tuple(np.array(VOIGT).T)
+    actual, voigt = np.zeros((grid.n_nodes, len(at), 3)), tuple(np.array(VOIGT).T)
     for ply, (low, high) in zip(body.laminate.plies, body.wall.sampling.ends, strict=True):
         for x, weight in zip(*ACROSS, strict=True):
             d = 0.5 * (low + high) + 0.5 * (high - low) * x
@@ -90,10 +90,10 @@ def forces(body: Discretisation, bubble: Bubble, law: str) -> np.ndarray:
             in_plane = np.einsum("egib,egrb->egri", P[..., :2], dN / (half[:, None, None] * stretched[:, :, None]))
             normal = np.einsum("egi,gr->egri", P[..., 2], N)
             for s, L in enumerate(basis):
-                np.add.at(found[:, s], grid.elements, np.sum(L(d) * in_plane + L.deriv()(d) * normal, axis=1))
-    found = np.einsum("nix,nsx->nsi", body.surface.frame(*grid.nodes.T), found)
-    faces = np.stack([found[:, 0], found[:, -1]], axis=-1).reshape(-1, 6)
-    return body.map.gather(np.append(faces, found[:, 1:-1]))
+                np.add.at(actual[:, s], grid.elements, np.sum(L(d) * in_plane + L.deriv()(d) * normal, axis=1))
+    actual = np.einsum("nix,nsx->nsi", body.surface.frame(*grid.nodes.T), actual)
+    faces = np.stack([actual[:, 0], actual[:, -1]], axis=-1).reshape(-1, 6)
+    return body.map.gather(np.append(faces, actual[:, 1:-1]))
 
 
 def error(
@@ -122,9 +122,9 @@ def error(
     v = shell.nodal_displacements(u)
     faces, inside = v[:, :6].reshape(-1, 3, 2), v[:, 6:].reshape(grid.n_nodes, -1, 3)
     local = np.concatenate([faces[:, None, :, 0], inside, faces[:, None, :, 1]], axis=1)
-    found = np.einsum("nix,nsi->nsx", piece.surface.frame(*grid.nodes.T), local)[grid.elements].mean(axis=1)
+    actual = np.einsum("nix,nsi->nsx", piece.surface.frame(*grid.nodes.T), local)[grid.elements].mean(axis=1)
     exact = bubble.at(grid.centre, body.wall.sampling.at)
-    return float(np.linalg.norm(found - exact) / np.linalg.norm(exact))
+    return float(np.linalg.norm(actual - exact) / np.linalg.norm(exact))
 
 
 CASES = [

@@ -69,10 +69,12 @@ def test_linear_patch(laminate, section, thickness_strain) -> None:
     u[inside] = spsolve(tangent[inside][:, inside], -(tangent @ u)[inside])
     np.testing.assert_allclose(u, exact.ravel(), rtol=0, atol=PATCH * np.max(np.abs(exact)))
     expected = D @ np.concatenate([tangential, np.zeros(4), [stretch]])
-    found = shell.resultants(u)
+    actual = shell.resultants(u)
     size = np.max(np.abs(expected))
-    np.testing.assert_allclose(found[:, :N_E], np.broadcast_to(expected, (len(found), N_E)), rtol=0, atol=PATCH * size)
-    assert np.max(np.abs(found[:, N_E:])) <= PATCH * size  # the higher modes are silent
+    np.testing.assert_allclose(
+        actual[:, :N_E], np.broadcast_to(expected, (len(actual), N_E)), rtol=0, atol=PATCH * size
+    )
+    assert np.max(np.abs(actual[:, N_E:])) <= PATCH * size  # the higher modes are silent
 
 
 @pytest.mark.parametrize("section", SECTIONS)

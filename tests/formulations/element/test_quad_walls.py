@@ -58,8 +58,8 @@ def test_a_uniform_state_has_the_strains_of_the_formulas(rng, surfaces, distorti
     q = np.append(np.repeat([G[0, 0], G[1, 0], -G[2, 0], G[1, 1], G[0, 1], -G[2, 1]], 2), G[:, 2])
     for name, measure in MEASURES.items():
         expected = np.broadcast_to(measure.strain(q), (len(body.grid.elements), 4, 11))
-        found = ShellModel(body, measure).gauss_strains(u)
-        np.testing.assert_allclose(found, expected, atol=1e-12, err_msg=name)
+        actual = ShellModel(body, measure).gauss_strains(u)
+        np.testing.assert_allclose(actual, expected, atol=1e-12, err_msg=name)
 
 
 @of_walls

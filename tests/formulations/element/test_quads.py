@@ -139,8 +139,8 @@ def test_patches_of_membrane_and_bending(state: str) -> None:
     for membrane in ("compatible", "relaxed"):
         shell = ShellModel(body, MEASURES["linear"], prescribed=np.where(held, v, 0.0), membrane=membrane)
         rest = shell.linearise(np.zeros(body.n_free))
-        found = shell.displacements(spsolve(rest.tangent, -rest.residual))
-        np.testing.assert_allclose(found, v, atol=1e-12 * np.abs(v).max())
+        actual = shell.displacements(spsolve(rest.tangent, -rest.residual))
+        np.testing.assert_allclose(actual, v, atol=1e-12 * np.abs(v).max())
 
 
 def test_rectangles_have_the_strains_of_an_isoparametric_grid_but_for_products_in_shears_across() -> None:

@@ -89,13 +89,13 @@ def dense(pattern: Pattern, matrices: np.ndarray) -> np.ndarray:
 
 def summed(number: np.ndarray, matrices: np.ndarray, n: int) -> np.ndarray:
     """Entry by entry."""
-    found = np.zeros((n, n))
+    actual = np.zeros((n, n))
     for own, matrix in zip(number, matrices, strict=True):
         for i, row in enumerate(own):
             for j, column in enumerate(own):
                 if row >= 0 and column >= 0:
-                    found[row, column] += matrix[i, j]
-    return found
+                    actual[row, column] += matrix[i, j]
+    return actual
 
 
 @pytest.mark.parametrize(

@@ -68,13 +68,13 @@ def test_moment_of_an_element_to_the_third_order(interpolation, phi0, thickness_
     s = THICKNESS_STRAINS[thickness_strain]
     phi = np.array([turned(moment, phi0, interpolation, thickness_strain) for moment in MOMENTS])
     sign = np.sign(phi @ MOMENTS)  # of the sense of the couples
-    found = np.linalg.lstsq(np.stack([phi**k for k in range(1, 6)], axis=1), sign * MOMENTS, rcond=None)[0][:3]
+    actual = np.linalg.lstsq(np.stack([phi**k for k in range(1, 6)], axis=1), sign * MOMENTS, rcond=None)[0][:3]
     if interpolation == "curvilinear":
         expected = [1.0, -(1 + 2 * s) / 8 * phi0, 1 / 6 - s / 3]
     else:
         expected = [1 - s / 3 * phi0**2, 3 / 8 * (1 - 2 * s) * phi0, 1 / 6 - s / 3]
-    assert found == pytest.approx(expected, abs=HIGHER)
-    assert abs(found[2]) <= HIGHER or thickness_strain != "balanced"
+    assert actual == pytest.approx(expected, abs=HIGHER)
+    assert abs(actual[2]) <= HIGHER or thickness_strain != "balanced"
 
 
 @pytest.mark.parametrize("phi0", [0.0, 0.1])

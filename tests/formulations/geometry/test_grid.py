@@ -137,10 +137,10 @@ def test_a_translation_is_the_same_vector_everywhere(patch, rng) -> None:
     shell = make_shell(patch.surface, grid).discretisation
     u = nodal_components(patch.surface, grid, SKEW_LAMINATE, lambda x: np.broadcast_to(c, x.shape))
     nodes = rng.permutation(grid.n_nodes)[:5]
-    for face, found in enumerate(shell.cartesian(u)):
-        np.testing.assert_allclose(found, np.broadcast_to(c, found.shape), rtol=0, atol=10 * ROUNDING)
+    for face, actual in enumerate(shell.cartesian(u)):
+        np.testing.assert_allclose(actual, np.broadcast_to(c, actual.shape), rtol=0, atol=10 * ROUNDING)
         at_nodes = shell.displacement_operator(nodes, face) @ u
-        np.testing.assert_allclose(at_nodes.reshape(-1, 3), found[nodes], rtol=0, atol=10 * ROUNDING)
+        np.testing.assert_allclose(at_nodes.reshape(-1, 3), actual[nodes], rtol=0, atol=10 * ROUNDING)
     inner, outer = shell.positions()
     np.testing.assert_allclose(np.linalg.norm(outer - inner, axis=1), SKEW_LAMINATE.thickness, rtol=10 * ROUNDING)
     middle = inner + (outer - inner) * (-SKEW_LAMINATE.d_minus / SKEW_LAMINATE.thickness)

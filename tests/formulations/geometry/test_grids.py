@@ -78,8 +78,8 @@ def test_derivatives_by_differences(rng) -> None:
     by_difference = (edges.moved(v + step * dv) - edges.moved(v - step * dv)) / (2 * step)
     np.testing.assert_allclose(np.einsum("kfxn,kn->kfx", edges.slope(v), dv), by_difference, rtol=1e-6, atol=1e-6)
     change = (edges.slope(v + step * dv) - edges.slope(v - step * dv)) / (2 * step)
-    found = np.einsum("kmn,kn->km", edges.curvature(v, force), dv)
-    np.testing.assert_allclose(found, np.einsum("kfx,kfxn->kn", force, change), rtol=1e-6, atol=1e-6)
+    actual = np.einsum("kmn,kn->km", edges.curvature(v, force), dv)
+    np.testing.assert_allclose(actual, np.einsum("kfx,kfxn->kn", force, change), rtol=1e-6, atol=1e-6)
 
 
 def test_a_middle_beside_the_arc_turns_with_its_ends(rng) -> None:
@@ -162,8 +162,8 @@ def test_fill_on_a_fine_mesh_is_less_than_minimum_degree() -> None:
 def test_the_order_does_not_change_the_solution(rng) -> None:
     K = tangent(built("18x16", "half"))
     b = rng.normal(size=K.shape[0])
-    kept, found = (checked_solve(factorise(K, ordered=ordered), K, b) for ordered in (True, False))
-    np.testing.assert_allclose(kept, found, rtol=0, atol=ROUNDING * np.abs(found).max())
+    kept, actual = (checked_solve(factorise(K, ordered=ordered), K, b) for ordered in (True, False))
+    np.testing.assert_allclose(kept, actual, rtol=0, atol=ROUNDING * np.abs(actual).max())
 
 
 def test_a_part_with_images_fills_no_more_than_a_ring() -> None:

@@ -106,8 +106,8 @@ def test_normals_from_positions_are_of_the_second_order_up_to_the_rim(shape) -> 
     off = []
     for m in (8, 16):
         x, n, elements = skewed(shape, m)
-        found = nodal_normals(x, elements, n, np.zeros(len(x), bool))
-        off.append(np.linalg.norm(found - n, axis=-1).reshape(m + 1, m + 1))
+        actual = nodal_normals(x, elements, n, np.zeros(len(x), bool))
+        off.append(np.linalg.norm(actual - n, axis=-1).reshape(m + 1, m + 1))
     assert np.log2(off[0].max() / off[1].max()) > 1.7
     assert off[1].max() < 1e-3
     if shape is sphere:

@@ -50,11 +50,11 @@ def test_refined_everywhere_it_is_the_uniform_grid(periodic, times) -> None:
     for _ in range(times):
         tree = tree.everywhere()
     halved = [np.interp(np.linspace(0, len(a) - 1, 2**times * (len(a) - 1) + 1), np.arange(len(a)), a) for a in lines]
-    found, uniform = tree.grid(), Grid.tensor(*halved, periodic=periodic)
-    np.testing.assert_array_equal(found.elements, uniform.elements)
+    actual, uniform = tree.grid(), Grid.tensor(*halved, periodic=periodic)
+    np.testing.assert_array_equal(actual.elements, uniform.elements)
     for name in ("nodes", "centre", "half"):
-        np.testing.assert_allclose(getattr(found, name), getattr(uniform, name), rtol=0, atol=1e-14)
-    assert found.hanging is None
+        np.testing.assert_allclose(getattr(actual, name), getattr(uniform, name), rtol=0, atol=1e-14)
+    assert actual.hanging is None
 
 
 @pytest.mark.parametrize("periodic", [False, True])
@@ -117,8 +117,8 @@ def test_tangent_by_differences(name, interpolation, rng) -> None:
     u, du = 0.02 * rng.normal(size=(2, shell.discretisation.n_free))
     step = 1e-5
     by_difference = (shell.residual(u + step * du) - shell.residual(u - step * du)) / (2 * step)
-    found = shell.linearise(u).tangent @ du
-    np.testing.assert_allclose(found, by_difference, rtol=0, atol=1e-8 * np.max(np.abs(found)))
+    actual = shell.linearise(u).tangent @ du
+    np.testing.assert_allclose(actual, by_difference, rtol=0, atol=1e-8 * np.max(np.abs(actual)))
 
 
 @pytest.mark.parametrize("name", PATCHES)
@@ -157,8 +157,8 @@ def test_patch(seed) -> None:
     tangent = shell.linearise(np.zeros(len(given))).tangent
     u = np.where(given, shell.discretisation.map.restrict(exact), 0.0)
     u[~given] = spsolve(tangent[~given][:, ~given], -(tangent @ u)[~given])
-    found = shell.discretisation.expand(u)
-    np.testing.assert_allclose(found, exact, rtol=0, atol=PATCH * np.max(np.abs(exact)))
+    actual = shell.discretisation.expand(u)
+    np.testing.assert_allclose(actual, exact, rtol=0, atol=PATCH * np.max(np.abs(exact)))
 
 
 def test_loads_and_reactions_balance() -> None:
@@ -223,7 +223,7 @@ def test_a_free_shell_turns_without_strain(seed) -> None:
 @pytest.mark.parametrize("interpolation", ON_LINES)
 def test_hanging_nodes_do_not_lock_thin_shells(interpolation) -> None:
     """The hemisphere of MacNeal and Harder bends almost without stretching: straight edges held it at half of that."""
-    found = []
+    values = []
     for irregular in (False, True):
         tree = Quadtree.over(np.linspace(0, np.deg2rad(72), 9), np.linspace(0, np.pi / 2, 9))
         tree = random(tree, 1, share=0.1) if irregular else tree
@@ -238,8 +238,8 @@ def test_hanging_nodes_do_not_lock_thin_shells(interpolation) -> None:
         load = np.zeros((grid.n_nodes, 6))
         load[grid.node_at(0, 0), 4:], load[grid.node_at(0, np.pi / 2), 4:] = 0.5, -0.5
         f = shell.discretisation.reduce(load)
-        found.append(float(f @ spsolve(shell.linearise(np.zeros(len(f))).tangent, f)))
-    assert found[1] == pytest.approx(found[0], rel=0.1)
+        values.append(float(f @ spsolve(shell.linearise(np.zeros(len(f))).tangent, f)))
+    assert values[1] == pytest.approx(values[0], rel=0.1)
 
 
 @pytest.mark.parametrize("interpolation", ON_LINES)

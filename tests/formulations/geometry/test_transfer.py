@@ -33,9 +33,9 @@ POWERS = ((0, 0), (1, 0), (0, 1), (1, 1))
 
 
 def between(here: Grid, there: Grid) -> Transfer:
-    found = Transfer.between(here, there)
-    assert found is not None
-    return found
+    actual = Transfer.between(here, there)
+    assert actual is not None
+    return actual
 
 
 def with_hanging_nodes() -> Grid:
@@ -165,9 +165,9 @@ def test_geometry_and_frame_are_those_of_the_position_vector(entry: Entry, rng) 
     expected = symbolic(entry.meridian)
     s, phi = rng.uniform(entry.low, entry.high, 20), rng.uniform(-3, 3, 20)
     geometry, position = entry.surface.geometry(s, phi), entry.surface.position(s, phi)
-    found = {"position": position, "frame": entry.surface.frame(s, phi)}
-    found |= {name: getattr(geometry, name) for name in "AkB"}
-    for name, values in found.items():
+    by_name = {"position": position, "frame": entry.surface.frame(s, phi)}
+    by_name |= {name: getattr(geometry, name) for name in "AkB"}
+    for name, values in by_name.items():
         by_hand = np.array([expected[name](*point) for point in zip(s, phi, strict=True)]).reshape(values.shape)
         np.testing.assert_allclose(values, by_hand, rtol=0, atol=SYMBOLIC, err_msg=name)
     mixed = [expected["mixed"](*point) for point in zip(s, phi, strict=True)]

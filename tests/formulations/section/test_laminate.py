@@ -269,12 +269,12 @@ def test_stresses_have_the_resultants_of_the_section(section: str) -> None:
     """In shell axes and integrated over the wall they are D E in the plane: linear in each ply, Simpson is exact."""
     laminate = Laminate((Ply(*PAPER, 0.7, 0.3), Ply.isotropic(E, 0.3, 0.2), Ply(*PAPER, -0.4, 0.5)), -0.4)
     strains = np.random.default_rng(2).standard_normal((4, 11))
-    found = laminate.stresses(strains, section)
+    actual = laminate.stresses(strains, section)
     resultants, bottom = np.zeros((4, 3, 2)), 0.0
     for k, ply in enumerate(laminate.plies):
         c, s = math.cos(ply.angle), math.sin(ply.angle)
         to_axes = np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
-        sides = found[:, k] @ to_axes.T
+        sides = actual[:, k] @ to_axes.T
         for at, weight in ((0.0, 1 / 6), (0.5, 4 / 6), (1.0, 1 / 6)):
             upper = (bottom + at * ply.thickness) / laminate.thickness
             stress = (1 - at) * sides[:, 0] + at * sides[:, 1]

@@ -45,9 +45,9 @@ def off_uniform(body: TiedSolid, strain: np.ndarray) -> float:
     nodes, forces = np.unique(patches), np.zeros((len(body.solid.discretisation.mesh.x), 3))
     forces[nodes, 2] = -areas(mesh.x, patches)[nodes]
     stiffness = body.linearise(np.zeros(body.n_free)).tangent
-    found = body.expand(spsolve(stiffness, body.operator.T @ forces.ravel()[free]))
+    actual = body.expand(spsolve(stiffness, body.operator.T @ forces.ravel()[free]))
     exact = mesh.x * strain + [0.0, 0.0, strain[2] * H]
-    return float(np.max(np.abs(found - exact)) / np.max(np.abs(exact)))
+    return float(np.max(np.abs(actual - exact)) / np.max(np.abs(exact)))
 
 
 def test_a_uniform_pressure_on_patches_is_a_uniform_stress_to_the_last_digit() -> None:

@@ -223,8 +223,8 @@ def test_change_of_strain_from_a_start_loses_no_digits(size, rng) -> None:
     L, Q, at, dq = (np.vectorize(Fraction, otypes=[object])(x) for x in (exact.linear, exact.quadratic, start, q))
     expected = L @ dq + Q @ dq @ at + Q @ dq @ dq / 2
     known, _ = strain_and_gradient(exact, q, start, exact.gradient(start))
-    for found in (change, known):
-        np.testing.assert_allclose(found, expected.astype(float), rtol=0, atol=ROUNDING * size)
+    for actual in (change, known):
+        np.testing.assert_allclose(actual, expected.astype(float), rtol=0, atol=ROUNDING * size)
 
 
 @each_measure

@@ -114,31 +114,31 @@ def test_without_a_reference_the_exact_measure_is_the_limit() -> None:
 def test_nothing_is_ranked_by_a_part_of_what_it_costs() -> None:
     """Seconds and all operations are the prices, everywhere."""
     assert (set(COSTS), set(PRICES)) == ({"dofs", "seconds", "operations"}, {"seconds", "operations"})
-    found = {
+    names = {
         f"{path.relative_to(ROOT)}: {hit}"
         for folder in ("studies/analysis", "studies/commands", "reports")
         for path in (ROOT / folder).rglob("*")
         if path.suffix in (".py", ".toml")
         for hit in PARTS.findall(path.read_text(encoding="utf-8"))
     }
-    assert found == set()
+    assert names == set()
 
 
 def test_advice_follows_what_is_paid_and_not_a_part_of_it(sweep: pd.DataFrame) -> None:
     """The one with a tenth of the factorisations, and twice the seconds, is not advised."""
     lcp = sweep["contact"] == "lcp"
-    told = sweep.assign(**{"c.factorisations": np.where(lcp, 1, 10), "w.factorisations": np.where(lcp, 1.0, 10.0)})
-    found = advice(told, 0.01)
-    assert found.best is not None
-    assert found.by_operations is not None
-    assert found.best["contact"] == found.by_operations["contact"] == "semismooth"
+    stated = sweep.assign(**{"c.factorisations": np.where(lcp, 1, 10), "w.factorisations": np.where(lcp, 1.0, 10.0)})
+    actual = advice(stated, 0.01)
+    assert actual.best is not None
+    assert actual.by_operations is not None
+    assert actual.best["contact"] == actual.by_operations["contact"] == "semismooth"
 
 
 def test_prices_that_hardly_differ_are_a_tie_that_the_error_decides(sweep: pd.DataFrame) -> None:
     near = sweep["t.seconds"].where(sweep["mesh"] != "32x1", 1.04 * sweep["t.seconds"][sweep["mesh"] == "16x1"].min())
-    found = advice(sweep.assign(**{"t.seconds": near}), 0.01).best
-    assert found is not None
-    assert found["mesh"] == "32x1"
+    actual = advice(sweep.assign(**{"t.seconds": near}), 0.01).best
+    assert actual is not None
+    assert actual["mesh"] == "32x1"
 
 
 def test_a_mesh_whose_value_crosses_the_reference_is_not_advised(sweep: pd.DataFrame) -> None:
@@ -188,15 +188,15 @@ def test_what_cannot_be_advised_is_one_line_with_and_without_a_store(
     split = verified(sweep)
     with pytest.raises(UsageError, match=message):
         asked_question(sweep, split, **arguments)
-    for name, found in shipped_tables(sweep, split).items():
-        found.to_csv(tmp_path / f"{name}.csv", index=False)
+    for name, actual in shipped_tables(sweep, split).items():
+        actual.to_csv(tmp_path / f"{name}.csv", index=False)
     with pytest.raises(UsageError, match=message):
         shipped_question(**arguments, directory=tmp_path)
 
 
 def test_what_is_shipped_advises_the_same(sweep: pd.DataFrame, tmp_path: Path) -> None:
-    for name, found in shipped_tables(sweep, verified(sweep)).items():
-        found.to_csv(tmp_path / f"{name}.csv", index=False)
+    for name, actual in shipped_tables(sweep, verified(sweep)).items():
+        actual.to_csv(tmp_path / f"{name}.csv", index=False)
     assert 0 < len(pd.read_csv(tmp_path / f"{CELLS}.csv")) <= len(sweep)
     for tolerance in (0.01, 1e-6):
         of_store, of_files = (
@@ -246,9 +246,9 @@ def test_advice_for_a_scene_that_was_left_out(scenes: pd.DataFrame) -> None:
 def test_values_that_go_up_and_down_have_their_limit_between_them() -> None:
     """Errors of +-2/n: by two steps of opposite signs the estimate is the error itself, and is not tripled."""
     table = cells(mesh_error=lambda n: (-1) ** int(math.log2(n)) * 0.2 / n)
-    found = estimated(asked_question(table, verified(table), "cantilever")).sort_values("n1")
-    assert list(found["between"]) == [False, False, True, True]
-    assert (found["estimate"] / found["error"])[2:].to_numpy() == pytest.approx(1.0, rel=0.05)
+    actual = estimated(asked_question(table, verified(table), "cantilever")).sort_values("n1")
+    assert list(actual["between"]) == [False, False, True, True]
+    assert (actual["estimate"] / actual["error"])[2:].to_numpy() == pytest.approx(1.0, rel=0.05)
     straight = cells(mesh_error=lambda n: 0.2 / n)
     assert not estimated(asked_question(straight, verified(straight), "cantilever"))["between"].any()
 
@@ -259,9 +259,9 @@ def test_cells_of_another_grid_have_an_estimate_of_their_own() -> None:
     uniform = table["n1"].isin((12, 20, 40))
     other = [replace(it, settings=it.settings.with_values(grading="uniform")) for it in table["request"][uniform]]
     table.loc[uniform, "request"] = pd.Series(other, index=table.index[uniform])
-    found = estimated(asked_question(table, verified(table), "cantilever"))
-    assert len(found) == 7
-    assert found["estimate"].notna().all()
+    actual = estimated(asked_question(table, verified(table), "cantilever"))
+    assert len(actual) == 7
+    assert actual["estimate"].notna().all()
 
 
 def test_how_sure_advice_is_has_all_its_numbers() -> None:

@@ -42,21 +42,21 @@ def test_verdicts_of_intervals_tendencies_and_laws() -> None:
 
 
 def test_an_empty_store_tests_nothing(tmp_path: Path) -> None:
-    found = claims_table(tmp_path, "none")["claims"]
-    assert set(found["status"]) == {UNTESTED}
-    assert len(found) == len(CLAIMS) >= 40
-    assert found["claim"].is_unique
-    assert (found[["sentence", "source", "regime"]] != "").all(axis=None)
+    actual = claims_table(tmp_path, "none")["claims"]
+    assert set(actual["status"]) == {UNTESTED}
+    assert len(actual) == len(CLAIMS) >= 40
+    assert actual["claim"].is_unique
+    assert (actual[["sentence", "source", "regime"]] != "").all(axis=None)
 
 
 def test_a_missing_table_leaves_its_claims_untested_alone(tmp_path: Path) -> None:
     row = {"problem": "3x3", "plain_period": 3, "semismooth": "converged, cycle detected"}
     (tmp_path / "tables").mkdir()
     write_table(tmp_path / "tables" / "cycles.csv", pd.DataFrame([row, {**row, "plain_period": 0}]))
-    found = claims_table(tmp_path, "none")["claims"].set_index("claim")
-    assert set(found.index[found["status"] != UNTESTED]) == {"no-cycles", "any-start"}
-    assert found.loc["no-cycles", "measured"] == "the textbook's set cycles on 1 of 2 published problems"
-    assert found.loc["any-start", "high"] == 1.0
+    table = claims_table(tmp_path, "none")["claims"].set_index("claim")
+    assert set(table.index[table["status"] != UNTESTED]) == {"no-cycles", "any-start"}
+    assert table.loc["no-cycles", "measured"] == "the textbook's set cycles on 1 of 2 published problems"
+    assert table.loc["any-start", "high"] == 1.0
 
 
 def test_commands_can_be_typed() -> None:
@@ -89,9 +89,9 @@ def verdict(name: str, **tables: pd.DataFrame) -> Verdict | None:
 def test_twice_the_force() -> None:
     """That of another travel, or of another change, is no evidence."""
     for change, within, status in ((1.0, 0.05, CONFIRMED), (0.8, 0.2, QUALIFIED), (0.35, 0.05, REFUTED)):
-        found = verdict("linear-doubles", tyre_budget=budget(change, within))
-        assert found is not None
-        assert (found.status, found.low) == (status, pytest.approx(1 + change - within))
+        actual = verdict("linear-doubles", tyre_budget=budget(change, within))
+        assert actual is not None
+        assert (actual.status, actual.low) == (status, pytest.approx(1 + change - within))
     assert verdict("linear-doubles", tyre_budget=budget(1.0, 0.05, delta=5.0)) is None
     assert verdict("full-law", tyre_budget=budget(0.0, 0.001)) is None
 
@@ -102,8 +102,8 @@ def test_a_crossing_is_no_convergence() -> None:
         {"family": "uniform", "element": "refined", "unknowns": n, "error": e}
         for n, e in enumerate((5e-3, -2e-2, 4e-3))
     ]
-    found = verdict("one-grid", work_precision=pd.DataFrame(rows))
-    assert (found.status, found.problems, found.low) == (REFUTED, 2, 0.5)
+    actual = verdict("one-grid", work_precision=pd.DataFrame(rows))
+    assert (actual.status, actual.problems, actual.low) == (REFUTED, 2, 0.5)
     assert "1 of 2" in verdict("finer-is-better", work_precision=pd.DataFrame(rows)).measured
 
 
@@ -125,5 +125,5 @@ def test_a_measure_is_surely_within_or_not() -> None:
         {**row, "scene": scene, "unknowns": 9.0, "quantity": "q", "formulation_error": e, "within": w}
         for scene, (e, w) in errors.items()
     ]
-    found = verdict("donnell-cylinders", measure_limits=pd.DataFrame(rows))
-    assert (found.status, found.problems, found.low) == (QUALIFIED, 2, 0.5)
+    actual = verdict("donnell-cylinders", measure_limits=pd.DataFrame(rows))
+    assert (actual.status, actual.problems, actual.low) == (QUALIFIED, 2, 0.5)

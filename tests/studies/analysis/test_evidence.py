@@ -34,7 +34,7 @@ def value(of: Any, **declaration: Any) -> Any:
 
 
 def test_a_value_is_what_it_says() -> None:
-    for of, found in (
+    for of, actual in (
         ("count", 4),
         ("count where error > 0", 2),
         ("max abs(error)", 0.4),
@@ -57,7 +57,7 @@ def test_a_value_is_what_it_says() -> None:
         ({"form": "{who}", "from": "runs", "once": "mesh"}, "a"),
         ({"form": "{who}", "where": "error > 1", "empty": "nobody"}, "nobody"),
     ):
-        assert value(of) == found, of
+        assert value(of) == actual, of
 
 
 def test_columns_are_added_before_rows_are_chosen() -> None:
@@ -80,13 +80,13 @@ def test_what_rests_on_nothing_is_not_said_but_a_slip_is_an_error() -> None:
 
 
 def test_values_of_groups_are_numbered_and_stand_in_the_text() -> None:
-    told = {"by": "mesh", "each": {"mesh#": "first mesh", "low#": "min error"}, "text": "{low#:.1f} on {mesh#}"}
+    stated = {"by": "mesh", "each": {"mesh#": "first mesh", "low#": "min error"}, "text": "{low#:.1f} on {mesh#}"}
     text = ["It is <told>", ".", {"when": "_bar > 1", "text": "!"}]
     sentence = {"name": "x", "page": "p", "from": "runs", "scope": "{_bar:g}", "text": text}
-    (found,) = said_by({**sentence, "values": {"_bar": 0.3, "told": {**told, "join": "and"}}}, TABLES.get)
-    assert dict(found.values) == {"mesh0": "4x4", "low0": -0.2, "mesh1": "8x8", "low1": 0.1}
-    assert found.text.format(**found.values) == "It is -0.2 on 4x4 and 0.1 on 8x8."
-    assert (found.scope, found.problems) == ("0.3", 4)
+    (actual,) = said_by({**sentence, "values": {"_bar": 0.3, "told": {**stated, "join": "and"}}}, TABLES.get)
+    assert dict(actual.values) == {"mesh0": "4x4", "low0": -0.2, "mesh1": "8x8", "low1": 0.1}
+    assert actual.text.format(**actual.values) == "It is -0.2 on 4x4 and 0.1 on 8x8."
+    assert (actual.scope, actual.problems) == ("0.3", 4)
     assert list(said_by({**sentence, "values": {"_bar": 2}, "need": "_bar < 1"}, TABLES.get)) == []
 
 
@@ -112,8 +112,8 @@ def test_declarations_have_no_key_that_nobody_reads() -> None:
 
 
 def record(*, end: float | None = None, converged: bool = False, **quantities: float) -> dict[str, Any]:
-    found = {} if end is None else {"press_limit_point": end}
-    return {"outcome": "converged" if converged else "step-limit", "quantities": quantities | found}
+    actual = {} if end is None else {"press_limit_point": end}
+    return {"outcome": "converged" if converged else "step-limit", "quantities": quantities | actual}
 
 
 def sequences(limits: list[float], uncertainties: list[float]) -> pd.DataFrame:

@@ -44,54 +44,54 @@ def contact() -> pd.DataFrame:
 
 
 def test_what_became_of_each_problem(contact) -> None:
-    found = outcomes(contact).set_index(["axis", "name", "scene"])
-    assert set(found.index.get_level_values("axis")) == {"contact"}  # one measure alone is no comparison
+    table = outcomes(contact).set_index(["axis", "name", "scene"])
+    assert set(table.index.get_level_values("axis")) == {"contact"}  # one measure alone is no comparison
     counts = ["planned", "solved", "path_ends", "failed", "refused"]
-    assert found.loc[("contact", "lcp", "heavy-strip"), counts].tolist() == [4, 1, 0, 3, 0]
-    assert found.loc[("contact", "lcp", "heavy-strip"), "cause"] == "3 iteration limit"
-    assert found.loc[("contact", "qp", ""), counts].tolist() == [8, 6, 0, 1, 1]
-    assert found.loc[("contact", "qp", "strip-contact"), "cause"] == "1 no energy"
+    assert table.loc[("contact", "lcp", "heavy-strip"), counts].tolist() == [4, 1, 0, 3, 0]
+    assert table.loc[("contact", "lcp", "heavy-strip"), "cause"] == "3 iteration limit"
+    assert table.loc[("contact", "qp", ""), counts].tolist() == [8, 6, 0, 1, 1]
+    assert table.loc[("contact", "qp", "strip-contact"), "cause"] == "1 no energy"
 
 
 def test_a_path_that_another_algorithm_follows_to_its_load_is_a_failure(contact) -> None:
     """All but qp, whose path ends, have a state there; where none has one the path of the problem ends."""
-    found = outcomes(contact).set_index(["axis", "name", "scene"])
-    assert found.loc[("contact", "qp", "heavy-strip"), "cause"] == "1 limit point, which another passes"
+    table = outcomes(contact).set_index(["axis", "name", "scene"])
+    assert table.loc[("contact", "qp", "heavy-strip"), "cause"] == "1 limit point, which another passes"
     there = (contact["scene"] == "heavy-strip") & (contact["n1"] == 64)
     none = contact.assign(outcome=contact["outcome"].mask(there, "not-converged"))
     none["path_end"] = none["path_end"].mask(there, "limit point")
-    found = outcomes(none).set_index(["axis", "name", "scene"])
-    assert found.loc[("contact", "qp", "heavy-strip"), ["path_ends", "failed"]].tolist() == [1, 0]
-    assert found.loc[("contact", "semismooth", "heavy-strip"), ["path_ends", "failed"]].tolist() == [1, 0]
+    table = outcomes(none).set_index(["axis", "name", "scene"])
+    assert table.loc[("contact", "qp", "heavy-strip"), ["path_ends", "failed"]].tolist() == [1, 0]
+    assert table.loc[("contact", "semismooth", "heavy-strip"), ["path_ends", "failed"]].tolist() == [1, 0]
 
 
 def test_ratios_are_of_what_both_solve(contact) -> None:
-    found = contact_summary(contact).set_index("algorithm")
-    assert found.loc["lcp", ["both", "both_scenes"]].tolist() == [5, 2]
-    assert found.loc["lcp", "seconds_ratio"] == pytest.approx(0.5)
-    assert found.loc["lcp", "operations_ratio"] == pytest.approx(0.5)
-    assert found.loc["qp", "solved_share"] == pytest.approx(6 / 7)
-    assert found.loc["lcp", "causes"] == "3 iteration limit in heavy-strip"
-    assert found.loc["qp", "refusals"] == "1 no energy"
-    assert list(found.index)[-1] == "lcp", "the one that solves least is last"
+    table = contact_summary(contact).set_index("algorithm")
+    assert table.loc["lcp", ["both", "both_scenes"]].tolist() == [5, 2]
+    assert table.loc["lcp", "seconds_ratio"] == pytest.approx(0.5)
+    assert table.loc["lcp", "operations_ratio"] == pytest.approx(0.5)
+    assert table.loc["qp", "solved_share"] == pytest.approx(6 / 7)
+    assert table.loc["lcp", "causes"] == "3 iteration limit in heavy-strip"
+    assert table.loc["qp", "refusals"] == "1 no energy"
+    assert list(table.index)[-1] == "lcp", "the one that solves least is last"
 
 
 def test_intervals_are_those_of_scenes_and_rest_on_five_problems(contact: pd.DataFrame) -> None:
     """Two scenes with ratios of their own: however many cells, the interval spans both."""
     strip = cells("strip-contact", "half_force", 2.0, "load_fraction=5", contacts={"semismooth": 1.0, "lcp": 0.5})
     heavy = cells("heavy-strip", "lift_force", 1.0, contacts={"semismooth": 1.0, "lcp": 4.0})
-    found = contact_summary(pd.concat([strip, heavy], ignore_index=True)).set_index("algorithm").loc["lcp"]
-    assert found[["seconds_low", "seconds_high"]].tolist() == pytest.approx([0.5, 4.0])
+    actual = contact_summary(pd.concat([strip, heavy], ignore_index=True)).set_index("algorithm").loc["lcp"]
+    assert actual[["seconds_low", "seconds_high"]].tolist() == pytest.approx([0.5, 4.0])
     few = contact[(contact["scene"] == "strip-contact") | (contact["contact"] != "lcp")]
-    found = contact_summary(few).set_index("algorithm").loc["lcp"]
-    assert found["both"] == 4
-    assert math.isnan(found["seconds_ratio"])
+    actual = contact_summary(few).set_index("algorithm").loc["lcp"]
+    assert actual["both"] == 4
+    assert math.isnan(actual["seconds_ratio"])
 
 
 def test_of_equal_problems_the_one_that_is_solved_counts(contact) -> None:
     lost = contact[contact["contact"] == "semismooth"].assign(outcome="cap-hit")
     both = [outcomes(table) for table in (contact, pd.concat([lost, contact], ignore_index=True))]
-    own = [found[found["name"] == "semismooth"]["solved"].tolist() for found in both]
+    own = [actual[actual["name"] == "semismooth"]["solved"].tolist() for actual in both]
     assert own[0] == own[1]
 
 
@@ -100,8 +100,8 @@ AMOUNTS = [0.2, 0.1, 0.05]
 
 def test_power_of_a_strain_with_a_higher_term() -> None:
     for rate, coefficient in ((1, 0.3), (2, -0.5), (4, -0.125)):
-        found = fitted_power(AMOUNTS, [coefficient * a**rate * (1 - a**2 / 3) for a in AMOUNTS])
-        assert found == (pytest.approx(rate, abs=0.01), pytest.approx(coefficient, rel=1e-5))
+        actual = fitted_power(AMOUNTS, [coefficient * a**rate * (1 - a**2 / 3) for a in AMOUNTS])
+        assert actual == (pytest.approx(rate, abs=0.01), pytest.approx(coefficient, rel=1e-5))
     for strains in ([1e-15, -2e-15, 1e-15], [math.nan] * 3, [0.2, 0.1, -0.05]):  # rounding, nothing, a change of sign
         assert all(map(math.isnan, fitted_power(AMOUNTS, strains)))
 
@@ -121,14 +121,14 @@ def test_what_the_stiffness_of_the_wall_gives_a_penalty() -> None:
     study = [pd.DataFrame({**common, "form": "multiplier", "outcome": "converged"})]
     study.append(pd.DataFrame({**common, "form": "displacement", "outcome": broken}))
     study.append(study[0].iloc[:1].assign(epsilon=np.inf, condition=1e5, force_error=0.0))
-    (found,) = epsilon_laws(pd.concat(study)).to_dict("records")
+    (actual,) = epsilon_laws(pd.concat(study)).to_dict("records")
     stiff = 510.45 / 4.8
-    assert found["wall"] == pytest.approx(stiff)
-    assert found["force_slope"] == pytest.approx(-1, abs=1e-9)
-    assert found["error_at_wall"] == pytest.approx(2e-3 / stiff)
-    assert found["growth_at_wall"] == pytest.approx(stiff / 100)
-    assert found["growth_at_ten"] == pytest.approx(stiff / 10)
-    assert found["fails_at"] == pytest.approx(1e6 / stiff)
+    assert actual["wall"] == pytest.approx(stiff)
+    assert actual["force_slope"] == pytest.approx(-1, abs=1e-9)
+    assert actual["error_at_wall"] == pytest.approx(2e-3 / stiff)
+    assert actual["growth_at_wall"] == pytest.approx(stiff / 100)
+    assert actual["growth_at_ten"] == pytest.approx(stiff / 10)
+    assert actual["fails_at"] == pytest.approx(1e6 / stiff)
     always = pd.concat([study[0], study[1].assign(outcome="converged"), study[2]])
     assert epsilon_laws(always)["fails_at"].isna().all()
 
@@ -141,20 +141,20 @@ def test_one_good_grid_does_not_count() -> None:
     assert reaching(grids.iloc[:5], 0.01) is None
     assert reaching(grids.iloc[:3], 0.01) is None
     table = pd.concat([grids.assign(family="uniform"), grids.assign(family="adapted", unknowns=grids["unknowns"] / 2)])
-    found = grids_reaching(table.assign(element="paper")).set_index(["within", "family"])
-    assert list(found.loc[0.01, "unknowns"]) == [4, 2]
-    assert found.loc[(0.01, "adapted"), "share"] == 0.5
-    assert found.loc[0.002, ["mesh", "unknowns", "error", "share"]].isna().all(axis=None)
+    actual = grids_reaching(table.assign(element="paper")).set_index(["within", "family"])
+    assert list(actual.loc[0.01, "unknowns"]) == [4, 2]
+    assert actual.loc[(0.01, "adapted"), "share"] == 0.5
+    assert actual.loc[0.002, ["mesh", "unknowns", "error", "share"]].isna().all(axis=None)
 
 
 def test_each_error_has_its_own_grid() -> None:
     errors = [0.1, -0.005, 0.001, 0.0, 0.0]
     grids = pd.DataFrame({"unknowns": range(1, 6), "error": errors, "element": "paper"})
     coarse = pd.concat([grids.iloc[:2], grids.iloc[1:2].assign(unknowns=3), grids.iloc[1:2].assign(unknowns=4)])
-    found = grids_reaching(pd.concat([grids.assign(family="local"), coarse.assign(family="uniform")]))
-    assert found["within"].tolist() == [0.01, 0.01, 0.002, 0.002]
-    np.testing.assert_array_equal(found["unknowns"], [2, 2, 3, np.nan])
-    np.testing.assert_array_equal(found["share"], [1, 1, np.nan, np.nan])
+    actual = grids_reaching(pd.concat([grids.assign(family="local"), coarse.assign(family="uniform")]))
+    assert actual["within"].tolist() == [0.01, 0.01, 0.002, 0.002]
+    np.testing.assert_array_equal(actual["unknowns"], [2, 2, 3, np.nan])
+    np.testing.assert_array_equal(actual["share"], [1, 1, np.nan, np.nan])
 
 
 OURS, THEIRS = ("footprint", "a"), ("peer", "b")
@@ -180,23 +180,23 @@ def row(table: pd.DataFrame, program: str) -> pd.Series:
 
 
 def test_a_coarse_mesh_within_by_luck_is_not_sufficient() -> None:
-    found = peer_factors(made_up([0.0, 0.02, -0.01, 0.001], [0.02, 0.001]))
-    assert (row(found, "footprint")["mesh"], row(found, "peer")["mesh"]) == ("3x3", "2x2")
-    assert row(found, "peer")["factor"] == pytest.approx(120 / 3)
-    assert row(found, "peer")["bare"] == pytest.approx(120 / 0.3)
-    assert row(found, "peer")["apart"] == pytest.approx(0.0)
+    actual = peer_factors(made_up([0.0, 0.02, -0.01, 0.001], [0.02, 0.001]))
+    assert (row(actual, "footprint")["mesh"], row(actual, "peer")["mesh"]) == ("3x3", "2x2")
+    assert row(actual, "peer")["factor"] == pytest.approx(120 / 3)
+    assert row(actual, "peer")["bare"] == pytest.approx(120 / 0.3)
+    assert row(actual, "peer")["apart"] == pytest.approx(0.0)
 
 
 def test_a_line_that_does_not_stay_within_has_no_sufficient_mesh() -> None:
     for errors in ([0.0, 0.02], [math.nan, math.nan], [0.0, math.nan]):
-        found = peer_factors(made_up(errors, [0.001]))
-        assert row(found, "footprint")["mesh"] == ""
-        assert pd.isna(row(found, "peer")["factor"])
+        actual = peer_factors(made_up(errors, [0.001]))
+        assert row(actual, "footprint")["mesh"] == ""
+        assert pd.isna(row(actual, "peer")["factor"])
         assert row(peer_factors(made_up([0.001], errors)), "peer")["mesh"] == ""
 
 
 def test_the_cheapest_line_of_a_program_counts() -> None:
     table = made_up([0.0], [0.0])
     slower = table.assign(family="slower", seconds=3 * table["seconds"])
-    found = peer_factors(pd.concat([slower, table]))
-    assert list(found[found["program"] == "peer"]["factor"]) == [180.0, 60.0]
+    actual = peer_factors(pd.concat([slower, table]))
+    assert list(actual[actual["program"] == "peer"]["factor"]) == [180.0, 60.0]

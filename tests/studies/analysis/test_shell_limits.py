@@ -69,8 +69,8 @@ def made_up() -> pd.DataFrame:
 
 
 def test_rows_of_boundaries() -> None:
-    found = boundaries(made_up()).set_index(["case", "variant"])
-    bad, good = found.loc["bad", DEFAULT], found.loc["good", DEFAULT]
+    table = boundaries(made_up()).set_index(["case", "variant"])
+    bad, good = table.loc["bad", DEFAULT], table.loc["good", DEFAULT]
     assert bad["boundary_1"] == pytest.approx(math.sqrt(0.005))
     assert bad["boundary_5"] == pytest.approx(math.sqrt(0.025))
     assert bad["order"] == pytest.approx(2)
@@ -103,13 +103,13 @@ def test_every_scene_is_of_a_kind_or_known_to_be_of_none() -> None:
 def test_the_line_says_what_the_table_does(scene: str, given: dict[str, str], case: str, variant: str) -> None:
     """Its numbers are those of the table; with a tenth of the error in the table it is not said at all."""
     table, settings = pd.read_csv(SHIPPED), complete(scene, given)[1].settings
-    found = beyond(scene, settings, None, 0.01, table)
-    assert found is not None
+    actual = beyond(scene, settings, None, 0.01, table)
+    assert actual is not None
     ratio = KINDS[scene].ratio(settings)
     own = table[(table["case"] == case) & (table["variant"] == variant)]
     own = own[own["quantity"] == own["quantity"].iloc[0]]
     low, high = own[own["ratio"] <= ratio].iloc[-1], own[own["ratio"] >= ratio].iloc[0]
-    line = re.match(r".*= ([\d.]+) its kinematics are ([\d.]+) % off .*; 1 % is passed (?:at ([\d.]+)|in)", found)
+    line = re.match(r".*= ([\d.]+) its kinematics are ([\d.]+) % off .*; 1 % is passed (?:at ([\d.]+)|in)", actual)
     assert line is not None
     assert float(line[1]) == pytest.approx(ratio, rel=5e-3)
     errors = sorted(100 * abs(each["error"]) for each in (low, high))
@@ -129,9 +129,9 @@ def test_nothing_is_said_within_the_limit_or_where_nothing_is_known() -> None:
     plate = complete("pagano", {"S": "1000"})[1].settings  # thinner than any plate of the table
     assert beyond("pagano", plate, None, 1e-9, table) is None
     thick = complete("pagano", {"S": "2"})[1].settings
-    found = beyond("pagano", thick, None, 0.01, table)
-    assert found is not None
-    assert "at least" in found
+    actual = beyond("pagano", thick, None, 0.01, table)
+    assert actual is not None
+    assert "at least" in actual
 
 
 def test_quantities_of_a_scene_are_judged_by_their_own() -> None:

@@ -46,8 +46,8 @@ def readings() -> pd.DataFrame:
         ("linear strains", 18.0, 1200.0, 0.35, 90, True, "model"),
         ("ply", 24.0, 1950.0, 0.05, 1, True, "data"),
     ]
-    found = pd.DataFrame(rows, columns=list(names))
-    return found.assign(stated=found["delta_mm"] == 20.0, printed_sum_N=2000.0)
+    actual = pd.DataFrame(rows, columns=list(names))
+    return actual.assign(stated=actual["delta_mm"] == 20.0, printed_sum_N=2000.0)
 
 
 def printed_table() -> list[Statement]:
@@ -174,8 +174,8 @@ def table() -> pd.DataFrame:
 
 def filled(name: str, **tables: pd.DataFrame) -> str:
     """The one sentence of this name."""
-    (found,) = said(name, **tables)
-    return found.text.format(**found.values)
+    (actual,) = said(name, **tables)
+    return actual.text.format(**actual.values)
 
 
 def test_a_measure_is_within_beyond_or_not_settled() -> None:
@@ -184,9 +184,9 @@ def test_a_measure_is_within_beyond_or_not_settled() -> None:
     table = pd.DataFrame(rows, columns=["name", "formulation_error", "within"])
     elsewhere = table.assign(formulation_error=0.5, regime="small rotations")
     limits = pd.concat([elsewhere, table.assign(regime="contact")]).assign(scene="ring", settings="")
-    (found,) = said("measures-contact", measure_limits=limits)
-    told = {name: found.values[name] for name in ("within", "beyond", "open")}
-    assert told == {"within": "`close`", "beyond": "`far` 1", "open": "`wide`, `lost`"}
+    (actual,) = said("measures-contact", measure_limits=limits)
+    record = {name: actual.values[name] for name in ("within", "beyond", "open")}
+    assert record == {"within": "`close`", "beyond": "`far` 1", "open": "`wide`, `lost`"}
 
 
 def test_a_regime_says_what_is_not_settled(table: pd.DataFrame) -> None:
@@ -210,9 +210,9 @@ def test_operations_are_compared_of_the_same_request() -> None:
     table = pd.DataFrame([{**names, "measure": m, "mesh": n, "operations": k} for m, n, k in rows])
     cells = table.assign(label="sweep x", outcome="converged")
     lost = cells.iloc[:1].assign(mesh="16x16", outcome="not-converged")
-    (found,) = said("measures-cost", data_cells=pd.concat([cells, lost], ignore_index=True))
-    assert (found.values["high"], found.values["linear"], found.values["both"]) == (2.0, 0.5, 1.0)
-    assert "takes 2.00 times the operations" in found.text.format(**found.values)
+    (actual,) = said("measures-cost", data_cells=pd.concat([cells, lost], ignore_index=True))
+    assert (actual.values["high"], actual.values["linear"], actual.values["both"]) == (2.0, 0.5, 1.0)
+    assert "takes 2.00 times the operations" in actual.text.format(**actual.values)
     assert said("measures-cost", data_cells=cells.drop(columns="operations")) == []
 
 
@@ -228,12 +228,12 @@ def test_what_one_per_cent_costs_is_that_of_what_is_recommended(table: pd.DataFr
 def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) -> None:
     row = {"algorithm": "semismooth", "default": "semismooth", "solved_share": 1.0, "problems": 9, "path_ends": 0}
     summary = pd.DataFrame([{**row, "scenes": 2, "refused": 0}])
-    found = filled("which-algorithm", contact_summary=summary, choices=table)
-    assert "Take `semismooth`: it converges on 100%" in found
-    assert "`lcp` 2 of 2 at 0.90 times; `qp` 0 of 2" in found
+    actual = filled("which-algorithm", contact_summary=summary, choices=table)
+    assert "Take `semismooth`: it converges on 100%" in actual
+    assert "`lcp` 2 of 2 at 0.90 times; `qp` 0 of 2" in actual
     other = table.assign(agrees=table["agrees"].where(table["name"] != "lcp", False))
     trials = finest_trials(other).drop_duplicates("name").set_index("name")
     assert trials["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
     assert trials["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
-    told = filled("which-algorithm", contact_summary=summary, choices=other)
-    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in told
+    stated = filled("which-algorithm", contact_summary=summary, choices=other)
+    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in stated

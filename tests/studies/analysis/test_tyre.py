@@ -37,8 +37,8 @@ def store_of(root: Path, wobble: float = 0.0) -> Answers:
         record |= {"steps": [{"delta_mm": 20.0, "force_N": force}], "provenance": {}, "files": []}
         write_json(root / "cells" / f"{i}.json", record)
         rows.append(Row(cell, str(i), request).as_json())
-    told = {"schema": SCHEMA, "campaign": "made", "title": "made up", "pages": ""}
-    write_json(root / "campaigns" / "made.json", {**told, "cells": rows})
+    stated = {"schema": SCHEMA, "campaign": "made", "title": "made up", "pages": ""}
+    write_json(root / "campaigns" / "made.json", {**stated, "cells": rows})
     return Answers.of(root, "made")
 
 
@@ -49,22 +49,22 @@ def budget(root: Path, wobble: float = 0.0) -> pd.DataFrame:
 
 
 def test_parts_are_those_that_were_put_in(tmp_path: Path) -> None:
-    found = budget(tmp_path)
-    assert found.loc["42x40, element of the paper", "change"] == pytest.approx(40 / 42**2)
-    assert found.loc["limit of grids", "within"] == 1e-3
+    actual = budget(tmp_path)
+    assert actual.loc["42x40, element of the paper", "change"] == pytest.approx(40 / 42**2)
+    assert actual.loc["limit of grids", "within"] == 1e-3
     for name, change in CHANGED.items():
-        assert found.loc[name, "change"] == pytest.approx(change, abs=1e-12)
-        assert found.loc[name, "within"] == pytest.approx(0.0, abs=1e-12)
-    assert not found.loc["shell instead of a solid", "settled"]
-    assert found.loc["follower", "settled"]
+        assert actual.loc[name, "change"] == pytest.approx(change, abs=1e-12)
+        assert actual.loc[name, "within"] == pytest.approx(0.0, abs=1e-12)
+    assert not actual.loc["shell instead of a solid", "settled"]
+    assert actual.loc["follower", "settled"]
     wide = budget(tmp_path / "wide", wobble=0.01)  # meshes that do not agree widen the interval
     assert wide.loc["follower", "within"] > 0.01
     assert not wide.loc["nonsymmetric", "settled"]
 
 
 def test_every_reading_has_words() -> None:
-    told = [words(cell.label) for cell in READINGS]
-    assert len({reading for reading, _ in told}) == len(READINGS)
+    messages = [words(cell.label) for cell in READINGS]
+    assert len({reading for reading, _ in messages}) == len(READINGS)
     assert words("reading gamma_deg 51.5") == ("cord angle 51.5 deg", "data")
 
 

@@ -143,11 +143,11 @@ def test_what_is_no_submission_is_one_line(
     path = tmp_path / "s.toml"
     path.write_text(text, encoding="latin-1")
     assert main(["tasks", str(path)]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert said in told.err
-    assert told.err.count("\n") == 1
-    assert len(told.err) < 600
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert said in printed.err
+    assert printed.err.count("\n") == 1
+    assert len(printed.err) < 600
 
 
 @pytest.mark.parametrize(
@@ -236,24 +236,24 @@ def of_a_few() -> dict[str, Grade]:
 def test_a_claim_is_held_to_all_configurations(
     of_a_few: dict[str, Grade], task: str, score: int, held: bool | None, hidden: int | None, said: str
 ) -> None:
-    found = of_a_few[task]
-    assert (found.score, found.open, found.hidden, found.said) == (score, held, hidden, said)
+    actual = of_a_few[task]
+    assert (actual.score, actual.open, actual.hidden, actual.said) == (score, held, hidden, said)
 
 
 def test_the_run_of_a_coarse_grid_is_not_believed() -> None:
     """It says more than what is asked for; the equations of the cap forbid that."""
     task = TASKS["cap-that-carries"]
     _, request = task.cell({}, {}).resolved()
-    found = solve(*task.cell({}, {}).resolved()).quantities["limit_load_fraction"]
-    assert found > task.needs[0].least
-    assert task.needs[0].missed({"limit_load_fraction": found}, request) != ""
+    actual = solve(*task.cell({}, {}).resolved()).quantities["limit_load_fraction"]
+    assert actual > task.needs[0].least
+    assert task.needs[0].missed({"limit_load_fraction": actual}, request) != ""
     assert task.needs[0].beyond(request) != ""
 
 
 def test_a_task_that_takes_too_long_is_not_met() -> None:
-    found = graded({"trapezoids": Claim(MET, {"mesh": "24x4"})}, None, limit_s=1e-3)["trapezoids"]
-    assert (found.score, found.open) == (-1, False)
-    assert found.said.startswith("time: killed after")
+    actual = graded({"trapezoids": Claim(MET, {"mesh": "24x4"})}, None, limit_s=1e-3)["trapezoids"]
+    assert (actual.score, actual.open) == (-1, False)
+    assert actual.said.startswith("time: killed after")
 
 
 def test_what_is_interrupted_writes_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -271,16 +271,16 @@ def test_the_reference_meets_all_that_can_be_met(tmp_path: Path, capsys: pytest.
     secret.write_bytes(OTHER)
     assert main(["tasks", str(REFERENCE), "--held-out", str(secret), "--out", str(out)]) == 0
     assert "score 20 of 20" in capsys.readouterr().out
-    told = json.loads(out.read_text())
-    assert told["score"] == told["of"] == 20
-    assert all(each["open"] and each["hidden"] == HIDDEN for each in told["tasks"])
+    record = json.loads(out.read_text())
+    assert record["score"] == record["of"] == 20
+    assert all(each["open"] and each["hidden"] == HIDDEN for each in record["tasks"])
     assert OTHER.decode() not in out.read_text()
 
 
 @pytest.mark.slow
 def test_no_run_meets_its_task_as_it_stands() -> None:
-    found = graded(dict.fromkeys(TASKS, Claim(MET)), None)
-    assert {name: each.said for name, each in found.items() if each.score != -1} == {}
+    actual = graded(dict.fromkeys(TASKS, Claim(MET)), None)
+    assert {name: each.said for name, each in actual.items() if each.score != -1} == {}
 
 
 def test_the_reference_says_what_cannot_be_met() -> None:

@@ -53,14 +53,14 @@ def table() -> pd.DataFrame:
 def test_all_that_is_asked_for_is_measured(table) -> None:
     units = table[table["what"] == "units"]
     assert (units["median"] > 0).all()
-    found = units.groupby("group", sort=False)["line"].apply(list)
+    actual = units.groupby("group", sort=False)["line"].apply(list)
     kinds = [f"factorisation of 252 unknowns, {kind}" for kind in ("definite", "not symmetric")]
-    assert [found[kind] for kind in kinds] == [["fronts", "splu"]] * 2
+    assert [actual[kind] for kind in kinds] == [["fronts", "splu"]] * 2
     exact = ["semismooth", "lcp", "qp"]
     others = ["trial-and-error", "regularised", "augmented-lagrangian"]
     worth = ["lcp, system=full", "qp, system=full", "semismooth, solver=splu"]
-    assert found[SOLVES] == [*exact, *others, *worth]
-    assert found[COMMAND][-1] == SOLVE
+    assert actual[SOLVES] == [*exact, *others, *worth]
+    assert actual[COMMAND][-1] == SOLVE
 
 
 @pytest.mark.parametrize(("verdicts", "code"), [(("", HOLDS), cli.OK), ((HOLDS, BROKEN), cli.FAILED)])
@@ -150,8 +150,8 @@ def test_the_terminal_has_every_number_once() -> None:
         Line("first", machine.work("a", 2.0, 10.0, 3.0), cold=True),
         Line("second", machine.work("b", 8.0), over={"first": 0.5}, most=9.0, cold=True),
     ]
-    found = [line.split() for line in shown(machine.table(*lines)).splitlines()]
-    assert found[1:] == [
+    values = [line.split() for line in shown(machine.table(*lines)).splitlines()]
+    assert values[1:] == [
         ["g", "first", "units", "1.5", "1", "5"],
         ["g", "second", "units", "4", "4", "4", "9", "holds"],
         ["g", "second", "x", "first", "2.67", "0.8", "4", "0.5", "BROKEN"],

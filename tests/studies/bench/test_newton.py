@@ -108,18 +108,18 @@ class Machine:
 
 def test_rounds_are_interleaved_and_every_block_is_a_fresh_process_between_canaries() -> None:
     machine = Machine(1.0, 1.01, 1.02, 1.0)
-    found, _ = sample([LABELS], machine.watch(), blocks=2, rounds=3)
+    actual, _ = sample([LABELS], machine.watch(), blocks=2, rounds=3)
     assert machine.notes == 2 * "|!abcabcabcabc!"
-    assert all([len(found[label][kind]) for kind in ("warm", "cold", "discarded")] == [6, 2, 0] for label in LABELS)
-    assert min(found["a"]["warm"]) > max(found["a"]["cold"][:1])
+    assert all([len(actual[label][kind]) for kind in ("warm", "cold", "discarded")] == [6, 2, 0] for label in LABELS)
+    assert min(actual["a"]["warm"]) > max(actual["a"]["cold"][:1])
 
 
 @pytest.mark.parametrize("moved", [(1.0, 1.06), (1.06, 1.0), (1.06, 1.06)])
 def test_a_block_whose_canary_has_moved_is_discarded_and_repeated(moved: tuple[float, float]) -> None:
     machine = Machine(1.0, 1.0, *moved, 1.0, 1.0)
-    found, canaries = sample([LABELS], machine.watch(), blocks=2, rounds=2)
+    actual, canaries = sample([LABELS], machine.watch(), blocks=2, rounds=2)
     assert [counts for *_, counts in canaries] == [True, False, True]
-    assert all(len(found[label]["warm"]) == 4 and len(found[label]["discarded"]) == 2 for label in LABELS)
+    assert all(len(actual[label]["warm"]) == 4 and len(actual[label]["discarded"]) == 2 for label in LABELS)
 
 
 def test_long_solves_have_blocks_of_their_own_so_that_little_is_discarded() -> None:
@@ -127,19 +127,19 @@ def test_long_solves_have_blocks_of_their_own_so_that_little_is_discarded() -> N
     parts = shares({"a": 0.4 * SHARE, "b": 0.5 * SHARE, "c": 2 * SHARE})
     assert parts == [["a", "b"], ["c"]]
     machine = Machine(1.0, 1.0, 1.0, 1.1, 1.0, 1.0)
-    found, _ = sample(parts, machine.watch(), blocks=1, rounds=2)
+    actual, _ = sample(parts, machine.watch(), blocks=1, rounds=2)
     assert machine.notes == "|!ababab!|!ccc!|!ccc!"
-    assert [len(found[label]["warm"]) for label in LABELS] == [2, 2, 2]
-    assert [len(found[label]["discarded"]) for label in LABELS] == [0, 0, 2]
+    assert [len(actual[label]["warm"]) for label in LABELS] == [2, 2, 2]
+    assert [len(actual[label]["discarded"]) for label in LABELS] == [0, 0, 2]
     assert shares({}) == []
 
 
 def test_repeating_has_an_end() -> None:
     machine = Machine(1.0, *(2.0 for _ in range(20)))
-    found, canaries = sample([LABELS], machine.watch(), blocks=1, rounds=1)
+    actual, canaries = sample([LABELS], machine.watch(), blocks=1, rounds=1)
     assert len(canaries) == 1 + REPEATS
-    assert found["a"]["warm"] == []
-    assert len(found["a"]["discarded"]) == 1 + REPEATS
+    assert actual["a"]["warm"] == []
+    assert len(actual["a"]["discarded"]) == 1 + REPEATS
 
 
 def test_the_interval_of_a_median_is_that_of_its_distribution() -> None:
@@ -180,10 +180,10 @@ def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: py
     raw = json.loads((store / "timing" / "three.json").read_text())
     assert [len(cell["warm"]) for cell in raw["cells"]] == [4, 4]
     assert len(raw["canaries"]) == 2
-    found = collect(store, "three").set_index("label").loc[list(table.index)]
-    assert list(found["t.seconds"]) == list(table["median_s"])
-    assert list(found["t.seconds_low"]) == list(table["low_s"])
-    assert set(found["canary"]) == {"quiet"}
+    actual = collect(store, "three").set_index("label").loc[list(table.index)]
+    assert list(actual["t.seconds"]) == list(table["median_s"])
+    assert list(actual["t.seconds_low"]) == list(table["low_s"])
+    assert set(actual["canary"]) == {"quiet"}
     with pytest.raises(UsageError, match="no times of 'another'"):
         summary(store, "another")
 
@@ -201,9 +201,9 @@ def test_a_machine_that_is_not_quiet_leaves_the_seconds_of_the_solve(
     for name, value in (("DRIFT", -1.0), ("BLOCKS", 1), ("ROUNDS", 1)):
         monkeypatch.setattr(f"studies.run.times.{name}", value)
     assert main(timed) == 1
-    found = collect(store, "two").set_index("label")
-    assert dict(found["canary"]) == {"cross cantilever 2x1": "", "cross cantilever 4x1": "moved"}
-    assert list(found["t.seconds"]) == list(before)
+    actual = collect(store, "two").set_index("label")
+    assert dict(actual["canary"]) == {"cross cantilever 2x1": "", "cross cantilever 4x1": "moved"}
+    assert list(actual["t.seconds"]) == list(before)
 
 
 @pytest.mark.slow

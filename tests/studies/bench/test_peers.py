@@ -61,18 +61,18 @@ def test_references_are_not_ours() -> None:
 def test_every_problem_has_a_line_of_ours_and_parts_add_up_to_no_more_than_the_whole() -> None:
     assert {line.problem for line in lines()} == problems().keys()
     nodal = "hemisphere", "thickness strain at nodes"
-    found = next(line for line in lines() if (line.problem, line.family) == nodal).solve("8x8")
-    assert found.seconds >= found.start + found.assembly + found.factorisation > 0
-    assert found.value == pytest.approx(problems()["hemisphere"].reference, rel=0.1)
+    solution = next(line for line in lines() if (line.problem, line.family) == nodal).solve("8x8")
+    assert solution.seconds >= solution.start + solution.assembly + solution.factorisation > 0
+    assert solution.value == pytest.approx(problems()["hemisphere"].reference, rel=0.1)
     assert 0 < unit_of("8x8")() < 1  # one factorisation
 
 
 @pytest.mark.slow
 def test_the_shell_meets_the_solid() -> None:
     line = next(line for line in lines() if line.family == "element paper")
-    found = line.solve("36x34")
-    assert found.value == pytest.approx(problems()["tyre, isotropic"].reference, rel=0.003)
-    assert found.unknowns < 2000
+    solution = line.solve("36x34")
+    assert solution.value == pytest.approx(problems()["tyre, isotropic"].reference, rel=0.003)
+    assert solution.unknowns < 2000
 
 
 @pytest.mark.slow
@@ -118,9 +118,9 @@ def test_kratos_bends_the_same_shells(problem: str, kind: str, mesh: str, within
     pytest.importorskip("KratosMultiphysics.LinearSolversApplication")
     from studies.bench.kratos_shells import fewest_steps, shell
 
-    found = shell(problem, kind, mesh)
-    assert found.value == pytest.approx(problems()[problem].reference, rel=within)
-    assert found.seconds >= found.factorisation > 0
+    actual = shell(problem, kind, mesh)
+    assert actual.value == pytest.approx(problems()[problem].reference, rel=within)
+    assert actual.seconds >= actual.factorisation > 0
     assert fewest_steps(problem, kind, size(mesh)) >= 1
 
 

@@ -36,8 +36,8 @@ class Planted:
     def __call__(self, lines: Iterable[str], problem: Problem) -> list[Found]:
         self.runs += 1
         assert "*HEADING" in lines
-        told = {0.5: 4.92, 1.0: 6.7}
-        return [Found(load, {"tip_deflection_mm": self.off * value}) for load, value in told.items()]
+        record = {0.5: 4.92, 1.0: 6.7}
+        return [Found(load, {"tip_deflection_mm": self.off * value}) for load, value in record.items()]
 
 
 @pytest.fixture
@@ -69,11 +69,11 @@ def test_a_row_a_quantity_a_load_and_a_mesh_that_is_run_once(
 
 def test_reasons_are_found_in_the_numbers() -> None:
     table = made_up_programs()
-    told = {name: list(own["reason"]) for name, own in table.groupby("case")}
-    assert told["hemisphere"] == [programs.MESH] * 2
-    assert told["tyre, isotropic"] == [programs.MESH, ""]
-    assert told["tyre, angle plies, inflated"] == [programs.PLIES] * 2
-    assert told["ring"] == [programs.OPEN] * 2  # it grows
+    record = {name: list(own["reason"]) for name, own in table.groupby("case")}
+    assert record["hemisphere"] == [programs.MESH] * 2
+    assert record["tyre, isotropic"] == [programs.MESH, ""]
+    assert record["tyre, angle plies, inflated"] == [programs.PLIES] * 2
+    assert record["ring"] == [programs.OPEN] * 2  # it grows
     rates = table[table["mesh"] == FINE].set_index("case")["rate"]
     assert rates["hemisphere"] == pytest.approx(2.0)
     assert rates["ring"] == pytest.approx(np.log2(0.02 / 0.03))
@@ -90,9 +90,9 @@ def test_cases_are_scenes_that_can_be_exported() -> None:
 
 
 def test_the_finest_mesh_of_each_case_stands_in_the_table() -> None:
-    found = agreement(made_up_programs())
-    assert set(found["mesh"]) == {FINE}
-    assert set(found["case"]) == set(CHOSEN)
+    actual = agreement(made_up_programs())
+    assert set(actual["mesh"]) == {FINE}
+    assert set(actual["case"]) == set(CHOSEN)
 
 
 def test_without_a_table_there_is_no_agreement() -> None:

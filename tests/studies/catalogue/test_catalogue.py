@@ -108,14 +108,14 @@ def test_what_a_measure_drops_and_keeps_is_the_exact_one() -> None:
 
 def test_every_scene_measure_and_algorithm_is_a_part_also_from_outside(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(SCENES, "mine", Mine())
-    found = parts()
-    assert set(found.loc[found["kind"] == "scene", "part"]) == set(SCENES)
-    assert "Somebody else's strip" in set(found["meaning"])
-    assert len(found) == found[["kind", "part"]].drop_duplicates().shape[0]
+    actual = parts()
+    assert set(actual.loc[actual["kind"] == "scene", "part"]) == set(SCENES)
+    assert "Somebody else's strip" in set(actual["meaning"])
+    assert len(actual) == actual[["kind", "part"]].drop_duplicates().shape[0]
     assert set(settings().loc[lambda table: table["part"] == "mine", "key"]) > {"load_fraction", "tolerance"}
     assert "sheet mine" in {cell.label for cell in sheet_cells()}
-    assert (found["meaning"] != "").all()
-    assert not found.loc[found["kind"] == "measure", "source"].eq("").any()
+    assert (actual["meaning"] != "").all()
+    assert not actual.loc[actual["kind"] == "measure", "source"].eq("").any()
     assert set(laws()["measure"]) == set(MEASURES)
 
 
@@ -145,11 +145,11 @@ def test_fields_are_read_back_and_their_skin_is_closed(tmp_path: Path) -> None:
     cells = np.array([[0, 1, 4, 3, 6, 7, 10, 9], [1, 2, 5, 4, 7, 8, 11, 10]])
     u = np.random.default_rng(1).normal(size=points.shape)
     write_vtu(tmp_path / "f.vtu", points, cells, {"displacement": u, "pressure": u[:, 0]}, {"ply": np.ones(2)})
-    found = read_vtu(tmp_path / "f.vtu")
-    np.testing.assert_array_equal(found.points, points)
-    np.testing.assert_array_equal(found.cells, cells)
-    np.testing.assert_array_equal(found.data["displacement"], u)
-    quads = skin(found.cells)
+    actual = read_vtu(tmp_path / "f.vtu")
+    np.testing.assert_array_equal(actual.points, points)
+    np.testing.assert_array_equal(actual.cells, cells)
+    np.testing.assert_array_equal(actual.data["displacement"], u)
+    quads = skin(actual.cells)
     assert len(quads) == 10
     assert not any(set(quad) == {1, 4, 7, 10} for quad in quads.tolist())
     sides = np.sort(np.stack([quads, np.roll(quads, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
@@ -165,11 +165,13 @@ def test_a_sheet_is_solved_to_its_value_by_its_command(tmp_path: Path, monkeypat
     monkeypatch.setattr("studies.run.lists.frames", lambda: iter(()))
     run(find("sheets"), tmp_path / "store")
     answers = Answers.of(tmp_path / "store", "sheets")
-    table, told = values(answers, pd.DataFrame()), answered(answers).set_index("scene")
-    assert set(told["outcome"]) == {"converged"}
+    table, stated = values(answers, pd.DataFrame()), answered(answers).set_index("scene")
+    assert set(stated["outcome"]) == {"converged"}
     for name in SCENES:
         place = tmp_path / name
-        main([*shlex.split(told.loc[name, "command"])[1:-1], str(place), "--start", "cold"])  # as cells of a store are
+        main(
+            [*shlex.split(stated.loc[name, "command"])[1:-1], str(place), "--start", "cold"]
+        )  # as cells of a store are
         result = pd.read_json(place / "result.json", typ="series")
         own = table[(table["scene"] == name) & table["value"].notna()]
         assert len(own) > 1
@@ -198,19 +200,19 @@ def test_a_name_means_one_thing() -> None:
 
 def test_nothing_is_without_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
     for name in NAMES:
-        found = describe(name)
-        assert found.meaning.strip(), name
-        assert found.meaning in found.text, name
-        assert list(found.settings.columns) == ["name", "meaning", "unit", "range", "default"]
-        assert found.settings.map(lambda text: isinstance(text, str) and bool(text.strip())).all(axis=None), name
+        actual = describe(name)
+        assert actual.meaning.strip(), name
+        assert actual.meaning in actual.text, name
+        assert list(actual.settings.columns) == ["name", "meaning", "unit", "range", "default"]
+        assert actual.settings.map(lambda text: isinstance(text, str) and bool(text.strip())).all(axis=None), name
         if name in SCENES:
             rubs = {"mu"} if has_contact(SCENES[name]) else set()
             slides = {"drag_mm", "drag_deg", "turn_deg"} if name in ("tyre", "panel") else set()
             keys = {*(s.key for s in SCENES[name].settings), "tolerance"} | rubs | slides
-            assert set(found.settings["name"]) == keys, name
-            assert all(reference.source in found.text for reference in SCENES[name].references), name
+            assert set(actual.settings["name"]) == keys, name
+            assert all(reference.source in actual.text for reference in SCENES[name].references), name
         else:
-            assert "source" in found.text.lower(), name
+            assert "source" in actual.text.lower(), name
     assert main(["show", "tyre"]) == 0
     assert capsys.readouterr().out == describe("tyre").text + "\n"
 
@@ -294,7 +296,13 @@ def test_a_default_as_it_is_printed_asks_for_the_same() -> None:
 
 def test_the_uncertainty_of_a_limit_is_a_part_of_it() -> None:
     ladder = ladders_of(SCENES["ring"])[0]
-    told = {"ladder": ladder.name, "quantity": "flat_half_length", "element": "refined", "mesh": "1x80", "verdict": ""}
-    known = pd.DataFrame([{**told, "limit": -4.0, "uncertainty": 0.2}])
-    found = _limit("ring", "flat_half_length", SimpleNamespace(settings=ladder.settings), known)
-    assert found["limit_uncertainty"] == pytest.approx(0.05)
+    record = {
+        "ladder": ladder.name,
+        "quantity": "flat_half_length",
+        "element": "refined",
+        "mesh": "1x80",
+        "verdict": "",
+    }
+    known = pd.DataFrame([{**record, "limit": -4.0, "uncertainty": 0.2}])
+    actual = _limit("ring", "flat_half_length", SimpleNamespace(settings=ladder.settings), known)
+    assert actual["limit_uncertainty"] == pytest.approx(0.05)

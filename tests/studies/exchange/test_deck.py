@@ -18,15 +18,15 @@ Keyword = tuple[str, list[list[str]]]
 
 def keywords(lines: Iterator[str]) -> list[Keyword]:
     """Every keyword line without comments, with its data lines."""
-    found: list[Keyword] = []
+    values: list[Keyword] = []
     for line in lines:
         if line.startswith("**"):
             continue
         if line.startswith("*"):
-            found.append((line, []))
+            values.append((line, []))
         else:
-            found[-1][1].append([word.strip() for word in line.split(",") if word.strip()])
-    return found
+            values[-1][1].append([word.strip() for word in line.split(",") if word.strip()])
+    return values
 
 
 def data(found: list[Keyword], begins: str) -> list[list[str]]:
@@ -44,25 +44,25 @@ def tyre() -> Problem:
 
 
 def test_mesh_and_sets_are_whole(tyre: Problem) -> None:
-    found = keywords(deck(tyre))
-    assert max(len(word) for _, rows in found for row in rows for word in row[1:]) <= 20  # as CalculiX reads them
-    nodes = {int(row[0]): np.array(row[1:], float) for row in data(found, "*NODE, NSET=BODY")}
+    actual = keywords(deck(tyre))
+    assert max(len(word) for _, rows in actual for row in rows for word in row[1:]) <= 20  # as CalculiX reads them
+    nodes = {int(row[0]): np.array(row[1:], float) for row in data(actual, "*NODE, NSET=BODY")}
     np.testing.assert_allclose(np.array([nodes[i + 1] for i in range(len(nodes))]), tyre.bricks.x, rtol=1e-11)
-    rows = data(found, "*ELEMENT, TYPE=C3D20R")
+    rows = data(actual, "*ELEMENT, TYPE=C3D20R")
     flat = np.array([int(word) for row in rows for word in row]).reshape(-1, 21)
     np.testing.assert_array_equal(flat[:, 1:] - 1, tyre.bricks.elements)
-    plies = [int(word) for k in range(1, 5) for row in data(found, f"*ELSET, ELSET=PLY_{k}") for word in row]
+    plies = [int(word) for k in range(1, 5) for row in data(actual, f"*ELSET, ELSET=PLY_{k}") for word in row]
     assert sorted(plies) == list(range(1, len(flat) + 1))
     for name, elements in (("INNER", tyre.bricks.inner), ("OUTER", tyre.bricks.outer)):
-        own = [int(word) for row in data(found, f"*ELSET, ELSET=ON_{name}") for word in row]
+        own = [int(word) for row in data(actual, f"*ELSET, ELSET=ON_{name}") for word in row]
         np.testing.assert_array_equal(np.array(own) - 1, elements)
 
 
 def test_every_step_has_all_its_loads(hemisphere: Problem) -> None:
-    found = [rows for name, rows in keywords(deck(hemisphere)) if name.startswith("*CLOAD")]
-    assert len(found) == len(hemisphere.steps)
+    values = [rows for name, rows in keywords(deck(hemisphere)) if name.startswith("*CLOAD")]
+    assert len(values) == len(hemisphere.steps)
     turned = set((hemisphere.supports.nodes[hemisphere.supports.turned] + 1).tolist())
-    for rows, step in zip(found, hemisphere.steps, strict=True):
+    for rows, step in zip(values, hemisphere.steps, strict=True):
         total = np.zeros(3)
         for node, axis, value in rows:
             assert int(node) not in turned
@@ -92,19 +92,19 @@ def test_the_pressure_is_on_every_inner_face_and_pushes_into_the_wall() -> None:
 def test_supports_along_turned_axes_are_held_in_them() -> None:
     """The far edge of a sector of a cylinder slides in a plane that is no coordinate plane."""
     problem = problem_of("pressurised-cylinder", {}, "2x3")
-    found = keywords(deck(problem))
-    turned = [int(word) for row in data(found, "*NSET, NSET=TURNED") for word in row]
+    actual = keywords(deck(problem))
+    turned = [int(word) for row in data(actual, "*NSET, NSET=TURNED") for word in row]
     assert sorted(turned) == sorted((problem.supports.nodes[problem.supports.turned] + 1).tolist())
     x = problem.bricks.x[np.array(turned) - 1]
     np.testing.assert_allclose(np.arctan2(x[:, 1], x[:, 0]), np.pi / 6)
-    held = next(rows for name, rows in found if name == "*BOUNDARY")
+    held = next(rows for name, rows in actual if name == "*BOUNDARY")
     assert len(held) == sum(problem.supports.held.sum(axis=1))
 
 
 def test_fibres_lie_along_their_angle(tyre: Problem) -> None:
-    found = keywords(deck(tyre))
+    actual = keywords(deck(tyre))
     for number, ply in enumerate(tyre.materials, 1):
-        rows = np.array([row for row in data(found, f"*DISTRIBUTION, NAME=AXES_{number},") if len(row) == 7], float)
+        rows = np.array([row for row in data(actual, f"*DISTRIBUTION, NAME=AXES_{number},") if len(row) == 7], float)
         own = rows[:, 0].astype(int) - 1
         assert set(tyre.bricks.ply[own]) == {number - 1}
         first, second = rows[:, 1:4], rows[:, 4:]
@@ -125,14 +125,14 @@ def test_constants_are_in_their_places(tyre: Problem) -> None:
 
 
 def test_the_plane_goes_where_its_steps_say(tyre: Problem) -> None:
-    found, plane = keywords(deck(tyre)), tyre.plane
+    actual, plane = keywords(deck(tyre)), tyre.plane
     assert plane is not None
     corners = plane_corners(tyre, plane)
     np.testing.assert_allclose(corners[:4] @ plane.normal, plane.start)
     assert np.linalg.det(corners[[1, 3, 4]] - corners[0]) > 0  # a brick that is not inside out
     across = corners[:4] - plane.start * plane.normal
     assert np.min(np.linalg.norm(across, axis=1)) > np.max(np.linalg.norm(tyre.bricks.x[:, 1:], axis=1))
-    travels = [np.array([float(r[3]) for r in rows]) for name, rows in found if name == "*BOUNDARY" and len(rows) == 3]
+    travels = [np.array([float(r[3]) for r in rows]) for name, rows in actual if name == "*BOUNDARY" and len(rows) == 3]
     assert len(travels) == len(tyre.steps)
     for travel, step in zip(travels, tyre.steps, strict=True):
         assert plane.start + travel @ plane.normal == pytest.approx(step.offset)

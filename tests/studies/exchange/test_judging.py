@@ -108,8 +108,8 @@ def test_the_plane_carries_what_supports_do_not() -> None:
     problem = problem_of("strip-contact", {"load_fraction": "5"}, "4x1")
     (step,) = problem.steps
     lift = float(step.forces[:, 2].sum())
-    told = {**REACTION, "reaction_z_N": -0.25 * lift, "plane_force_N": 0.75 * lift}
-    balance = force_balance(problem, step, Found(5.0, told))
+    record = {**REACTION, "reaction_z_N": -0.25 * lift, "plane_force_N": 0.75 * lift}
+    balance = force_balance(problem, step, Found(5.0, record))
     assert balance is not None
     assert balance[0] < 1e-12 * lift
     assert force_balance(problem, step, Found(5.0, REACTION)) is None  # the plane is not told
@@ -133,15 +133,15 @@ def test_energy_is_half_of_the_work_where_all_is_linear(cantilever: Problem) -> 
     (step,) = linear.steps
     u = np.zeros_like(linear.bricks.x)
     u[:, 2] = 3.0
-    found = Found(1.0, {"strain_energy_Nmm": 5.0}, u)
-    assert energy_balance(linear, step, found) == pytest.approx((5.0, 1.5 * scene.P_MAX))
-    assert energy_balance(cantilever, step, found) is None  # large displacements
-    assert energy_balance(linear, step, replace(found, u=None)) is None
+    actual = Found(1.0, {"strain_energy_Nmm": 5.0}, u)
+    assert energy_balance(linear, step, actual) == pytest.approx((5.0, 1.5 * scene.P_MAX))
+    assert energy_balance(cantilever, step, actual) is None  # large displacements
+    assert energy_balance(linear, step, replace(actual, u=None)) is None
 
 
 def test_what_is_no_number_is_not_within() -> None:
-    for found, within in ((1.0099, True), (1.0101, False), (float("nan"), False)):
-        assert Comparison(1.0, "w_mm", found, "ours", 1.0, 0.01).within is within
+    for actual, within in ((1.0099, True), (1.0101, False), (float("nan"), False)):
+        assert Comparison(1.0, "w_mm", actual, "ours", 1.0, 0.01).within is within
 
 
 def test_a_force_on_the_plane_is_compared_in_the_units_of_the_scene() -> None:

@@ -107,9 +107,9 @@ def test_other_blocks_of_printed_output_are_left_alone(cantilever: Problem, tmp_
     """A block that nobody asked for must not run into the one before it."""
     other = " stresses (elem, integ.pnt.,sxx) for set BODY and time  0.1000000E+01\n\n 3 9.0E+00 9.0E+00 9.0E+00\n"
     mixed = PRINTED.format(time=1.0).replace(" total force", f"{other}\n total force")
-    (found,) = read_results(written(tmp_path / "out.dat", mixed), cantilever)
-    assert found.u is not None
-    np.testing.assert_array_equal(found.u[2], [1.0, -2.0, 0.3])
+    (actual,) = read_results(written(tmp_path / "out.dat", mixed), cantilever)
+    assert actual.u is not None
+    np.testing.assert_array_equal(actual.u[2], [1.0, -2.0, 0.3])
 
 
 def test_printed_output_of_two_steps(cantilever: Problem, tmp_path: Path) -> None:
@@ -126,15 +126,15 @@ def test_loads_on_held_nodes_are_no_reactions(tmp_path: Path) -> None:
     """The point forces of the hemisphere stand on its planes of symmetry, and are printed with them."""
     problem = problem_of("hemisphere", {"load_fraction": "1"}, "2x2", measure="linear")
     text = PRINTED.format(time=1.0).replace("1.000000E-08  0.000000E+00 -4.000000E+00", " 0.0 0.0 0.0")
-    (found,) = read_results(written(tmp_path / "out.dat", text), problem)
-    reaction = [found.quantities[f"reaction_{axis}_N"] for axis in "xyz"]
+    (actual,) = read_results(written(tmp_path / "out.dat", text), problem)
+    reaction = [actual.quantities[f"reaction_{axis}_N"] for axis in "xyz"]
     np.testing.assert_allclose(reaction, -problem.steps[0].forces.sum(axis=0), atol=1e-12)
 
 
 def test_energy_of_nonlinear_steps_is_left_out(tmp_path: Path) -> None:
     problem = problem_of("cantilever", {"load_fraction": "1"}, "2x1")
-    (found,) = read_results(written(tmp_path / "out.dat", PRINTED.format(time=1.0)), problem)
-    assert "strain_energy_Nmm" not in found.quantities
+    (actual,) = read_results(written(tmp_path / "out.dat", PRINTED.format(time=1.0)), problem)
+    assert "strain_energy_Nmm" not in actual.quantities
 
 
 def test_the_travel_of_a_tyre_counts_from_its_own_first_touch(tyre: Problem, tmp_path: Path) -> None:
@@ -145,16 +145,16 @@ def test_the_travel_of_a_tyre_counts_from_its_own_first_touch(tyre: Problem, tmp
         crown = f"{tyre.crown + 1:10d} {growth:.6E} 0.0 0.0"
         blocks.append(f" displacements (vx,vy,vz) for set BODY and time {time:.7E}\n\n{crown}\n")
         blocks.append(f" total force (fx,fy,fz) for set PLANE and time {time:.7E}\n\n {force:.6E} 0.0 0.0\n")
-    found = read_results(written(tmp_path / "out.dat", "\n".join(blocks)), tyre)
+    actual = read_results(written(tmp_path / "out.dat", "\n".join(blocks)), tyre)
     first = tyre.bricks.x[tyre.crown, 0] + growth
-    assert [each.load for each in found] == pytest.approx([5 + first - tyre.touched, 10 + first - tyre.touched])
-    assert [each.quantities["plane_force_N"] for each in found] == [100.0, 300.0]
+    assert [each.load for each in actual] == pytest.approx([5 + first - tyre.touched, 10 + first - tyre.touched])
+    assert [each.quantities["plane_force_N"] for each in actual] == [100.0, 300.0]
 
 
 def test_the_growth_of_a_tyre_that_is_inflated_alone_is_that_of_its_crown(tmp_path: Path) -> None:
     problem = problem_of("tyre", {"delta_mm": "0"}, "8x8")
     assert problem.crown is not None
     text = f" displacements (vx,vy,vz) for set BODY and time 1.0\n\n{problem.crown + 1:10d} -1.5 0.25 0.1\n"
-    (found,) = read_results(written(tmp_path / "out.dat", text), problem)
-    assert found.load == 0.0
-    assert found.quantities == {GROWTH: pytest.approx(-1.5)}
+    (actual,) = read_results(written(tmp_path / "out.dat", text), problem)
+    assert actual.load == 0.0
+    assert actual.quantities == {GROWTH: pytest.approx(-1.5)}

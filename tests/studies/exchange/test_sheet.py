@@ -46,15 +46,15 @@ def test_everything_comes_back(problem: Problem, tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.array(read["supports"]["nodes"]) - 1, problem.supports.nodes)
     np.testing.assert_array_equal(read["supports"]["axes"], problem.supports.axes)
     np.testing.assert_array_equal(read["supports"]["held"], problem.supports.held)
-    for told, step in zip(read["steps"], problem.steps, strict=True):
+    for stated, step in zip(read["steps"], problem.steps, strict=True):
         forces, pressure = np.zeros_like(step.forces), np.zeros(len(problem.bricks.elements))
-        for node, *force in told["forces_N"]:
+        for node, *force in stated["forces_N"]:
             forces[node - 1] = force
-        for element, value in told["following_pressure_MPa"]:
+        for element, value in stated["following_pressure_MPa"]:
             pressure[element - 1] = value
         np.testing.assert_array_equal(forces, step.forces)
         np.testing.assert_array_equal(pressure[problem.bricks.inner], step.pressure)
-        assert (told[problem.key], told["plane_offset_mm"]) == (step.load, step.offset)
+        assert (stated[problem.key], stated["plane_offset_mm"]) == (step.load, step.offset)
     assert [(ply["E_11"], ply["nu_23"], ply["G_13"], ply["angle"]) for ply in read["plies"]] == [
         (ply.E_L, ply.nu_TT, ply.shears[1], ply.angle) for ply in problem.materials
     ]
@@ -113,9 +113,9 @@ def test_wrong_use_is_one_line_and_writes_nothing(tmp_path: Path, capsys: pytest
 
 def test_cords_that_turn_within_a_brick_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """On the coarse torus; on Pagano's plate axes do not turn at all."""
-    for scene, mesh, told in (("tyre", "8x8", True), ("pagano", "2x2", False)):
+    for scene, mesh, stated in (("tyre", "8x8", True), ("pagano", "2x2", False)):
         assert main(["export", scene, "--mesh", mesh, "--format", "inp", "--out", str(tmp_path / "scene.inp")]) == 0
-        assert ("one direction a brick" in capsys.readouterr().out) is told
+        assert ("one direction a brick" in capsys.readouterr().out) is stated
 
 
 CCX = shutil.which("ccx")
@@ -140,9 +140,9 @@ def test_calculix_finds_what_we_find(name: str, tmp_path: Path) -> None:
     assert CCX is not None
     run = subprocess.run([CCX, "scene"], cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
     assert "Job finished" in run.stdout, run.stdout[-2000:]
-    found = read_results(tmp_path / "scene.dat", problem)
-    assert [each.load for each in found] == [step.load for step in problem.steps]
-    ours = our_solution(problem, [each.load for each in found], settings, finer, measure=measure)
-    rows: list[Comparison] = compared(problem, found, ours, WITHIN)
+    actual = read_results(tmp_path / "scene.dat", problem)
+    assert [each.load for each in actual] == [step.load for step in problem.steps]
+    ours = our_solution(problem, [each.load for each in actual], settings, finer, measure=measure)
+    rows: list[Comparison] = compared(problem, actual, ours, WITHIN)
     assert wanted <= {row.quantity for row in rows}
     assert [row for row in rows if not row.within] == []

@@ -44,10 +44,10 @@ def asked(classes: np.ndarray, **options) -> tuple[Located, list[tuple[int, int]
 
 def test_a_boundary_is_found_to_the_point_for_a_part_of_the_points() -> None:
     for name, classes in MAPS.items():
-        found, calls = asked(classes)
-        assert found.asked.mean() <= 0.4, name
-        assert len(calls) == len(set(calls)) == found.asked.sum(), name
-        np.testing.assert_array_equal(found.classes, classes, name)
+        actual, calls = asked(classes)
+        assert actual.asked.mean() <= 0.4, name
+        assert len(calls) == len(set(calls)) == actual.asked.sum(), name
+        np.testing.assert_array_equal(actual.classes, classes, name)
 
 
 def test_a_point_away_from_all_boundaries_is_passed_by() -> None:
@@ -63,8 +63,8 @@ def test_the_cost_is_that_of_the_boundary() -> None:
 
     def cost(n: int) -> int:
         t = np.linspace(0, 1, n)
-        found = locate(lambda i, j: "a" if t[i] + 0.8 * t[j] < 0.83 else "b", (n, n), (n - 1) // 4)
-        return int(found.asked.sum())
+        actual = locate(lambda i, j: "a" if t[i] + 0.8 * t[j] < 0.83 else "b", (n, n), (n - 1) // 4)
+        return int(actual.asked.sum())
 
     coarse, fine, finest = (cost(n) for n in (33, 65, 129))
     assert finest - fine < 2.6 * (fine - coarse)
@@ -74,9 +74,9 @@ def test_the_cost_is_that_of_the_boundary() -> None:
 def test_rows_that_are_apart_are_searched_each_by_itself() -> None:
     ends = [0.31, 0.92, 0.05, 2.0]
     classes = np.array([np.where(np.linspace(0, 1, 65) < end, "a", "b") for end in ends])
-    found = locate(lambda i, j: str(classes[i, j]), classes.shape, 16, rows_apart=True)
-    assert found.asked.mean() <= 0.25
-    np.testing.assert_array_equal(found.classes, classes)
+    actual = locate(lambda i, j: str(classes[i, j]), classes.shape, 16, rows_apart=True)
+    assert actual.asked.mean() <= 0.25
+    np.testing.assert_array_equal(actual.classes, classes)
 
 
 def test_distances_of_boundaries() -> None:

@@ -70,6 +70,6 @@ def test_a_limit_from_grids_coarser_than_half_the_exact_one_s_is_marked() -> Non
         {**base, "row": "variant", "name": name, "asked": asked, "formulation_error": error}
         for (name, asked), error in limits.items()
     ]
-    found = measure_limits(pd.DataFrame([*grids, *rows])).set_index("name")
-    assert found["formulation_error"].to_dict() == {"donnell": 0.3, "sanders": 0.1}
-    assert found["coarse"].to_dict() == {"donnell": True, "sanders": False}
+    table = measure_limits(pd.DataFrame([*grids, *rows])).set_index("name")
+    assert table["formulation_error"].to_dict() == {"donnell": 0.3, "sanders": 0.1}
+    assert table["coarse"].to_dict() == {"donnell": True, "sanders": False}

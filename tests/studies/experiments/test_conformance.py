@@ -157,9 +157,9 @@ def test_uneven_weights_fail_the_patch_tests_and_an_absolute_area_the_units() ->
         return replace(geometry, weight=geometry.weight + 1e-6)
 
     for spoil, laws, others in ((uneven, {PATCH, BENDING}, {UNITS}), (absolute, {UNITS}, AXES)):
-        found = failed(EXACT, Broken(spoil=spoil))
-        assert laws <= found
-        assert not found & {RIGID, TANGENT, ENERGY, TURN, *others}
+        actual = failed(EXACT, Broken(spoil=spoil))
+        assert laws <= actual
+        assert not actual & {RIGID, TANGENT, ENERGY, TURN, *others}
 
 
 def test_wrong_gradients_of_an_element_fail_the_ring() -> None:
@@ -169,9 +169,9 @@ def test_wrong_gradients_of_an_element_fail_the_ring() -> None:
         def spoil(geometry: ElementGeometry, grid: Grid, error: Callable = error) -> ElementGeometry:
             return replace(geometry, Q=geometry.Q * (1 + error(grid.half[:, 1, None, None])))
 
-        found = failed(EXACT, Broken(spoil=spoil))
-        assert {RING, LIMIT} & found == laws
-        assert (MANUFACTURED in found) == (RING in laws)
+        actual = failed(EXACT, Broken(spoil=spoil))
+        assert {RING, LIMIT} & actual == laws
+        assert (MANUFACTURED in actual) == (RING in laws)
 
 
 # --- what curvilinear elements can do -----------------------------------------------------------------------------

@@ -45,16 +45,16 @@ def panel(contact: str = "semismooth", mesh: str = "4x4", **settings: str) -> Ce
 
 
 def test_a_point_tells_whether_anything_touches() -> None:
-    found = attempt(panel())
-    assert (found.kind, found.reason) == (CONVERGED, "")
+    actual = attempt(panel())
+    assert (actual.kind, actual.reason) == (CONVERGED, "")
     assert {attempt(panel(inflation="-0.5")).kind, attempt(panel(delta_mm="-1")).kind} == {UNTOUCHED}
 
 
 def test_a_set_that_just_touches_at_the_start_settles() -> None:
     """Every gap is zero before the load, and rounding in the end: its size is known from the way between."""
     for inflation in ("3.16228e-07", "0.01", "1"):
-        found = attempt(chart_of("everywhere").point(inflation, "trial-and-error"))
-        assert found.kind == CONVERGED, inflation
+        actual = attempt(chart_of("everywhere").point(inflation, "trial-and-error"))
+        assert actual.kind == CONVERGED, inflation
 
 
 def test_a_refusal_is_a_class_with_its_reason() -> None:
@@ -64,9 +64,9 @@ def test_a_refusal_is_a_class_with_its_reason() -> None:
         (panel("regularised", epsilon="inf"), "regularised does not apply: its law p = epsilon"),
         (panel(aspect="10", shape="sphere"), "aspect = 10 takes a sphere beyond its poles"),
     ):
-        found = attempt(cell)
-        assert found.kind == REFUSED
-        assert says in found.reason
+        actual = attempt(cell)
+        assert actual.kind == REFUSED
+        assert says in actual.reason
 
 
 class Lying(Semismooth):
@@ -84,18 +84,18 @@ class Broken(Semismooth):
 
 def test_a_false_success_is_wrong_and_an_exception_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(ALGORITHMS, "semismooth", Lying)
-    found = attempt(panel(inflation="0.1"))
-    assert found.kind == WRONG
-    assert found.reason.startswith("the judge finds equilibrium, penetration")
+    actual = attempt(panel(inflation="0.1"))
+    assert actual.kind == WRONG
+    assert actual.reason.startswith("the judge finds equilibrium, penetration")
     monkeypatch.setitem(ALGORITHMS, "semismooth", Broken)
     assert attempt(panel()) == Found(CRASHED, "ZeroDivisionError: by nothing")
 
 
 def test_a_path_that_ends_is_told_from_one_that_is_lost() -> None:
-    told = "step cut; limit point of the path at about 0.5: an eigenvalue falls"
+    message = "step cut; limit point of the path at about 0.5: an eigenvalue falls"
     for end in (PathEnd.LIMIT_POINT, PathEnd.BIFURCATION):
-        assert extremes._failed(Outcome.STEP_LIMIT, told, end) == Found(END, told)
-    assert extremes._failed(Outcome.STEP_LIMIT, told, PathEnd.NEITHER).kind == FAILED
+        assert extremes._failed(Outcome.STEP_LIMIT, message, end) == Found(END, message)
+    assert extremes._failed(Outcome.STEP_LIMIT, message, PathEnd.NEITHER).kind == FAILED
     assert extremes._failed(Outcome.SINGULAR, "", None).reason == Outcome.SINGULAR.value
     assert extremes._failed(Outcome.REFUSED, "no minimum", None).kind == REFUSED
 
@@ -142,8 +142,8 @@ def test_a_real_map_against_all_of_its_points() -> None:
 
 
 def test_what_the_maps_are_of() -> None:
-    told = axes_table(CHARTS).set_index("map")
-    assert told.loc["one-node", ["title", "y_named"]].tolist() == ["One node under a ball, by algorithm", True]
+    table = axes_table(CHARTS).set_index("map")
+    assert table.loc["one-node", ["title", "y_named"]].tolist() == ["One node under a ball, by algorithm", True]
     with pytest.raises(UsageError, match="map 'none' must be one of thin-travel"):
         chart_of("none")
 

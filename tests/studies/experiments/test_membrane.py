@@ -106,9 +106,9 @@ def strip() -> pd.DataFrame:
 
 def test_condition_of_a_known_matrix(rng) -> None:
     A = rng.normal(size=(12, 12))
-    found = [study.condition(sparse.csc_matrix(A)) for _ in range(5)]
-    assert len(set(found)) == 1
-    assert found[0] / np.linalg.cond(A, 1) == pytest.approx(0.75, abs=0.2501)  # an estimate from below
+    values = [study.condition(sparse.csc_matrix(A)) for _ in range(5)]
+    assert len(set(values)) == 1
+    assert values[0] / np.linalg.cond(A, 1) == pytest.approx(0.75, abs=0.2501)  # an estimate from below
     assert study.condition(sparse.csc_matrix(np.diag([1.0, 2.0, 8.0]))) == pytest.approx(8.0)
     assert study.condition(sparse.csc_matrix(np.diag([1.0, 0.0]))) == np.inf
 
@@ -121,10 +121,10 @@ def test_both_forms_solve_the_same_equations(rng) -> None:
         start = ContactSolution.at_rest(n, m)
         for epsilon in (1.0, 1e3):
             u, pressure = dual_by_nnls(data, epsilon)
-            found = study.by_displacements(data.problem(), start, epsilon)
-            assert found.outcome is Outcome.CONVERGED
-            np.testing.assert_allclose(found.u, u, atol=1e-7)
-            np.testing.assert_allclose(found.pressure, pressure, atol=1e-6)
+            actual = study.by_displacements(data.problem(), start, epsilon)
+            assert actual.outcome is Outcome.CONVERGED
+            np.testing.assert_allclose(actual.u, u, atol=1e-7)
+            np.testing.assert_allclose(actual.pressure, pressure, atol=1e-6)
 
 
 def test_multiplier_form_never_breaks_down_and_penetration_falls_as_one_over_epsilon(strip: pd.DataFrame) -> None:

@@ -120,16 +120,16 @@ def test_steps_of_shells_leave_something_to_solve_and_exact_answers_are_those_of
 @pytest.mark.slow
 def test_osqp_alone_is_wrong_on_every_step_by_default_and_right_on_the_tyre_when_guarded(steps) -> None:
     """Must fail beside must pass; and qp, which takes no more than a set from it, is exact with the same defaults."""
-    found = table(steps.values(), contenders()).set_index("contender")
-    ours = found[~found.index.str.contains("alone")]
+    actual = table(steps.values(), contenders()).set_index("contender")
+    ours = actual[~actual.index.str.contains("alone")]
     assert (ours["false"] == 0).all()
     exact = ours[~ours.index.str.contains("10000|regularised")]
     assert (exact["largest_error"] <= EXACT).all()
     for name in ("qp", "qp, osqp defaults"):
-        assert found.loc[name, "claimed"] == 5
+        assert actual.loc[name, "claimed"] == 5
     for name in ("osqp alone, defaults", "osqp alone, defaults, scaled"):
-        assert found.loc[name, ["claimed", "false"]].tolist() == [5, 5]
-    assert found.loc["osqp alone, 1e-8 and polish, scaled", "false"] == 0
+        assert actual.loc[name, ["claimed", "false"]].tolist() == [5, 5]
+    assert actual.loc["osqp alone, 1e-8 and polish, scaled", "false"] == 0
     guarded = {str(scaled): by_word("osqp", 1e-8, polish=True, scaled=scaled) for scaled in (False, True)}
     on_tyre = table(tyres(steps), guarded)
     assert (on_tyre["claimed"] == 2).all()
@@ -138,12 +138,12 @@ def test_osqp_alone_is_wrong_on_every_step_by_default_and_right_on_the_tyre_when
 
 @pytest.mark.slow
 def test_false_success_over_the_whole_collection() -> None:
-    found = table().set_index("contender")
-    ours = found[~found.index.str.contains("alone")]
+    actual = table().set_index("contender")
+    ours = actual[~actual.index.str.contains("alone")]
     assert (ours["false"] == 0).all()
     exact = ours[~ours.index.str.contains("10000|regularised")]
     assert (exact["largest_error"] <= EXACT).all()
-    default = found.loc["osqp alone, defaults"]
+    default = actual.loc["osqp alone, defaults"]
     assert default["false"] >= default["claimed"] / 2 > 0
 
 
@@ -185,14 +185,14 @@ def test_the_judge_of_claims_sees_a_wrong_one() -> None:
 
 @pytest.mark.slow
 def test_periods_and_what_becomes_of_them() -> None:
-    found = cycles().set_index("problem")
+    actual = cycles().set_index("problem")
     periods = {"3x3": 3, "Ben Gharbia-Gilbert 3": 3, "Ben Gharbia-Gilbert 5": 5, "Ben Gharbia-Gilbert 7": 7}
     periods |= {f"OBSTCLB{start} 23": 2 for start in "LMU"} | {"TORSION c=5 22": 0}
-    assert found["plain_period"].to_dict() == periods
+    assert actual["plain_period"].to_dict() == periods
     one_sided = [name for name, period in periods.items() if period > 2]
     for way in ("trial-and-error", "semismooth", "semismooth, settle 1", "regularised"):  # told, and solved
-        assert set(found.loc[one_sided, way]) == {"converged, cycle detected"}
-        assert set(found[way].drop(one_sided)) == {"converged"}
+        assert set(actual.loc[one_sided, way]) == {"converged, cycle detected"}
+        assert set(actual[way].drop(one_sided)) == {"converged"}
 
 
 def test_the_small_problem_is_definite() -> None:

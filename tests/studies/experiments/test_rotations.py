@@ -69,9 +69,9 @@ def test_what_interpolated_components_leave_falls_with_the_second_order(monkeypa
     element, off = Element("curvilinear", "balanced"), []
     for n in (4, 8, 16):
         monkeypatch.setattr(rotations, "ELEMENTS", n)
-        found = pd.DataFrame(Panel(MEASURES["exact"], element, False, BACK[:3]).run())
-        assert found["strain"][1] < NOTHING
-        off.append(found["off"][3])
+        actual = pd.DataFrame(Panel(MEASURES["exact"], element, False, BACK[:3]).run())
+        assert actual["strain"][1] < NOTHING
+        off.append(actual["off"][3])
     orders = [math.log2(coarse / fine) for coarse, fine in pairwise(off)]
     np.testing.assert_allclose(orders, 2, atol=0.2)
 
@@ -97,9 +97,9 @@ def table() -> pd.DataFrame:
 
 def test_every_declared_law_is_met(table: pd.DataFrame) -> None:
     assert len(table) == len(MEASURES) * len(SAMPLES) * 4
-    told = table.dropna(subset="declared")
-    assert told.groupby("measure").size().min() >= 12  # of 16
-    assert (told["strain"] - told["declared"]).abs().max() <= LAW
+    stated = table.dropna(subset="declared")
+    assert stated.groupby("measure").size().min() >= 12  # of 16
+    assert (stated["strain"] - stated["declared"]).abs().max() <= LAW
     assert table[table["measure"].isin(["exact", "elongation"])]["largest"].max() <= 1e-12
 
 

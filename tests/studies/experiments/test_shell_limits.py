@@ -25,9 +25,9 @@ def test_solids_find_the_closed_forms() -> None:
         (bending.oval_solid, bending.oval_exact, 32, 1e-3),
         (bending.plate_solid, bending.plate_exact, 4, 5e-3),
     ):
-        found = solid(RATIO, n).values
-        assert found == pytest.approx(exact(RATIO), rel=within)
-        assert found != pytest.approx(exact(2 * RATIO), rel=within)
+        actual = solid(RATIO, n).values
+        assert actual == pytest.approx(exact(RATIO), rel=within)
+        assert actual != pytest.approx(exact(2 * RATIO), rel=within)
 
 
 def test_closed_forms_of_thin_walls() -> None:

@@ -86,9 +86,9 @@ def test_an_axis_that_is_treated_otherwise_is_found() -> None:
     terms = {**VON_KARMAN_TERMS, "E11": {**VON_KARMAN_TERMS["E11"], **DRILLING}}
     law = replace(SANDERS.rigid_body_law, drilling=EXACT.rigid_body_law.drilling)
     lopsided = quadratic_measure("lopsided", terms, reference="none", rigid_body_law=law)
-    found = symmetry_table({"lopsided": lopsided}, {"semismooth": Semismooth})
-    assert broken(found) == {AXES}
-    assert float(found[found["check"] == AXES]["deviation"].iloc[0]) > 1e-6
+    table = symmetry_table({"lopsided": lopsided}, {"semismooth": Semismooth})
+    assert broken(table) == {AXES}
+    assert float(table[table["check"] == AXES]["deviation"].iloc[0]) > 1e-6
 
 
 @dataclass(frozen=True)
@@ -154,9 +154,9 @@ def test_what_is_wrong_with_an_algorithm_is_found_by_the_check_for_it() -> None:
 
 @pytest.mark.slow
 def test_a_false_confession_is_an_accident() -> None:
-    found = symmetry_table({"exact": replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)}, {"lcp": Lcp})
-    assert broken(found) == MOTIONS
-    assert found[found["class"] == ACCIDENT]["reason"].str.startswith("declared to be broken, and is not").all()
+    table = symmetry_table({"exact": replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)}, {"lcp": Lcp})
+    assert broken(table) == MOTIONS
+    assert table[table["class"] == ACCIDENT]["reason"].str.startswith("declared to be broken, and is not").all()
 
 
 # --- the ways to pose -----------------------------------------------------------------------------------------------
@@ -203,7 +203,7 @@ def test_the_search_finds_the_angle_of_the_maximum(monkeypatch: pytest.MonkeyPat
 
 def test_the_tyre_is_mirrored_at_both_ends_only(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(symmetry, "MIRROR_MESH", "14x20")
-    found = [symmetry.mirrored(gamma, "grid") for gamma in (0.0, 52.0, 90.0)]
-    assert [f["mirror_both_MPa"] < 1e-10 for f in found] == [True, False, True]
-    assert all(f["central_MPa"] < 1e-10 for f in found)
-    assert found[1]["mirror_both_MPa"] > 1e-4
+    values = [symmetry.mirrored(gamma, "grid") for gamma in (0.0, 52.0, 90.0)]
+    assert [f["mirror_both_MPa"] < 1e-10 for f in values] == [True, False, True]
+    assert all(f["central_MPa"] < 1e-10 for f in values)
+    assert values[1]["mirror_both_MPa"] > 1e-4

@@ -21,8 +21,8 @@ def test_rounds_cost_what_was_spent_until_them() -> None:
             "own_seconds": [1.0, 4.0, 6.0],
         }
     )
-    found = rows_of_rounds(rounds, 0.5).set_index("family")
-    local, limit = found.loc["local"], found.loc["extrapolated"]
+    table = rows_of_rounds(rounds, 0.5).set_index("family")
+    local, limit = table.loc["local"], table.loc["extrapolated"]
     np.testing.assert_array_equal(local[["unknowns", "force_N"]], [(10, 90.0), (40, 97.5), (70, 98.5)])
     np.testing.assert_array_equal(local[["own_s", "total_s"]], [(1.0, 1.5), (4.0, 6.5), (6.0, 29.5)])
     np.testing.assert_array_equal(limit[["unknowns", "force_N"]], [(40, 100.0), (160, 99.5), (280, 100.0)])

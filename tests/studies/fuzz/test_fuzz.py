@@ -104,9 +104,9 @@ def test_a_difference_is_explained_only_where_it_is() -> None:
         return Linearisation(lin.residual - force, lin.tangent, lin.scale)
 
     other = replace(problem, linearise=heavier)
-    found = Semismooth().solve(other, answer)
-    assert found.outcome.converged
-    assert compared(one, Answer(other, found, Semismooth())) == ""
+    solution = Semismooth().solve(other, answer)
+    assert solution.outcome.converged
+    assert compared(one, Answer(other, solution, Semismooth())) == ""
     loose = replace(one, state=replace(answer, u=answer.u * (1 + 1e-4)))
     assert "tolerance" in compared(one, loose)
 

@@ -38,9 +38,9 @@ def test_a_fault_leaves_nothing_behind() -> None:
 
 @pytest.mark.slow
 def test_a_wrong_area_is_found_soon() -> None:
-    found = found_after(too_large, EARLY)
-    assert 0 < found["cases"] <= EARLY
-    assert found["law"] == "certified"
+    actual = found_after(too_large, EARLY)
+    assert 0 < actual["cases"] <= EARLY
+    assert actual["law"] == "certified"
 
 
 @pytest.mark.slow

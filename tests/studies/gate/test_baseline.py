@@ -49,8 +49,8 @@ def test_the_cheapest_rows_of_the_baseline_hold(table: pd.DataFrame) -> None:
 
 def test_a_loss_in_one_of_its_rows_is_seen(table: pd.DataFrame) -> None:
     worse = table.head(1).assign(**{"c.operations": 1.1 * table["c.operations"].iloc[0]})
-    (found,) = loss(worse)
-    assert (found.column, found.what) == ("c.operations", "worse")
+    (actual,) = loss(worse)
+    assert (actual.column, actual.what) == ("c.operations", "worse")
 
 
 def test_the_baseline_is_of_the_campaign_as_it_is() -> None:

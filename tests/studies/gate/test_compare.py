@@ -87,33 +87,33 @@ def test_half_an_order_less_is_caught_and_named(baseline: Path) -> None:
     """The coarsest mesh is as good as before: what is lost is the order."""
     table = campaign(order=1.5)
     table["q.slope"] = 2 + 0.5 * 8**-0.5 * np.array(MESHES, float) ** -1.5
-    found = {f.column: f for f in failures(check(table, baseline)) if f.label == "cantilever 64"}
-    assert found["order.slope"].what == "worse"
-    assert float(found["order.slope"].before) == pytest.approx(2.0, abs=1e-6)
-    assert float(found["order.slope"].now) == pytest.approx(1.5, abs=1e-6)
-    assert "order.tip_deflection_mm" in found
+    by_name = {f.column: f for f in failures(check(table, baseline)) if f.label == "cantilever 64"}
+    assert by_name["order.slope"].what == "worse"
+    assert float(by_name["order.slope"].before) == pytest.approx(2.0, abs=1e-6)
+    assert float(by_name["order.slope"].now) == pytest.approx(1.5, abs=1e-6)
+    assert "order.tip_deflection_mm" in by_name
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 def test_one_per_cent_of_accuracy_is_caught_and_named(baseline: Path, sign: int) -> None:
     """A shift of the value by 1 %: beyond the reference it is a loss, too."""
     table = campaign(loss=0.01 if sign > 0 else -0.02)
-    found = failures(check(table, baseline))
-    assert ("cantilever 64", "error.tip_deflection_mm", "worse") in {(f.label, f.column, f.what) for f in found}
+    actual = failures(check(table, baseline))
+    assert ("cantilever 64", "error.tip_deflection_mm", "worse") in {(f.label, f.column, f.what) for f in actual}
 
 
 def test_one_per_cent_more_of_the_error_is_caught(baseline: Path) -> None:
     table = campaign()
     table["q.tip_deflection_mm"] = EXACT - 1.01 * (EXACT - table["q.tip_deflection_mm"])
-    found = failures(check(table, baseline))
-    assert {f.column for f in found} == {"error.tip_deflection_mm"}
-    assert len(found) == len(MESHES)
+    actual = failures(check(table, baseline))
+    assert {f.column for f in actual} == {"error.tip_deflection_mm"}
+    assert len(actual) == len(MESHES)
 
 
 def test_ten_per_cent_more_factorisations_are_caught_and_named(baseline: Path) -> None:
-    found = failures(check(campaign(counters=1.1), baseline))
-    assert {(f.column, f.what, f.before, f.now) for f in found} == {("c.factorisations", "worse", "20", "22")}
-    text = "\n".join(lines(found))
+    actual = failures(check(campaign(counters=1.1), baseline))
+    assert {(f.column, f.what, f.before, f.now) for f in actual} == {("c.factorisations", "worse", "20", "22")}
+    text = "\n".join(lines(actual))
     assert "cantilever 64" in text
     assert "c.factorisations" in text
 
@@ -121,12 +121,12 @@ def test_ten_per_cent_more_factorisations_are_caught_and_named(baseline: Path) -
 def test_better_is_said_and_no_failure(baseline: Path) -> None:
     table = campaign(counters=0.5)
     table["q.tip_deflection_mm"] = EXACT - 0.5 * (EXACT - table["q.tip_deflection_mm"])
-    found = check(table, baseline)
-    assert {(f.column, f.what) for f in found} == {
+    actual = check(table, baseline)
+    assert {(f.column, f.what) for f in actual} == {
         ("c.factorisations", "better"),
         ("error.tip_deflection_mm", "better"),
     }
-    assert failures(found) == []
+    assert failures(actual) == []
 
 
 def test_a_quantity_without_a_reference_must_stay(baseline: Path) -> None:
@@ -259,8 +259,8 @@ def test_infinite_and_missing_numbers(baseline: Path) -> None:
     before, now = measured(campaign()), measured(campaign())
     now.loc[(now["label"] == "cantilever 8") & (now["column"] == "q.slope"), "value"] = "nan"
     now.loc[(now["label"] == "cantilever 16") & (now["column"] == "q.slope"), "value"] = "inf"
-    found = [(f.label, f.column, f.now) for f in compared(before, now, bounds)]
-    assert found == [("cantilever 8", "q.slope", "nan"), ("cantilever 16", "q.slope", "inf")]
+    values = [(f.label, f.column, f.now) for f in compared(before, now, bounds)]
+    assert values == [("cantilever 8", "q.slope", "nan"), ("cantilever 16", "q.slope", "inf")]
 
 
 def test_the_comment_of_a_review(baseline: Path) -> None:

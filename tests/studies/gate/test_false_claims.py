@@ -54,8 +54,8 @@ def record(label: str, change: Callable[[dict[str, Any]], object]) -> Plant:
 
 
 def larger(name: str, *, step: bool, headline: bool) -> Callable[[dict[str, Any]], None]:
-    def change(told: dict[str, Any]) -> None:
-        for each, wanted in ((told["steps"][-1], step), (told["quantities"], headline)):
+    def change(stated: dict[str, Any]) -> None:
+        for each, wanted in ((stated["steps"][-1], step), (stated["quantities"], headline)):
             each[name] *= 1.001 if wanted else 1.0
 
     return change
@@ -71,7 +71,7 @@ def put(label: str, from_label: str) -> Plant:
 
 
 def another_request(there: Elsewhere) -> None:
-    there.falsify(BEAM, lambda told: told.update({**there.record(FINE), "id": there.ids[BEAM]}))
+    there.falsify(BEAM, lambda stated: stated.update({**there.record(FINE), "id": there.ids[BEAM]}))
 
 
 def in_the_plan(there: Elsewhere) -> None:
@@ -128,24 +128,24 @@ def test_a_false_claim_is_refused_and_named_and_the_rest_is_taken(
 ) -> None:
     label, plant, claim = FALSE[name]
     plant(elsewhere)
-    found = merge(elsewhere.root, tmp_path / "here")
-    only_refusal(found, label, claim)
-    assert found.counts == {VERIFIED: len(elsewhere.ids) - 1}
+    actual = merge(elsewhere.root, tmp_path / "here")
+    only_refusal(actual, label, claim)
+    assert actual.counts == {VERIFIED: len(elsewhere.ids) - 1}
     assert not Archive(tmp_path / "here").record_path(elsewhere.ids[label]).exists()
 
 
 def test_an_honest_store_is_taken_in_whole(elsewhere: Elsewhere, tmp_path: Path) -> None:
-    found = merge(elsewhere.root, tmp_path / "here")
-    assert (found.counts, found.refused) == ({VERIFIED: 6}, [])
+    actual = merge(elsewhere.root, tmp_path / "here")
+    assert (actual.counts, actual.refused) == ({VERIFIED: 6}, [])
     here = Archive(tmp_path / "here")
     assert here.campaigns() == ["beams"]
     for label, cell_id in elsewhere.ids.items():
-        told, ours = elsewhere.record(label), here.record(cell_id)
+        stated, ours = elsewhere.record(label), here.record(cell_id)
         assert ours is not None
-        assert {key: ours[key] for key in told} == {**told, "timing_s": {}}
-        assert ours["merged"]["timing_s"] == told["timing_s"]
+        assert {key: ours[key] for key in stated} == {**stated, "timing_s": {}}
+        assert ours["merged"]["timing_s"] == stated["timing_s"]
         assert ours["merged"]["status"] == VERIFIED
-        assert ("loads before the last" in ours["merged"]["claimed"]) == (len(told["steps"]) > 1)
+        assert ("loads before the last" in ours["merged"]["claimed"]) == (len(stated["steps"]) > 1)
         assert here.has(cell_id, files=True)
 
 
@@ -198,8 +198,8 @@ def test_convergence_with_a_load_that_was_never_reached_is_refused(tyres_elsewhe
     """The step is invented, too: the field is not in balance at the load of the request."""
     step = tyres_elsewhere.record(TYRE)["steps"][-1]
 
-    def invent(told: dict[str, Any]) -> None:
-        told.update({"outcome": "converged", "class": "converged", "steps": [{**step, "delta_mm": 0.0}]})
+    def invent(stated: dict[str, Any]) -> None:
+        stated.update({"outcome": "converged", "class": "converged", "steps": [{**step, "delta_mm": 0.0}]})
 
     tyres_elsewhere.falsify(FAILS, invent)
     (line,) = merge(tyres_elsewhere.root, tmp_path / "here").refused
@@ -210,9 +210,9 @@ def test_convergence_with_a_load_that_was_never_reached_is_refused(tyres_elsewhe
 def test_a_failure_is_taken_as_unverified_without_what_it_claims_to_have_found(
     tyres_elsewhere: Elsewhere, tmp_path: Path
 ) -> None:
-    tyres_elsewhere.falsify(FAILS, lambda told: told["quantities"].update(force_N=1.0))
-    found = merge(tyres_elsewhere.root, tmp_path / "here")
-    assert (found.counts, found.refused) == ({VERIFIED: 2, UNVERIFIED: 1}, [])
+    tyres_elsewhere.falsify(FAILS, lambda stated: stated["quantities"].update(force_N=1.0))
+    actual = merge(tyres_elsewhere.root, tmp_path / "here")
+    assert (actual.counts, actual.refused) == ({VERIFIED: 2, UNVERIFIED: 1}, [])
     ours = Archive(tmp_path / "here").record(tyres_elsewhere.ids[FAILS])
     assert ours is not None
     assert ours["class"] not in ("converged", "unstable")

@@ -45,7 +45,7 @@ def bomb(there: Elsewhere, tmp_path: Path) -> None:
     packed = base64.b64encode(zlib.compress(bytes(2**24), 9))
     text = there.field(BEAM).read_bytes()
     pattern = rb'(Name="pressure"[^>]*>\n.{44})[^\n]*'
-    there.field(BEAM).write_bytes(re.sub(pattern, lambda found: found[1] + packed, text))
+    there.field(BEAM).write_bytes(re.sub(pattern, lambda actual: actual[1] + packed, text))
 
 
 class Trap:
@@ -66,7 +66,7 @@ def pickled(there: Elsewhere, tmp_path: Path) -> None:
 
 
 def named(name: str) -> Plant:
-    return lambda there, tmp_path: there.falsify(BEAM, lambda told: told["files"].append(name))
+    return lambda there, tmp_path: there.falsify(BEAM, lambda stated: stated["files"].append(name))
 
 
 def text_in_place_of(value: str, text: str) -> Plant:
@@ -110,10 +110,10 @@ def test_what_no_honest_store_has_is_refused_and_the_rest_is_taken(
 ) -> None:
     plant, said = PLANTED[name]
     plant(elsewhere, tmp_path)
-    found = merge(elsewhere.root, tmp_path / "here")
-    (line,) = found.refused
+    actual = merge(elsewhere.root, tmp_path / "here")
+    (line,) = actual.refused
     assert re.match(rf"{BEAM} \(\w+\): {said}", line), line
-    assert found.counts == {VERIFIED: len(elsewhere.ids) - 1}
+    assert actual.counts == {VERIFIED: len(elsewhere.ids) - 1}
     assert not (tmp_path / "sprung").exists()
 
 
@@ -152,10 +152,10 @@ def test_a_plan_that_none_of_ours_could_be_is_refused(
     plan = json.loads(path.read_text())
     change(plan["cells"][0])
     path.write_text(json.dumps(plan))
-    found = merge(elsewhere.root, tmp_path / "here")
-    (line,) = found.refused
+    actual = merge(elsewhere.root, tmp_path / "here")
+    (line,) = actual.refused
     assert said in line
-    assert not found.counts
+    assert not actual.counts
 
 
 def test_a_scene_or_a_mesh_that_is_not_here_is_one_line(elsewhere: Elsewhere, tmp_path: Path) -> None:
@@ -164,8 +164,8 @@ def test_a_scene_or_a_mesh_that_is_not_here_is_one_line(elsewhere: Elsewhere, tm
     rows = {row["label"]: row for row in plan["cells"]}
     rows[BEAM]["scene"], rows[FINE]["options"]["mesh"] = "nowhere", "1000x1000"
     path.write_text(json.dumps(plan))
-    found = merge(elsewhere.root, tmp_path / "here")
-    assert len(found.refused) == 2
-    assert "scene 'nowhere' must be one of" in found.refused[0]
-    assert found.counts == {VERIFIED: 4}
+    actual = merge(elsewhere.root, tmp_path / "here")
+    assert len(actual.refused) == 2
+    assert "scene 'nowhere' must be one of" in actual.refused[0]
+    assert actual.counts == {VERIFIED: 4}
     assert Archive(tmp_path / "here").record_path(elsewhere.ids[STRIP]).exists()

@@ -79,11 +79,11 @@ def said(words: list[str], capsys: pytest.CaptureFixture[str], code: int = 2) ->
     capsys.readouterr()
     with bounded():
         assert main(words) == code
-    told = capsys.readouterr()
-    assert not CONTROL.search((told.out + told.err).replace("\n", ""))
-    assert told.err.count("\n") == 1, told.err
-    assert len(told.err) < 2000
-    return told.err
+    printed = capsys.readouterr()
+    assert not CONTROL.search((printed.out + printed.err).replace("\n", ""))
+    assert printed.err.count("\n") == 1, printed.err
+    assert len(printed.err) < 2000
+    return printed.err
 
 
 @pytest.fixture(scope="session")
@@ -138,9 +138,9 @@ def test_escapes_in_what_a_problem_says_of_itself_are_shown(tmp_path: Path, caps
     meta = {"format": "footprint contact step", "format_version": 1, "scene": ESCAPE}
     step_with(meta=json.dumps(meta))(tmp_path / "problem.npz")
     assert main(["resolve", str(tmp_path / "problem.npz")]) == 0
-    told = capsys.readouterr().out
-    assert r"scene \x1b]0;owned\x07\x1b[31m" in told
-    assert not CONTROL.search(told.replace("\n", ""))
+    printed = capsys.readouterr().out
+    assert r"scene \x1b]0;owned\x07\x1b[31m" in printed
+    assert not CONTROL.search(printed.replace("\n", ""))
 
 
 @pytest.mark.parametrize("name", RESULTS)
@@ -253,8 +253,8 @@ def test_odd_records_of_a_store_end_in_a_line_or_are_shown(
     changed(there.archive.record_path(there.ids[CELL]), ODD[name])
     for words in READERS:
         code = main(_words(words, there, tmp_path))
-        told = capsys.readouterr()
-        assert code == 0 or (code in (1, 2) and told.err.count("\n") == 1), (words, told.err)
+        printed = capsys.readouterr()
+        assert code == 0 or (code in (1, 2) and printed.err.count("\n") == 1), (words, printed.err)
 
 
 def _words(command: list[str], there: Elsewhere, tmp_path: Path) -> list[str]:
@@ -279,9 +279,9 @@ def test_damaged_records_are_set_aside_and_solved_again(
         changed(archive.record_path(cell_id), change)
     capsys.readouterr()
     assert main(words) == 0
-    told = capsys.readouterr()
-    assert f"{len(ids)} converged; {len(RECORDS)} solved now" in told.out
-    lines = told.err.splitlines()
+    printed = capsys.readouterr()
+    assert f"{len(ids)} converged; {len(RECORDS)} solved now" in printed.out
+    lines = printed.err.splitlines()
     assert len(lines) == len(RECORDS)
     for line, (_, says) in zip(lines, RECORDS.values(), strict=True):
         assert re.search(says, line)

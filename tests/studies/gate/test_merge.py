@@ -34,9 +34,9 @@ def test_a_cell_that_is_here_with_other_values_stays_and_is_named(elsewhere: Els
     merge(elsewhere.root, tmp_path / "here")
     path = Archive(tmp_path / "here").record_path(elsewhere.ids[BEAM])
     before = path.read_bytes()
-    elsewhere.falsify(BEAM, lambda told: told["quantities"].update(tip_deflection_mm=7.0))
-    found = merge(elsewhere.root, tmp_path / "here")
-    (line,) = found.refused
+    elsewhere.falsify(BEAM, lambda stated: stated["quantities"].update(tip_deflection_mm=7.0))
+    actual = merge(elsewhere.root, tmp_path / "here")
+    (line,) = actual.refused
     assert "tip_deflection_mm: claimed 7.0, the cell here has" in line
     assert line.endswith("and stays")
     assert path.read_bytes() == before
@@ -54,8 +54,8 @@ def test_a_stopped_merge_is_gone_on_with(elsewhere: Elsewhere, tmp_path: Path) -
 
 def test_what_was_not_solved_there_is_no_lie(elsewhere: Elsewhere, tmp_path: Path) -> None:
     elsewhere.archive.record_path(elsewhere.ids[BEAM]).unlink()
-    found = merge(elsewhere.root, tmp_path / "here")
-    assert (found.counts, found.refused) == ({NOT_SOLVED: 1, VERIFIED: 5}, [])
+    actual = merge(elsewhere.root, tmp_path / "here")
+    assert (actual.counts, actual.refused) == ({NOT_SOLVED: 1, VERIFIED: 5}, [])
 
 
 def test_the_plan_that_is_here_stays(elsewhere: Elsewhere, tmp_path: Path) -> None:
@@ -89,6 +89,6 @@ def test_the_command_ends_with_one_where_a_claim_is_refused(
     elsewhere.falsify(BEAM, without_field)
     words = ["merge", str(elsewhere.root), "--store", str(tmp_path / "here")]
     assert main(words) == 1
-    told = capsys.readouterr()
-    assert told.err.startswith(f"refused: {BEAM} ({elsewhere.ids[BEAM]}): field: none is kept")
-    assert told.out == "merge: 5 verified, 1 refused\n"
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"refused: {BEAM} ({elsewhere.ids[BEAM]}): field: none is kept")
+    assert printed.out == "merge: 5 verified, 1 refused\n"

@@ -32,8 +32,8 @@ def night(
 def test_nights_of_the_same_raise_no_alarm(nights: int, rng: np.random.Generator) -> None:
     for noise in (0.002, 0.01, 0.05, 0.3):
         for _ in range(nights):
-            found = compare_times(night(rng, noise), night(rng, noise))
-            assert set(found["verdict"]) == {"same"}
+            actual = compare_times(night(rng, noise), night(rng, noise))
+            assert set(actual["verdict"]) == {"same"}
 
 
 @pytest.mark.slow
@@ -58,9 +58,9 @@ def test_real_cells_repeated_raise_no_alarm() -> None:
 
 def test_a_planted_slowdown_is_found_and_nothing_else(rng: np.random.Generator) -> None:
     planted = {3: 0.15, 50: 0.25, 80: 1.0}
-    found = compare_times(night(rng, 0.01, samples=16), night(rng, 0.01, planted, samples=16))
-    assert set(found["label"][found["verdict"] == "slower"]) == {f"cell {cell}" for cell in planted}
-    row = found.set_index("label").loc["cell 50"]
+    actual = compare_times(night(rng, 0.01, samples=16), night(rng, 0.01, planted, samples=16))
+    assert set(actual["label"][actual["verdict"] == "slower"]) == {f"cell {cell}" for cell in planted}
+    row = actual.set_index("label").loc["cell 50"]
     assert row["change"] == pytest.approx(0.25, abs=0.03)
     assert row["p"] < 0.01
 
@@ -80,8 +80,8 @@ def test_p_is_controlled_over_all_cells(rng: np.random.Generator) -> None:
 def test_faster_is_found_only_when_asked_for(rng: np.random.Generator) -> None:
     before, now = night(rng, 0.01), night(rng, 0.01, {7: -0.5})
     assert set(compare_times(before, now)["verdict"]) == {"same"}
-    found = compare_times(before, now, "faster")
-    assert list(found["label"][found["verdict"] == "faster"]) == ["cell 7"]
+    actual = compare_times(before, now, "faster")
+    assert list(actual["label"][actual["verdict"] == "faster"]) == ["cell 7"]
 
 
 def test_a_change_below_the_share_is_none(rng: np.random.Generator) -> None:

@@ -112,9 +112,9 @@ def test_the_rim_is_where_the_closed_form_has_it_at_the_last_load(scene, setting
     ],
 )
 def test_where_nothing_has_a_rim_its_lines_are_refused(scene, settings) -> None:
-    found, request = resolve(scene, settings | {"lines": "rim"}, "16x16")
+    actual, request = resolve(scene, settings | {"lines": "rim"}, "16x16")
     with pytest.raises(UsageError, match="needs a rim of contact"):
-        found.build(request)
+        actual.build(request)
 
 
 @pytest.mark.parametrize("scene", ["strip-contact", "heavy-strip", "plate-contact", "ring"])
@@ -123,9 +123,9 @@ def test_lines_of_contact_scenes_are_refined_as_asked(scene: str, lines: str) ->
     """All elements cut once: the mesh of twice as many along the strip."""
     at = {"delta_mm": "50"} if scene == "ring" else {"load_fraction": "1" if scene == "heavy-strip" else "5"}
     asked, twice = ("16x16", "32x32") if scene == "ring" else ("16x1", "32x1")
-    found, request = resolve(scene, at | {"lines": lines}, asked, measure="exact" if scene == "ring" else "linear")
+    actual, request = resolve(scene, at | {"lines": lines}, asked, measure="exact" if scene == "ring" else "linear")
     tree = tree_over(request, np.arange(request.mesh[0] + 1.0), np.arange(request.mesh[1] + 1.0)).everywhere()
-    grid = found.build(replace(request, leaves=tuple(map(tuple, tree.leaves.tolist())))).shell.discretisation.grid
+    grid = actual.build(replace(request, leaves=tuple(map(tuple, tree.leaves.tolist())))).shell.discretisation.grid
     wanted = nodes(Ladder("", (), (), request.measure, at | {"lines": lines}, scene=scene), twice)
     assert np.sort(grid.nodes, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-9)
 

@@ -115,7 +115,7 @@ def test_a_run_goes_on_beside_merged_cells(mixed: Path, tmp_path: Path) -> None:
 
 
 def test_machines_differ_by_what_decides_a_time() -> None:
-    told = {"machine": {"cpu": "A", "cores": 2, "memory_GiB": 23.5, "python": "3.11"}, "blas": {"threads": "1"}}
-    assert machine_of(told) == machine_of({**told, "machine": {**told["machine"], "memory_GiB": 23.4}})
-    assert machine_of(told) != machine_of({**told, "blas": {"threads": "2"}})
+    record = {"machine": {"cpu": "A", "cores": 2, "memory_GiB": 23.5, "python": "3.11"}, "blas": {"threads": "1"}}
+    assert machine_of(record) == machine_of({**record, "machine": {**record["machine"], "memory_GiB": 23.4}})
+    assert machine_of(record) != machine_of({**record, "blas": {"threads": "2"}})
     assert machine_of({}) == UNKNOWN

@@ -264,15 +264,15 @@ def test_nothing_outlives_a_scheduler_that_is_killed(tmp_path: Path) -> None:
 
 def groups_of_all() -> dict[int, int]:
     """The group of each process that is running."""
-    found = {}
+    by_name = {}
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
             state, _, group = stat.read_text().rpartition(")")[2].split()[:3]
         except (FileNotFoundError, ProcessLookupError):
             continue
         if state != "Z":
-            found[int(stat.parent.name)] = int(group)
-    return found
+            by_name[int(stat.parent.name)] = int(group)
+    return by_name
 
 
 # --- a clock that jumps -------------------------------------------------------------------------------------------

@@ -34,10 +34,10 @@ def test_refined_cantilever_has_at_least_the_order_two_and_the_limit_of_the_pape
 
 
 def test_refined_hemisphere_has_less_than_half_the_error_of_the_paper_on_sixteen_elements() -> None:
-    found = [solved("hemisphere", "16x16", **WHOLE, element=element).quantities for element in ELEMENTS]
+    values = [solved("hemisphere", "16x16", **WHOLE, element=element).quantities for element in ELEMENTS]
     for quantity in ("outward_mm", "inward_mm"):
         published = referenced("hemisphere", "read", quantity, load_fraction=1.0)[0]
-        refined, paper = (1 - each[quantity] / published for each in found)
+        refined, paper = (1 - each[quantity] / published for each in values)
         assert 0 < refined <= 0.5 * paper
         assert paper >= 0.05
 
@@ -60,8 +60,8 @@ def one_step(newton: str) -> tuple[Outcome, float]:
     scene, request = complete("hemisphere", {"load_fraction": "1", "element": "paper"}, newton=newton)
     stage = next(scene.build(request).stages())
     problem_at, start = stage.begin(None)
-    found = Semismooth().solve(problem_at(1.0), start)
-    return found.outcome, found.counters["newton_iterations"]
+    solution = Semismooth().solve(problem_at(1.0), start)
+    return solution.outcome, solution.counters["newton_iterations"]
 
 
 def test_mixed_newton_takes_the_hemisphere_in_one_step() -> None:

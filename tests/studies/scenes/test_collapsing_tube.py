@@ -29,9 +29,9 @@ def exact() -> np.ndarray:
 
 def off(mesh: str, h: str) -> np.ndarray:
     """Relative, of the headline quantities at the last load."""
-    found = solved(SCENE, mesh, h_mm=h, load_fraction=LOADS)
-    assert all(step["stability"]["word"] == STABLE for step in found.steps)
-    return np.array([found.quantities[name] for name in QUANTITIES]) / exact() - 1
+    solution = solved(SCENE, mesh, h_mm=h, load_fraction=LOADS)
+    assert all(step["stability"]["word"] == STABLE for step in solution.steps)
+    return np.array([solution.quantities[name] for name in QUANTITIES]) / exact() - 1
 
 
 # --- the ring ---------------------------------------------------------------------------------------------------------
@@ -67,9 +67,9 @@ def test_line_contact_is_similar_and_goes_over_from_the_point() -> None:
     s = np.linspace(0, 1, 41)
     t = np.pi * s * (1 - 1.5 * s)
     guess = np.array([1.4 * s, 0.5 * s * (1 - s), t, np.pi * (1 - 3 * s)])
-    found = solve_bvp(along, ends, s, guess, p=[1.3, 6.0], tol=1e-9, max_nodes=20000)
-    assert found.success
-    pressed, (length, force) = ring.pressed(p), found.p
+    actual = solve_bvp(along, ends, s, guess, p=[1.3, 6.0], tol=1e-9, max_nodes=20000)
+    assert actual.success
+    pressed, (length, force) = ring.pressed(p), actual.p
     assert np.pi / 2 - length == pytest.approx(pressed.flat, rel=1e-7)
     assert 2 * (force + p * pressed.flat) == pytest.approx(pressed.force, rel=1e-7)
     below, above = (ring.pressed(LINE * (1 + sign * 1e-5)) for sign in (-1, 1))
@@ -83,11 +83,11 @@ def test_what_forces_at_nodes_say_of_line_contact() -> None:
     lumps = np.full(n + 2, p * c / n)
     lumps[[0, n]] /= 2
     lumps[n], lumps[-1] = lumps[n] + force, 0
-    found = line_contact(p, lumps, x)
+    actual = line_contact(p, lumps, x)
     s = 1 - 2 * c / np.pi
-    assert found["flat_half_length"] == pytest.approx(c, rel=1e-12)
-    assert found["line_contact_pressure_EI_R3"] == pytest.approx(p * s**3, rel=1e-12)
-    assert found["line_contact_force_EI_R2"] == pytest.approx(2 * force * s**2, rel=1e-12)
+    assert actual["flat_half_length"] == pytest.approx(c, rel=1e-12)
+    assert actual["line_contact_pressure_EI_R3"] == pytest.approx(p * s**3, rel=1e-12)
+    assert actual["line_contact_force_EI_R2"] == pytest.approx(2 * force * s**2, rel=1e-12)
     point = line_contact(6.0, np.array([1.0, 0.0]), x[:2])
     assert list(point.values()) == [2.0, 0.0, 6.0, 2.0]
 
@@ -101,9 +101,9 @@ def test_the_tube_buckles_at_three_and_comes_down_as_the_ring() -> None:
     pressures = (3.02, 3.1, 3.3, 3.7)
     closing, _ = scene.build(request).stages()
     stage = replace(closing, targets=tuple(1 - ring.free(p).gap for p in pressures))
-    found = list(walk([stage], Semismooth()))
-    assert all(each.converged for each in found)
-    assert [3 * each.point.solution.u[-1] / RADIUS for each in found] == pytest.approx(pressures, rel=2e-3)
+    actual = list(walk([stage], Semismooth()))
+    assert all(each.converged for each in actual)
+    assert [3 * each.point.solution.u[-1] / RADIUS for each in actual] == pytest.approx(pressures, rel=2e-3)
 
 
 @pytest.mark.slow
@@ -127,10 +127,10 @@ def test_touch_point_and_line_contact_are_those_of_the_ring(h: str) -> None:
     """To 0.1 % and what the thickness makes of it: three times as much of a force that has only begun."""
     of_thickness = (float(h) / RADIUS) ** 2
     assert np.all(np.abs(off("1x256", h)) < 1e-3 + 12 * of_thickness)
-    found = solved(SCENE, "1x256", h_mm=h, load_fraction=LOADS)
+    solution = solved(SCENE, "1x256", h_mm=h, load_fraction=LOADS)
     forces = [ring.pressed(3 * load).force for load in LOAD]
-    np.testing.assert_allclose(read(found, "contact_force_EI_R2"), forces, rtol=1e-3 + 35 * of_thickness)
-    similar = np.array([[step[name] for name in QUANTITIES[2:]] for step in found.steps[2:]])  # on two loads
+    np.testing.assert_allclose(read(solution, "contact_force_EI_R2"), forces, rtol=1e-3 + 35 * of_thickness)
+    similar = np.array([[step[name] for name in QUANTITIES[2:]] for step in solution.steps[2:]])  # on two loads
     np.testing.assert_allclose(similar[0], similar[1], rtol=1e-3)
     known = referenced(SCENE, "exact", "line_contact_pressure_EI_R3", h_mm=float(h), measure="exact", load_fraction=6.0)
     assert known == pytest.approx([LINE])
@@ -139,8 +139,8 @@ def test_touch_point_and_line_contact_are_those_of_the_ring(h: str) -> None:
 @pytest.mark.slow
 def test_the_thickness_counts_by_its_square() -> None:
     """On one mesh: touch falls by about 4, p_line by about 11 (h/R)^2 of it."""
-    found = np.array([off("1x128", h) for h in ("2", "4", "8")])
-    first, second = np.diff(found, axis=0)
+    actual = np.array([off("1x128", h) for h in ("2", "4", "8")])
+    first, second = np.diff(actual, axis=0)
     np.testing.assert_allclose(second[[0, 2]] / first[[0, 2]], 4, rtol=0.1)
     assert first[[0, 2]] / 12e-4 == pytest.approx([-4.1, -11.0], rel=0.15)
 
@@ -149,7 +149,7 @@ def test_the_thickness_counts_by_its_square() -> None:
 @pytest.mark.parametrize("contact", sorted(ALGORITHMS))
 def test_all_algorithms_follow_the_tube(contact: str) -> None:
     """To one state; those with springs of 1e4 MPa/mm come within 0.1 %."""
-    found = read(solved(SCENE, "1x32", contact=contact), "contact_force_EI_R2")
+    actual = read(solved(SCENE, "1x32", contact=contact), "contact_force_EI_R2")
     same = read(solved(SCENE, "1x32"), "contact_force_EI_R2")
     springs = np.isfinite(ALGORITHMS[contact]().epsilon)
-    np.testing.assert_allclose(found, same, rtol=1e-3 if springs else FORCES)
+    np.testing.assert_allclose(actual, same, rtol=1e-3 if springs else FORCES)

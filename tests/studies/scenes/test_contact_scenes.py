@@ -49,12 +49,12 @@ def test_strip_agrees_with_the_table() -> None:
             with pytest.raises(ValueError, match="contact zone"):
                 strip_contact(q, 0.0)
             continue
-        found = strip_contact(q, lam)
-        assert found.free_length == pytest.approx(length, rel=DIGITS)
-        assert found.half_force == pytest.approx(half_force, rel=DIGITS)
-        assert found.half_force == pytest.approx(q * (1 - length) + edge_force, rel=DIGITS)
+        actual = strip_contact(q, lam)
+        assert actual.free_length == pytest.approx(length, rel=DIGITS)
+        assert actual.half_force == pytest.approx(half_force, rel=DIGITS)
+        assert actual.half_force == pytest.approx(q * (1 - length) + edge_force, rel=DIGITS)
         if lam > 0:
-            assert found.edge_pressure == pytest.approx(float(edge_pressure), rel=DIGITS)
+            assert actual.edge_pressure == pytest.approx(float(edge_pressure), rel=DIGITS)
         compared += 1
     assert compared == 36
 
@@ -79,9 +79,9 @@ def test_plate_agrees_with_the_table() -> None:
     rows = read_reference("contact_clamped_circular_plate_flat_obstacle.csv").to_numpy()
     assert len(rows) == 11
     for radius, load, line_force, force in rows:
-        found = plate_contact(load)
-        assert found == (pytest.approx(radius, rel=DIGITS), pytest.approx(force, rel=DIGITS))
-        assert found[1] == pytest.approx(np.pi * load * radius**2 + 2 * np.pi * radius * line_force, rel=DIGITS)
+        actual = plate_contact(load)
+        assert actual == (pytest.approx(radius, rel=DIGITS), pytest.approx(force, rel=DIGITS))
+        assert actual[1] == pytest.approx(np.pi * load * radius**2 + 2 * np.pi * radius * line_force, rel=DIGITS)
     with pytest.raises(ValueError, match="64"):
         plate_contact(64.0)
 
@@ -91,9 +91,9 @@ def test_ring_agrees_with_the_table() -> None:
     flat = table[table["H_over_2R[-]"] <= 0.7].to_numpy()
     assert len(flat) == 13
     for load, height, _, length, _ in flat:
-        found = flattened_ring(height)
-        assert found == (pytest.approx(load, rel=DIGITS), pytest.approx(length, abs=DIGITS))
-        assert found[0] * (2 * height) ** 2 == pytest.approx(5.742160, abs=1e-6)
+        actual = flattened_ring(height)
+        assert actual == (pytest.approx(load, rel=DIGITS), pytest.approx(length, abs=DIGITS))
+        assert actual[0] * (2 * height) ** 2 == pytest.approx(5.742160, abs=1e-6)
     with pytest.raises(ValueError, match=r"0\.717770"):
         flattened_ring(0.72)
 
@@ -123,22 +123,22 @@ SIZES = (4.0, 2.0, 1.0)
 def test_clamped_strip_converges_to_timoshenko(lam, ratio) -> None:
     exact = strip_contact(24 * ratio, lam)
     values = {name: getattr(exact, name) for name in ("half_force", "free_length", "edge_pressure")}
-    found = errors("strip-contact", STRIP, values, lam_over_a=f"{lam}", load_fraction=f"{ratio}")
-    assert fitted_order(SIZES, found["half_force"]) >= 1.5
-    assert found["half_force"][-1] <= 1e-4
-    within = np.array(found["free_length"]) * exact.free_length * [32, 64, 128]  # elements: no rate, the edge wanders
+    actual = errors("strip-contact", STRIP, values, lam_over_a=f"{lam}", load_fraction=f"{ratio}")
+    assert fitted_order(SIZES, actual["half_force"]) >= 1.5
+    assert actual["half_force"][-1] <= 1e-4
+    within = np.array(actual["free_length"]) * exact.free_length * [32, 64, 128]  # elements: no rate, the edge wanders
     assert np.max(within) <= 0.1
     layer = 1 / (lam * np.array([32, 64, 128]))  # element over boundary layer
-    assert np.all(np.array(found["edge_pressure"]) <= layer**2)
+    assert np.all(np.array(actual["edge_pressure"]) <= layer**2)
 
 
 def test_clamped_strip_without_shear_is_euler_bernoullis() -> None:
     for ratio in ("5", "20"):
         exact = {"half_force": strip_contact(24 * float(ratio), 0.0).half_force}
         settings = {"lam_over_a": "0.001", "load_fraction": ratio}
-        found = errors("strip-contact", ("16x1", "32x1", "64x1"), exact, **settings)
-        assert fitted_order(SIZES, found["half_force"]) >= 1.4
-        assert found["half_force"][-1] <= 3e-4
+        actual = errors("strip-contact", ("16x1", "32x1", "64x1"), exact, **settings)
+        assert fitted_order(SIZES, actual["half_force"]) >= 1.4
+        assert actual["half_force"][-1] <= 3e-4
 
 
 def test_without_shear_the_edge_force_stands_where_contact_begins() -> None:
@@ -170,20 +170,20 @@ def test_a_strip_with_shear_touches_in_a_zone_one_without_in_a_point() -> None:
 def test_heavy_strip_converges(lam) -> None:
     length, force = lifted_strip(lam)
     exact = {"free_length": length, "lift_force": force}
-    found = errors("heavy-strip", STRIP, exact, lam_over_unit=f"{lam}")
-    assert fitted_order(SIZES, found["lift_force"]) >= 1.5
-    assert found["lift_force"][-1] <= 1e-4
-    assert fitted_order(SIZES, found["free_length"]) >= 1.0
-    assert found["free_length"][-1] <= 5e-4
+    actual = errors("heavy-strip", STRIP, exact, lam_over_unit=f"{lam}")
+    assert fitted_order(SIZES, actual["lift_force"]) >= 1.5
+    assert actual["lift_force"][-1] <= 1e-4
+    assert fitted_order(SIZES, actual["free_length"]) >= 1.0
+    assert actual["free_length"][-1] <= 5e-4
 
 
 @pytest.mark.parametrize("contact", ALGORITHMS)
 def test_every_algorithm_peels_the_strip_off(contact) -> None:
     """All of it lies on the plane at first, with gaps that are rounding and nothing but the plane's place to say so."""
-    found = solve(*resolve("heavy-strip", {}, "16x1", measure="linear", contact=contact))
-    assert found.verdict == CONVERGED
-    assert found.quantities["lift_force"] == pytest.approx(lifted_strip(0.2)[1], rel=4e-3)
-    assert found.counters["factorisations"] <= 16
+    solution = solve(*resolve("heavy-strip", {}, "16x1", measure="linear", contact=contact))
+    assert solution.verdict == CONVERGED
+    assert solution.quantities["lift_force"] == pytest.approx(lifted_strip(0.2)[1], rel=4e-3)
+    assert solution.counters["factorisations"] <= 16
 
 
 @pytest.mark.slow
@@ -210,9 +210,9 @@ def test_lifting_twice_as_high_follows_the_scaling_of_the_beam() -> None:
 )
 def test_circular_plate_converges(fraction, order, cap) -> None:
     radius, force = plate_contact(64 * fraction)
-    found = errors("plate-contact", ("32x1", "64x1", "128x1"), {"contact_force": force}, load_fraction=f"{fraction}")
-    assert fitted_order(SIZES, found["contact_force"]) >= order
-    assert found["contact_force"][1] <= cap
+    actual = errors("plate-contact", ("32x1", "64x1", "128x1"), {"contact_force": force}, load_fraction=f"{fraction}")
+    assert fitted_order(SIZES, actual["contact_force"]) >= order
+    assert actual["contact_force"][1] <= cap
     last = solved("plate-contact", "64x1", load_fraction=f"{fraction}").steps[-1]
     assert abs(last["contact_radius"] - radius) <= 0.5 / 64
 
@@ -231,11 +231,11 @@ def test_flattened_ring_converges_to_the_elastica() -> None:
     """P H^2/EI = 5.742160 for every distance of the plates, and the load stands on the ends of the flat part."""
     load, flat = flattened_ring(0.5)
     exact = {"P_R2_over_EI": load, "P_H2_over_EI": 5.742160, "flat_half_length": flat}
-    found = errors("ring", ("1x16", "1x32", "1x64"), exact, measure="exact", delta_mm="50")
-    assert fitted_order(SIZES, found["P_H2_over_EI"]) >= 1.5
-    assert found["P_H2_over_EI"][-1] <= 5e-4
-    assert fitted_order(SIZES, found["flat_half_length"]) >= 1.5
-    assert found["flat_half_length"][-1] <= 5e-4
+    actual = errors("ring", ("1x16", "1x32", "1x64"), exact, measure="exact", delta_mm="50")
+    assert fitted_order(SIZES, actual["P_H2_over_EI"]) >= 1.5
+    assert actual["P_H2_over_EI"][-1] <= 5e-4
+    assert fitted_order(SIZES, actual["flat_half_length"]) >= 1.5
+    assert actual["flat_half_length"][-1] <= 5e-4
 
 
 def test_flat_part_of_the_ring_carries_nothing() -> None:

@@ -138,18 +138,18 @@ def test_balanced_thickness_strain_rolls_a_strip_with_the_order_four() -> None:
 
     The limit is that of the strip as this shell sees it, with the curvature 1 + 5/6 (h kappa)^2 times the inextensible.
     """
-    found = {}
+    by_name = {}
     for option in ("projected", "balanced", "nodal"):
         results = [
             solved("sze-moment", f"{n}x1", thickness_strain=option, load_fraction="1", steps=4) for n in (16, 32, 64)
         ]
-        found[option] = [result.quantities["tip_shortening_mm"] for result in results]
-    limit = found["balanced"][-1]
+        by_name[option] = [result.quantities["tip_shortening_mm"] for result in results]
+    limit = by_name["balanced"][-1]
     eps = (H * 2 * np.pi / L) ** 2
     assert limit == pytest.approx(L - L * np.sin(2 * np.pi * (1 + 5 / 6 * eps)) / (2 * np.pi), abs=eps * L / 50)
-    errors = {option: np.abs(np.array(values[:2]) - limit) for option, values in found.items()}
+    errors = {option: np.abs(np.array(values[:2]) - limit) for option, values in by_name.items()}
     assert np.all(errors["balanced"] < 0.02 * errors["projected"])
     assert np.log2(errors["balanced"][0] / errors["balanced"][1]) >= 3.0
     for option in ("projected", "nodal"):
         assert np.log2(errors[option][0] / errors[option][1]) == pytest.approx(2, abs=0.1)
-    assert found["projected"][1] > limit > found["nodal"][1]  # too stiff, too soft
+    assert by_name["projected"][1] > limit > by_name["nodal"][1]  # too stiff, too soft

@@ -53,8 +53,10 @@ def test_both_walls_give_way_as_under_a_force_at_a_point(layers: str, forces: in
     second = pinched_tube(60.0, 0.8, 240.0, NU, forces)
     errors = []
     for mesh in ("8x12", "16x24", "32x48"):
-        found = solved(mesh, "linear", layers=layers, pairing="nodes", **{**THIN, "delta_mm": 1e-3}, **OTHER, **ALIKE)
-        read = found.quantities
+        solution = solved(
+            mesh, "linear", layers=layers, pairing="nodes", **{**THIN, "delta_mm": 1e-3}, **OTHER, **ALIKE
+        )
+        read = solution.quantities
         of_second = read["other_dent_mm"] * OTHER["other_E_MPa"] * OTHER["other_h_mm"] / read["force_N"]
         errors.append([abs(read["dent_Eh_over_F"] / first - 1), abs(of_second / second - 1)])
     assert np.max(errors[-1]) <= 2.5e-3
@@ -65,17 +67,17 @@ def test_both_walls_give_way_as_under_a_force_at_a_point(layers: str, forces: in
 @pytest.mark.parametrize("slave", ["first", pytest.param("second", marks=pytest.mark.slow)])
 def test_averaged_gaps_give_way_alike_once_the_mesh_sees_the_contact(slave: str) -> None:
     exact = pinched_tube(RADIUS, H, 2 * LENGTH, NU, 1)
-    found = solved("16x24", "linear", slave=slave, **THIN).quantities
-    assert found["dent_Eh_over_F"] == pytest.approx(exact, rel=1.5e-2)
-    assert found["dent_mm"] + found["other_dent_mm"] == pytest.approx(POINT, rel=4e-2)  # the rest: in their walls
+    actual = solved("16x24", "linear", slave=slave, **THIN).quantities
+    assert actual["dent_Eh_over_F"] == pytest.approx(exact, rel=1.5e-2)
+    assert actual["dent_mm"] + actual["other_dent_mm"] == pytest.approx(POINT, rel=4e-2)  # the rest: in their walls
 
 
 def test_tubes_with_free_ends_are_rings_but_for_their_dents() -> None:
     """Of inextensible ones the whole length bends alike, as plates do; dents are 164 of E h w/F, of 4062."""
-    found = solved("16x24", "linear", layers="many", ends="free", pairing="nodes", **THIN).quantities
+    actual = solved("16x24", "linear", layers="many", ends="free", pairing="nodes", **THIN).quantities
     bent = RING * RADIUS**3 / (H**2 / 12 / (1 - NU**2) * 2 * LENGTH)
     dent = pinched_tube(RADIUS, H, 2 * LENGTH, NU, 2)
-    assert bent < found["dent_Eh_over_F"] < bent + dent
+    assert bent < actual["dent_Eh_over_F"] < bent + dent
 
 
 @pytest.mark.slow
@@ -150,14 +152,14 @@ def test_a_far_stiffer_tube_is_a_rigid_drum(pairing: str, apart: float) -> None:
 
 @pytest.mark.slow
 def test_the_force_converges_whoever_is_the_master() -> None:
-    found = {
+    by_name = {
         slave: [solved(mesh, slave=slave, delta_mm="1").quantities["force_N"] for mesh in ("8x12", "16x24", "32x48")]
         for slave in ("first", "second")
     }
-    for coarse, middle, fine in found.values():
+    for coarse, middle, fine in by_name.values():
         assert abs(fine - middle) <= abs(middle - coarse) / 4
         assert fine == pytest.approx(middle, rel=1e-2)
-    bias = np.abs(np.array(found["first"]) / found["second"] - 1)
+    bias = np.abs(np.array(by_name["first"]) / by_name["second"] - 1)
     assert bias[2] <= 2e-4
 
 

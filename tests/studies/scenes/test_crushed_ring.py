@@ -57,10 +57,10 @@ def test_a_coarse_solid_is_near_another_programs_and_nothing_is_inverted() -> No
 @pytest.mark.parametrize("column", COLUMNS)
 def test_solid_is_another_programs(column) -> None:
     law, state = COLUMNS[column]
-    found = forces("crushed-ring-solid", "1x24", law=law, state=state)
-    assert found == pytest.approx(TABLE[column], rel=DIGITS)
+    actual = forces("crushed-ring-solid", "1x24", law=law, state=state)
+    assert actual == pytest.approx(TABLE[column], rel=DIGITS)
     others = [other for other in COLUMNS if other != column]
-    assert all(abs(found[-1] / TABLE[other].iloc[-1] - 1) > 0.1 for other in others)  # and no other's
+    assert all(abs(actual[-1] / TABLE[other].iloc[-1] - 1) > 0.1 for other in others)  # and no other's
 
 
 @pytest.mark.slow
@@ -143,7 +143,7 @@ def plane_solid(law: str, around: int, through: int) -> np.ndarray:
     outer = Candidates(mesh.x[nodes], body.displacement_operator(nodes), mesh.face_areas(mesh.outer)[nodes])
     line = np.flatnonzero(np.isclose(mesh.parameter[nodes, 0], 0.0))
     line = line[np.argsort(mesh.parameter[nodes[line], 1])]
-    found = []
+    values = []
     for point in follow(
         lambda delta: against(SolidModel(body).linearise, outer, RigidPlane(AWAY, OUTER - delta)),
         0.0,
@@ -155,8 +155,8 @@ def plane_solid(law: str, around: int, through: int) -> np.ndarray:
         state = point.solution
         force = 2 * WIDTH / SLICE * float(outer.weights @ state.pressure)
         width = contact_width(outer.positions(state.u)[line, 1], state.active[line], state.pressure[line])
-        found.append((force, width, state.pressure[line[0]]))
-    return np.array(found)
+        values.append((force, width, state.pressure[line[0]]))
+    return np.array(values)
 
 
 def of_shell(**settings: str) -> np.ndarray:
@@ -187,12 +187,12 @@ def test_a_solid_of_any_law_has_the_contact_of_the_shell(law) -> None:
 def test_hertz_is_that_of_the_thread_and_rubber_on_a_bore_is_harder() -> None:
     """26 mm and 0.66 MPa at 380 N."""
     assert hertz(380.0, E, NU) == pytest.approx((26.1, 0.662), rel=2e-3)
-    found = solved("roller", delta_mm="1,2,2.568").quantities
-    assert found["force_N"] == pytest.approx(380.0, rel=1e-3)
-    width, pressure = hertz(found["force_N"], E, NU)
-    assert found["width_over_hertz"] == pytest.approx(found["width_mm"] / width)
-    assert found["pressure_over_hertz"] == pytest.approx(found["pressure_MPa"] / pressure)
-    assert found["width_over_hertz"] < 0.9 < 1.2 < found["pressure_over_hertz"]
+    actual = solved("roller", delta_mm="1,2,2.568").quantities
+    assert actual["force_N"] == pytest.approx(380.0, rel=1e-3)
+    width, pressure = hertz(actual["force_N"], E, NU)
+    assert actual["width_over_hertz"] == pytest.approx(actual["width_mm"] / width)
+    assert actual["pressure_over_hertz"] == pytest.approx(actual["pressure_MPa"] / pressure)
+    assert actual["width_over_hertz"] < 0.9 < 1.2 < actual["pressure_over_hertz"]
 
 
 def test_an_odd_number_of_elements_around_is_refused() -> None:

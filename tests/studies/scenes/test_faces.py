@@ -29,18 +29,18 @@ def solved(scene: str, mesh: str, measure: str = "exact", contact: str = "semism
     result = solve(*complete(scene, settings, mesh, measure=measure, contact=contact))
     assert result.outcome.converged, result.reason
     for step in result.steps:
-        told = {name: size for name, size in step["balances"].items() if name.startswith("pair_")}
-        assert set(told) == {"pair_force"} | ({"pair_moment"} if settings.get("faces") != "curved" else set())
-        assert max(told.values()) <= PAIR
+        record = {name: size for name, size in step["balances"].items() if name.startswith("pair_")}
+        assert set(record) == {"pair_force"} | ({"pair_moment"} if settings.get("faces") != "curved" else set())
+        assert max(record.values()) <= PAIR
     return result
 
 
 @pytest.mark.parametrize("slave", ["first", "second"])
 @pytest.mark.parametrize("measure", ["exact", "linear"])
 def test_a_uniform_pressure_passes_between_flat_faces_to_the_last_digit(slave: str, measure: str) -> None:
-    found = solved("face-patch", "4x8", measure, slave=slave).quantities
-    assert abs(found["pressure_ratio"] - 1) <= LAST_DIGITS
-    assert found["pressure_error"] <= LAST_DIGITS
+    actual = solved("face-patch", "4x8", measure, slave=slave).quantities
+    assert abs(actual["pressure_ratio"] - 1) <= LAST_DIGITS
+    assert actual["pressure_error"] <= LAST_DIGITS
 
 
 def test_nodes_alone_do_not_pass_it() -> None:
@@ -96,19 +96,19 @@ def test_equal_rings_meet_as_each_meets_a_plate(pairing: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("pairing", ["nodes", "mortar"])
 def test_rings_whose_meshes_do_not_match_converge_to_the_elastica_whoever_is_the_master(pairing: str) -> None:
-    found = {
+    by_name = {
         slave: [
             solved("two-rings", mesh, pairing=pairing, slave=slave, **RIM).quantities["P_H2_over_EI"]
             for mesh in ("1x20", "1x40")
         ]
         for slave in ("first", "second")
     }
-    for values in found.values():
+    for values in by_name.values():
         errors = [abs(value / 5.742160 - 1) for value in values]
         assert errors[1] < errors[0] / 3
         assert errors[1] <= 3e-3
-    bias = np.abs(np.array(found["first"]) / found["second"] - 1)
-    assert np.all(bias <= np.abs(np.array(found["first"]) / 5.742160 - 1))
+    bias = np.abs(np.array(by_name["first"]) / by_name["second"] - 1)
+    assert np.all(bias <= np.abs(np.array(by_name["first"]) / 5.742160 - 1))
     assert bias[1] <= 1e-4
 
 
@@ -165,9 +165,9 @@ def test_rings_in_a_row_share_their_shortening(pairing: str) -> None:
 def test_rings_in_a_row_whose_meshes_do_not_match_converge_to_the_elastica(pairing: str) -> None:
     errors = []
     for mesh in ("1x20", "1x40"):
-        found = solved("stack", mesh, pairing=pairing, **RIM).quantities
-        assert found["second_over_first"] == pytest.approx(1.0, abs=1e-2)
-        errors.append(abs(found["P_R2_over_EI"] / 5.742160 - 1))
+        actual = solved("stack", mesh, pairing=pairing, **RIM).quantities
+        assert actual["second_over_first"] == pytest.approx(1.0, abs=1e-2)
+        errors.append(abs(actual["P_R2_over_EI"] / 5.742160 - 1))
     assert errors[1] < errors[0] / 3
     assert errors[1] <= 3e-3
 
@@ -202,10 +202,10 @@ def test_fields_have_both_bodies_where_they_are(tmp_path) -> None:
 
 def test_friction_on_a_curved_patch_has_no_moment_about_its_axis_of_symmetry() -> None:
     """Its planes of symmetry are at right angles to no facet; without friction in them, one candidate would slip."""
-    (found,) = solved("face-patch", "4x4", shape="curved", mu=0.3).steps
-    assert found["sticking"] == found["contact_nodes"]
-    assert abs(found["moment_N_mm"]) <= 1e-9 * found["moment_bound_N_mm"]
-    assert found["friction_N"] > 0.1 * found["bound_N"]
+    (actual,) = solved("face-patch", "4x4", shape="curved", mu=0.3).steps
+    assert actual["sticking"] == actual["contact_nodes"]
+    assert abs(actual["moment_N_mm"]) <= 1e-9 * actual["moment_bound_N_mm"]
+    assert actual["friction_N"] > 0.1 * actual["bound_N"]
 
 
 PULLED = {"mu": 0.3, "drag_mm": (0.01, 1.0, 12.0, 8.0)}
@@ -291,9 +291,9 @@ def test_rings_of_two_walls_that_rub_do_so_whoever_is_the_master() -> None:
     """Walls that are not alike slip on each other as they flatten; the bound is mu times the force."""
     asked = {"mu": 0.2, "other_h_mm": 1.2, "h_mm": 1.0, "delta_mm": tuple(np.linspace(4.0, 40.0, 10).tolist())}
     plain = solved("two-rings", "1x40", **{**asked, "mu": 0}).quantities["P_H2_over_EI"]
-    found = [solved("two-rings", "1x40", slave=slave, **asked) for slave in ("first", "second")]
-    first, second = (each.quantities["P_H2_over_EI"] for each in found)
+    values = [solved("two-rings", "1x40", slave=slave, **asked) for slave in ("first", "second")]
+    first, second = (each.quantities["P_H2_over_EI"] for each in values)
     assert first == pytest.approx(second, rel=2e-3)
     assert min(first, second) > plain * 1.0005
-    assert all(not step["failures"] for each in found for step in each.steps)
-    assert all(each.steps[-1]["dissipation_N_mm"] > 0.1 for each in found)
+    assert all(not step["failures"] for each in values for step in each.steps)
+    assert all(each.steps[-1]["dissipation_N_mm"] > 0.1 for each in values)

@@ -18,12 +18,12 @@ MIRROR = 0.02  # relative difference of what a drum takes and a hollow one adds
 
 
 def pressed(foundation: str, mesh: str = "16x16", **given: str) -> Result:
-    found = solved("tyre", mesh, **{"foundation": foundation, "delta_mm": "4,8", "element": "paper", **given})
-    for step in found.steps:
+    solution = solved("tyre", mesh, **{"foundation": foundation, "delta_mm": "4,8", "element": "paper", **given})
+    for step in solution.steps:
         assert step["diagnosis"] == []
         assert max(step["balances"].values()) <= 1e-10
         assert step["central_asymmetry"] <= 1e-8
-    return found
+    return solution
 
 
 def forces(found: Result) -> np.ndarray:
@@ -59,15 +59,15 @@ def test_a_high_and_wide_cleat_is_a_plane() -> None:
 @pytest.mark.slow
 def test_a_low_cleat_lets_the_plane_carry() -> None:
     """At a travel of twice its height the tyre lies on both sides of it, too; the contact is in three parts."""
-    found = pressed("cleat", "24x32", cleat_height_mm="2", cleat_top_mm="6", cleat_rounding_mm="1", delta_mm="2,8")
-    first, last = found.steps
+    solution = pressed("cleat", "24x32", cleat_height_mm="2", cleat_top_mm="6", cleat_rounding_mm="1", delta_mm="2,8")
+    first, last = solution.steps
     assert 0 < first["contact_nodes"] < last["contact_nodes"]
-    rows = found.table("contact").frame()
+    rows = solution.table("contact").frame()
     line = rows[(rows["psi_deg"].abs() < 1e-9) & (rows["delta_mm"] == 8)].sort_values("phi_deg")
     on = line.loc[line["active"] == 1, "x_mm"]
     assert np.ptp(on) == pytest.approx(2.0, abs=1e-6)  # nodes on the top and nodes on the base
     base, top = forces(pressed("plane", "24x32", delta_mm="6,8"))
-    assert base < forces(found)[-1] < top  # all of the base has come 6 mm, a part of the tyre 8
+    assert base < forces(solution)[-1] < top  # all of the base has come 6 mm, a part of the tyre 8
 
 
 @pytest.mark.slow
@@ -82,8 +82,8 @@ def test_the_solid_takes_the_same_foundations() -> None:
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_every_resolved_value_is_told(name) -> None:
     _, request = resolve("tyre", {"foundation": name})
-    told = {key for key in request.settings if key.startswith(("foundation_", "cleat_"))}
-    assert told == set(PARAMETERS[name])
+    names = {key for key in request.settings if key.startswith(("foundation_", "cleat_"))}
+    assert names == set(PARAMETERS[name])
 
 
 @pytest.mark.parametrize(
@@ -113,11 +113,11 @@ def test_a_tyre_does_not_go_through_the_edge_of_a_box(monkeypatch: pytest.Monkey
     for steps, checked in ((1, True), (1, False), (20, False)):
         if not checked:
             monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
-        found = solve(*resolve("tyre", asked, "16x18", steps=steps))
-        assert found.outcome.converged == ((steps, checked) != (1, False))
-        forces[steps, checked] = found.quantities["force_N"]
-        assert any("passes through" in cut for cut in found.as_json()["cuts"]) == checked
-        swept = [step["failures"] for step in found.steps]
+        solution = solve(*resolve("tyre", asked, "16x18", steps=steps))
+        assert solution.outcome.converged == ((steps, checked) != (1, False))
+        forces[steps, checked] = solution.quantities["force_N"]
+        assert any("passes through" in cut for cut in solution.as_json()["cuts"]) == checked
+        swept = [step["failures"] for step in solution.steps]
         assert swept == ([["swept"]] if (steps, checked) == (1, False) else [[]])
     assert forces[1, True] == pytest.approx(forces[20, False], rel=1e-6)
     assert forces[1, False] < 0.7 * forces[20, False]
@@ -125,5 +125,5 @@ def test_a_tyre_does_not_go_through_the_edge_of_a_box(monkeypatch: pytest.Monkey
 
 @pytest.mark.parametrize("name", PARAMETERS)
 def test_the_foremost_point_is_at_the_origin_and_the_tyre_before_it(name: str) -> None:
-    found = foundation({"foundation": name, **PARAMETERS[name]})
-    np.testing.assert_allclose(found.gap(np.array([[0.0, 0, 0], [-1.0, 0, 0]])), [0.0, 1.0], rtol=0, atol=1e-12)
+    actual = foundation({"foundation": name, **PARAMETERS[name]})
+    np.testing.assert_allclose(actual.gap(np.array([[0.0, 0, 0], [-1.0, 0, 0]])), [0.0, 1.0], rtol=0, atol=1e-12)

@@ -151,10 +151,10 @@ def test_the_largest_pressure_of_a_membrane() -> None:
     largest, stretch = membrane().limit
     result = ended("inflated-membrane", "80x1", load_fraction="0.0975,0.51748,1.00262,1.28642,1.3712,1.38")
     assert not result.outcome.converged
-    found = float(re.search(r"limit point of the path at about ([0-9.]+):", result.reason).group(1))
-    assert found * inflated_membrane.UNIT == pytest.approx(largest, rel=1e-3)
+    actual = float(re.search(r"limit point of the path at about ([0-9.]+):", result.reason).group(1))
+    assert actual * inflated_membrane.UNIT == pytest.approx(largest, rel=1e-3)
     near = solved(
-        "inflated-membrane", "80x1", load_fraction=f"0.0975,0.51748,1.00262,1.28642,1.3712,{0.9999 * found!r}"
+        "inflated-membrane", "80x1", load_fraction=f"0.0975,0.51748,1.00262,1.28642,1.3712,{0.9999 * actual!r}"
     )
     assert read(near, "w_centre_mm")[-1] == pytest.approx(membrane().deflection(stretch), rel=2e-2)
 

@@ -83,8 +83,8 @@ def test_elements_across_change_nothing() -> None:
 def test_forces_of_the_press_converge_whoever_is_the_master() -> None:
     """Against the limit of meshes beyond these."""
     for slave, finest, bound in (("first", 60, 0.01), ("second", 84, 0.015)):
-        found = [solved(f"1x{n}", 4, mu=MU, slide_mm=0.05, slave=slave).steps[0] for n in (30, finest)]
-        errors = [abs(each["V_N_mm"] / OURS[0] - 1) for each in found]
+        values = [solved(f"1x{n}", 4, mu=MU, slide_mm=0.05, slave=slave).steps[0] for n in (30, finest)]
+        errors = [abs(each["V_N_mm"] / OURS[0] - 1) for each in values]
         assert errors[1] < errors[0] / 2
         assert errors[1] < bound
 
@@ -105,9 +105,9 @@ def test_a_slab_as_a_shell_is_pressed_as_one_of_solids_is() -> None:
 @pytest.mark.slow
 def test_solids_and_a_shell_have_one_limit_of_the_press() -> None:
     for slab in SLABS:
-        found = solved("1x120", 20, lines="way", slab=slab, mu=MU, slide_mm=0.01).steps[0]
-        assert found["V_N_mm"] == pytest.approx(OURS[0], rel=WITHIN["V_N_mm"])
-        assert found["H_over_V"] == pytest.approx(OURS[1] / OURS[0], rel=WITHIN["H_over_V"])
+        actual = solved("1x120", 20, lines="way", slab=slab, mu=MU, slide_mm=0.01).steps[0]
+        assert actual["V_N_mm"] == pytest.approx(OURS[0], rel=WITHIN["V_N_mm"])
+        assert actual["H_over_V"] == pytest.approx(OURS[1] / OURS[0], rel=WITHIN["H_over_V"])
 
 
 @pytest.mark.slow

@@ -48,26 +48,26 @@ def test_what_is_printed_of_the_strip_is_a_beam_of_layers() -> None:
 
 
 def test_strip_in_plane_strain_is_a_series_of_sines() -> None:
-    found = np.zeros(3)
+    actual = np.zeros(3)
     for n in range(1, 150, 2):
         sign, a = math.sin(n * math.pi / 2), n * math.pi / SPAN
         lowest = through_wall(PLIES, a, 0.0, (0.0, -2 * LINE_LOAD / SPAN * sign))[0]
-        found += [lowest[0, 6] * sign, lowest[2, 4] * math.cos(a * SPAN / 4), lowest[0, 2] * sign]
+        actual += [lowest[0, 6] * sign, lowest[2, 4] * math.cos(a * SPAN / 4), lowest[0, 2] * sign]
     known = laminated_plates.IN_PLANE_STRAIN
-    assert found == pytest.approx([known["sigma_MPa"], known["tau_MPa"], known["w_mm"]], rel=1e-4)
+    assert actual == pytest.approx([known["sigma_MPa"], known["tau_MPa"], known["w_mm"]], rel=1e-4)
     assert known["tau_equilibrium_MPa"] == known["tau_MPa"]
 
 
 def sandwich(terms: int, E_N: float) -> np.ndarray:
     """w in the middle; s11, s22, s12 in the middle of the lower face: the series of the uniform pressure."""
     core = Ply(*(getattr(CORE, name) for name in PLY_CONSTANTS), E_N=E_N, G_LN=CORE.G_LN)
-    found = np.zeros(4)
+    actual = np.zeros(4)
     for m, n in itertools.product(range(1, terms, 2), repeat=2):
         a, b = m * math.pi / SIDE, n * math.pi / SIDE
         y = through_wall((FACE, core, FACE), a, b, (0.0, -16 * PRESSURE / (math.pi**2 * m * n)))
         middle, quarter = (f(m * math.pi * s) * f(n * math.pi * s) for f, s in ((math.sin, 0.5), (math.cos, 0.25)))
-        found += [y[1, 1, 2] * middle, y[0, 1, 6] * middle, y[0, 1, 7] * middle, y[0, 1, 8] * quarter]
-    return found
+        actual += [y[1, 1, 2] * middle, y[0, 1, 6] * middle, y[0, 1, 7] * middle, y[0, 1, 8] * quarter]
+    return actual
 
 
 PLY_CONSTANTS = ("E_L", "E_T", "G_LT", "G_TT", "nu_LT", "nu_TT", "angle", "thickness")
@@ -76,9 +76,9 @@ PLY_CONSTANTS = ("E_L", "E_T", "G_LT", "G_TT", "nu_LT", "nu_TT", "angle", "thick
 @pytest.mark.slow
 def test_the_sandwich_is_a_double_series_of_sines_and_what_is_printed_in_the_middle_of_its_face() -> None:
     """The last terms are of 1e-5 and alternate; a core ten times as stiff across the plate changes less than 1e-5."""
-    found = sandwich(40, CORE.E_N or 0.0)
-    assert found == pytest.approx(list(laminated_plates.EXACT.values()), rel=5e-5)
-    assert found == pytest.approx(list(laminated_plates.PRINTED.values()), rel=1e-2)
+    actual = sandwich(40, CORE.E_N or 0.0)
+    assert actual == pytest.approx(list(laminated_plates.EXACT.values()), rel=5e-5)
+    assert actual == pytest.approx(list(laminated_plates.PRINTED.values()), rel=1e-2)
     soft, stiff = (sandwich(10, factor * (CORE.E_N or 0.0)) for factor in (1.0, 10.0))
     assert stiff == pytest.approx(soft, rel=1e-5)
 
@@ -101,24 +101,24 @@ def test_elasticity_of_cylinders_is_what_is_printed_of_them_michells_ring_and_a_
 @pytest.mark.slow
 def test_strip_with_held_sides_is_that_of_elasticity() -> None:
     """Three surfaces a ply; by the law they have 1 % more shear between the plies, at any mesh."""
-    found = limit("laminated-strip", ("40x1", "80x1"), sides="held")
+    actual = limit("laminated-strip", ("40x1", "80x1"), sides="held")
     known = laminated_plates.IN_PLANE_STRAIN
-    assert found["w_mm"] == pytest.approx(known["w_mm"], rel=1e-4)
-    assert found["sigma_MPa"] == pytest.approx(known["sigma_MPa"], rel=2e-3)
-    assert found["tau_equilibrium_MPa"] == pytest.approx(known["tau_MPa"], rel=1e-5)
-    assert found["tau_MPa"] == pytest.approx(known["tau_MPa"], rel=1e-2)
+    assert actual["w_mm"] == pytest.approx(known["w_mm"], rel=1e-4)
+    assert actual["sigma_MPa"] == pytest.approx(known["sigma_MPa"], rel=2e-3)
+    assert actual["tau_equilibrium_MPa"] == pytest.approx(known["tau_MPa"], rel=1e-5)
+    assert actual["tau_MPa"] == pytest.approx(known["tau_MPa"], rel=1e-2)
 
 
 def test_strip_of_two_faces_is_timoshenkos_beam_without_shear_correction() -> None:
-    found = solved("laminated-strip", "80x1", measure="linear", sides="held", surfaces="2").quantities
+    actual = solved("laminated-strip", "80x1", measure="linear", sides="held", surfaces="2").quantities
     D = sum(
         ((z + ply.thickness) ** 3 - z**3) / 3 * reduced(ply)
         for ply, z in zip(PLIES, np.cumsum((0.0, *THICKNESSES)) - 0.5, strict=False)
     )
     GA = sum(ply.thickness * (ply.G_LT if ply.angle == 0 else ply.G_TT) for ply in PLIES)
     deflection = LINE_LOAD * SPAN**3 / (48 * D) + LINE_LOAD * SPAN / (4 * GA)
-    assert -found["w_mm"] == pytest.approx(deflection, rel=2e-3)
-    assert found["tau_equilibrium_MPa"] == pytest.approx(laminated_plates.OF_BEAM["tau_MPa"], rel=2e-3)
+    assert -actual["w_mm"] == pytest.approx(deflection, rel=2e-3)
+    assert actual["tau_equilibrium_MPa"] == pytest.approx(laminated_plates.OF_BEAM["tau_MPa"], rel=2e-3)
 
 
 def reduced(ply: Ply) -> float:
@@ -145,16 +145,16 @@ def test_strip_with_free_sides_is_what_is_printed_but_for_the_stress_under_the_l
 
 @pytest.mark.parametrize("surfaces", ["2/ply", pytest.param("3/ply", marks=SLOW)])
 def test_sandwich_is_that_of_elasticity_and_what_is_printed(surfaces) -> None:
-    found = limit("sandwich-plate", ("8x8", "16x16"), surfaces=surfaces)
+    actual = limit("sandwich-plate", ("8x8", "16x16"), surfaces=surfaces)
     for name, exact in laminated_plates.EXACT.items():
-        assert found[name] == pytest.approx(exact, rel=2e-3)
-        assert found[name] == pytest.approx(laminated_plates.PRINTED[name], rel=1e-2)
+        assert actual[name] == pytest.approx(exact, rel=2e-3)
+        assert actual[name] == pytest.approx(laminated_plates.PRINTED[name], rel=1e-2)
 
 
 def test_two_faces_are_too_stiff_for_a_sandwich() -> None:
     """Their one shear strain meets G h of the faces, 4.7 and 11.7 times that of the core."""
-    found = solved("sandwich-plate", "8x8", measure="linear", surfaces="2").quantities
-    assert 0.65 < found["w_mm"] / laminated_plates.EXACT["w_mm"] < 0.75
+    actual = solved("sandwich-plate", "8x8", measure="linear", surfaces="2").quantities
+    assert 0.65 < actual["w_mm"] / laminated_plates.EXACT["w_mm"] < 0.75
 
 
 @pytest.mark.parametrize(
@@ -168,14 +168,14 @@ def test_two_faces_are_too_stiff_for_a_sandwich() -> None:
 )
 def test_cylinder_is_that_of_elasticity(S, surfaces, deflection, hoop, shear) -> None:
     """Three surfaces a ply have 6 % too little of the small shear tau_xz by the law, and all of it by equilibrium."""
-    found = limit("laminated-cylinder", ("8x8", "16x16"), S=S, surfaces=surfaces)
+    actual = limit("laminated-cylinder", ("8x8", "16x16"), S=S, surfaces=surfaces)
     exact = layered_cylinders.exact(float(S))
-    assert found["w_bar"] == pytest.approx(exact["w_bar"], rel=deflection)
+    assert actual["w_bar"] == pytest.approx(exact["w_bar"], rel=deflection)
     for name in ("sigma_theta_inner_bar", "sigma_theta_outer_bar"):
-        assert found[name] == pytest.approx(exact[name], rel=hoop)
+        assert actual[name] == pytest.approx(exact[name], rel=hoop)
     for name in ("tau_xz_bar", "tau_thetaz_bar"):
-        assert found[name] == pytest.approx(exact[name], rel=shear)
-        assert found[f"{name}_equilibrium"] == pytest.approx(exact[name], rel=4e-3)
+        assert actual[name] == pytest.approx(exact[name], rel=shear)
+        assert actual[f"{name}_equilibrium"] == pytest.approx(exact[name], rel=4e-3)
 
 
 def test_stress_across_a_curved_wall_is_in_equilibrium_with_the_pressure_inside() -> None:

@@ -131,8 +131,8 @@ def test_pagano_gap_of_the_thick_plate_is_transverse_shear() -> None:
 
 
 def test_pagano_load_is_small_enough_for_every_measure() -> None:
-    found = [run("pagano", 4, "w_bar", measure, S="10") for measure in MEASURES]
-    assert found == pytest.approx([run("pagano", 4, "w_bar", S="10")] * len(found), rel=SAME)
+    values = [run("pagano", 4, "w_bar", measure, S="10") for measure in MEASURES]
+    assert values == pytest.approx([run("pagano", 4, "w_bar", S="10")] * len(values), rel=SAME)
 
 
 # --- shear and options ------------------------------------------------------------------------------------------

@@ -163,12 +163,12 @@ def test_equidistribution_of_a_known_density() -> None:
     """Errors e h^3 with e = exp(-6 x) ask for h ~ exp(2 x), up to the floor, on both halves alike."""
     lines = np.linspace(-1, 1, 401)
     middle, h = 0.5 * (lines[1:] + lines[:-1]), np.diff(lines)
-    found = LineSize.equidistributing(lines, np.exp(-6 * np.abs(middle)) * h**3)
-    inside = (found.at > 0.02) & (found.at < 0.6)
-    wanted = np.exp(2 * found.at[inside])
-    np.testing.assert_allclose(found.shape[inside] / found.shape[inside][0], wanted / wanted[0], rtol=1e-3)
+    actual = LineSize.equidistributing(lines, np.exp(-6 * np.abs(middle)) * h**3)
+    inside = (actual.at > 0.02) & (actual.at < 0.6)
+    wanted = np.exp(2 * actual.at[inside])
+    np.testing.assert_allclose(actual.shape[inside] / actual.shape[inside][0], wanted / wanted[0], rtol=1e-3)
     halves = LineSize.equidistributing(lines[200:], 2 * (np.exp(-6 * np.abs(middle)) * h**3)[200:])
-    np.testing.assert_allclose(halves.shape, found.shape, rtol=1e-12)
+    np.testing.assert_allclose(halves.shape, actual.shape, rtol=1e-12)
 
 
 def test_uniform_and_patch_lines() -> None:
@@ -203,15 +203,15 @@ def test_a_refined_quarter_shows_the_whole_tyre() -> None:
 @pytest.mark.parametrize("axis", [0, 1])
 def test_recovery_error_falls_with_the_size(axis: int) -> None:
     """The energy of the recovery error of an inflated and pressed tyre falls about as h^2, per direction."""
-    found = []
+    values = []
     for n in (12, 24):
         lines = tyre_lines((n, n), 120.0, "uniform")
         scene, request = resolve("tyre", {"delta_mm": "8", "grading": "uniform"}, f"{n}x{n}", model="full")
         result = solve(scene, request)
         finer = TyreModel.on(request, *(refined(line) if k == axis else line for k, line in enumerate(lines)))
         errors = recovery_errors(result.model.shell, result.last.u, finer.shell, axis)
-        found.append(energy_products(result.model.shell, errors, errors).sum())
-    assert found[1] < 0.5 * found[0]
+        values.append(energy_products(result.model.shell, errors, errors).sum())
+    assert values[1] < 0.5 * values[0]
 
 
 @pytest.mark.slow

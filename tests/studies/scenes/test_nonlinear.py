@@ -38,10 +38,10 @@ def test_hemisphere_is_pulled_as_published() -> None:
     curvilinear = hemispheres()
     isoparametric = hemispheres(interpolation="isoparametric")
     for fraction in (0.05, 0.25, 0.5, 0.75, 1.0):
-        found = [at(result, fraction, *ENDS) for result in curvilinear]
-        assert np.all(np.diff(found, axis=0) > 0)
-        assert np.all(found[2] - found[1] < found[1] - found[0])
-        limit = extrapolated(found[1], found[2], 4 / 3)
+        values = [at(result, fraction, *ENDS) for result in curvilinear]
+        assert np.all(np.diff(values, axis=0) > 0)
+        assert np.all(values[2] - values[1] < values[1] - values[0])
+        limit = extrapolated(values[1], values[2], 4 / 3)
         others = [at(result, fraction, *ENDS) for result in isoparametric]
         assert extrapolated(others[1], others[2], 4 / 3) == pytest.approx(limit, rel=1.5e-3)
         outward, inward = referenced("hemisphere", "read", *ENDS, load_fraction=fraction) / limit - 1
@@ -67,14 +67,14 @@ POINTS = ("w_A_mm", "u_B_mm", "u_C_mm")
 
 @pytest.mark.slow
 def test_pulled_cylinder_before_the_snap() -> None:
-    found = [
+    values = [
         at(solved("sze-pullout", mesh, **OLD, load_fraction="0.25"), 0.25, *POINTS)
         for mesh in ("8x12", "12x18", "16x24")
     ]
     printed = referenced("sze-pullout", "read", *POINTS, load_fraction=0.25)
-    errors = [np.max(np.abs(value / printed - 1)) for value in found]
+    errors = [np.max(np.abs(value / printed - 1)) for value in values]
     assert errors[0] > errors[1] > errors[2]
-    assert extrapolated(found[0], found[2], 2) == pytest.approx(printed, rel=CLOSE)
+    assert extrapolated(values[0], values[2], 2) == pytest.approx(printed, rel=CLOSE)
 
 
 PULLED = ("12x18", "16x24", "24x36")
@@ -92,8 +92,8 @@ def test_pulled_cylinder_through_the_snap() -> None:
         solved("sze-pullout", mesh, **{**OLD, "interpolation": "isoparametric"}, load_fraction=load) for mesh in PULLED
     ]
     for fraction in (0.75, 1.0):
-        found, others = ([at(r, fraction, *POINTS) for r in results] for results in (curvilinear, isoparametric))
-        limit = extrapolated(found[1], found[2], 1.5)
+        actual, others = ([at(r, fraction, *POINTS) for r in results] for results in (curvilinear, isoparametric))
+        limit = extrapolated(actual[1], actual[2], 1.5)
         assert extrapolated(others[1], others[2], 1.5) == pytest.approx(limit, rel=5e-4)
         error = np.abs(limit / referenced("sze-pullout", "read", *POINTS, load_fraction=fraction) - 1)
         assert error[0] <= 1e-3
@@ -147,9 +147,9 @@ def test_semicylinder_reaches_the_whole_load_as_published(scene: str) -> None:
 def test_plies_around_make_it_stiffer_as_published() -> None:
     """At a twentieth of the load 0/90/0 gives way twice as far as 90/0/90: 0 is along the generator."""
     isotropic, axial, around = (published(scene, "w_A_mm")[0, 1] for scene in LAYUPS)
-    found = [solved(scene, "12x12", load_fraction="0.05").quantities["w_A_mm"] for scene in LAYUPS]
-    assert found[1] / found[2] == pytest.approx(axial / around, rel=0.05)
-    assert found[2] / found[0] == pytest.approx(around / isotropic, rel=0.05)
+    values = [solved(scene, "12x12", load_fraction="0.05").quantities["w_A_mm"] for scene in LAYUPS]
+    assert values[1] / values[2] == pytest.approx(axial / around, rel=0.05)
+    assert values[2] / values[0] == pytest.approx(around / isotropic, rel=0.05)
 
 
 # --- the cylinder between diaphragms ----------------------------------------------------------------------------------
@@ -181,11 +181,11 @@ def test_arcs_bend_coarse_elements_as_far_as_fine_ones() -> None:
     """Beside the elastica, and the limit of the hemisphere, 8.144 of finer grids; chords are 16 and 2.8 % too stiff."""
     tip = referenced("cantilever", "exact", "tip_deflection_mm", load_fraction=1.0)[0]
     for element, mesh, least, most in (("refined", "4x1", -0.17, -0.15), ("arc", "4x1", -5e-3, 0.0)):
-        found = ended("cantilever", mesh, element=element).quantities["tip_deflection_mm"]
-        assert least <= found / tip - 1 <= most
+        actual = ended("cantilever", mesh, element=element).quantities["tip_deflection_mm"]
+        assert least <= actual / tip - 1 <= most
     for element, off in (("refined", -0.028), ("arc", -7.5e-3)):
-        found = ended("hemisphere", "16x16", element=element).quantities["inward_mm"]
-        assert found / 8.144 - 1 == pytest.approx(off, abs=1e-3)
+        actual = ended("hemisphere", "16x16", element=element).quantities["inward_mm"]
+        assert actual / 8.144 - 1 == pytest.approx(off, abs=1e-3)
     ring = ended("sze-moment", "8x1", element="arc").quantities
     assert ring["tip_shortening_mm"] == pytest.approx(12.0, rel=5e-3)  # bent into a circle
     assert abs(ring["tip_deflection_mm"]) <= 1e-3

@@ -116,9 +116,9 @@ def scene(mesh: str, **settings: object) -> Result:
     measure = settings.pop("measure", "exact")
     # compatible membranes: relaxed ones see the length of the elements around, which here are long
     given = {"membrane": "compatible", **{key: str(value) for key, value in settings.items()}}
-    found = solve(*resolve("shallow-cap", given, mesh, measure=measure))
-    assert found.outcome.converged, found.reason
-    return found
+    solution = solve(*resolve("shallow-cap", given, mesh, measure=measure))
+    assert solution.outcome.converged, solution.reason
+    return solution
 
 
 # --- the shallow equations ----------------------------------------------------------------------------------------
@@ -172,10 +172,10 @@ def test_snap_pressure_converges_to_the_shallow_equations(meshes) -> None:
     """Second order; the extrapolated pressure and deflection are those of the shallow equations."""
     exact = {r.quantity: r.value for r in SCENES["shallow-cap"].references if (r.kind, r.at) == ("computed", AT)}
     for quantity, value in exact.items():
-        a, b, c = (found.quantities[quantity] for found in meshes)
+        a, b, c = (actual.quantities[quantity] for actual in meshes)
         assert 1.4 < math.log2((a - b) / (b - c)) < 2.3
         assert c + (c - b) / 3 == pytest.approx(value, rel=CONVERGED)
-    assert all(found.quantities["limit_points"] == 2 for found in meshes)  # down again, and up in the inverted shape
+    assert all(actual.quantities["limit_points"] == 2 for actual in meshes)  # down again, and up in the inverted shape
 
 
 @pytest.mark.slow
@@ -213,5 +213,5 @@ def test_a_linear_cap_never_snaps_and_shallow_measures_do_as_well_as_any() -> No
     assert linear["limit_points"] == 0
     exact = scene("16x1").quantities["limit_load_fraction"]
     for measure in ("donnell", "moderate-rotation"):
-        found = scene("16x1", measure=measure).quantities["limit_load_fraction"]
-        assert 1e-5 < abs(found / exact - 1) < 2e-3
+        actual = scene("16x1", measure=measure).quantities["limit_load_fraction"]
+        assert 1e-5 < abs(actual / exact - 1) < 2e-3

@@ -65,10 +65,10 @@ def test_thick_sphere_against_the_3d_solution(h: str, load: float, thickness: fl
 
 
 def torus_errors(mesh: str, h: str) -> dict[str, float]:
-    found = solved("pressurised-torus", mesh, **OLD, h_mm=h).quantities
+    actual = solved("pressurised-torus", mesh, **OLD, h_mm=h).quantities
     names = [r.quantity for r in SCENES["pressurised-torus"].references]
     exact = referenced("pressurised-torus", "exact", *names, load_fraction=1.0)
-    return {name: abs(found[name] / value - 1) for name, value in zip(names, exact, strict=True)}
+    return {name: abs(actual[name] / value - 1) for name, value in zip(names, exact, strict=True)}
 
 
 def test_torus_carries_the_membrane_resultants() -> None:
@@ -100,13 +100,13 @@ def approaches(law: str, n1: int, n2: int, n3: int) -> list[float]:
     loaded = SolidModel(body, forces=forces.ravel()[body.free])
     (under,) = np.intersect1d(np.intersect1d(mesh.on(1, 0.0), mesh.on(2, 0.0)), mesh.on(0, 0.0))
     at_rest = ContactSolution.at_rest(body.n_free, 0)
-    found = []
+    values = []
     for point in follow(
         lambda t: without_contact(loaded.scaled(t).linearise, body.n_free), 0.0, tuple(SOLID), Semismooth(), at_rest
     ):
         assert point.outcome.converged
-        found.append(float(-2 * body.expand(point.solution.u)[under, 0]))
-    return found
+        values.append(float(-2 * body.expand(point.solution.u)[under, 0]))
+    return values
 
 
 @pytest.mark.slow

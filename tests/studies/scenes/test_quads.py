@@ -40,11 +40,11 @@ def linear(scene: str, mesh: str, given: tuple[tuple[str, str], ...]) -> dict[st
 def share(scene: str, mesh: str, quantity: str = TIP, source: str = "", **given: str) -> float:
     """A quantity over the first reference for it that holds, of such a source."""
     entry, request = complete(scene, given, mesh, measure="linear")
-    found = linear(scene, mesh, tuple(given.items()))[quantity]
+    actual = linear(scene, mesh, tuple(given.items()))[quantity]
     there = {**request.settings, "measure": "linear", "load_fraction": 1.0}
     known = [r for r in entry.references if r.quantity == quantity and all(there[k] == v for k, v in r.at.items())]
     known = [reference for reference in known if source in reference.source]
-    return found / known[0].value
+    return actual / known[0].value
 
 
 def limit(scene: str, meshes: tuple[str, str], **given: str) -> float:
@@ -98,9 +98,9 @@ COLUMNS = ("scene", "mesh", "quantity", "given", "expected", "bound")
 
 @pytest.mark.parametrize(COLUMNS, WITHIN)
 def test_published_values_on_stated_meshes(scene, mesh, quantity, given, expected, bound) -> None:
-    found = share(scene, mesh, quantity, **given)
-    assert found == pytest.approx(1.0, abs=bound)
-    assert found == pytest.approx(expected, abs=2e-4)
+    actual = share(scene, mesh, quantity, **given)
+    assert actual == pytest.approx(1.0, abs=bound)
+    assert actual == pytest.approx(expected, abs=2e-4)
 
 
 @pytest.mark.slow
@@ -111,9 +111,9 @@ def test_published_values_on_more_meshes(scene, mesh, quantity, given, expected,
 
 @pytest.mark.parametrize(("load", "expected", "bound"), [("in-plane", 0.9997, 1e-3), ("out-of-plane", 0.9979, 3e-3)])
 def test_the_thick_strip_is_a_solid_with_its_thickness_along_the_normals(load, expected, bound) -> None:
-    found = share("twisted-beam", "96x16", source="scikit-fem", load=load)
-    assert found == pytest.approx(1.0, abs=bound)
-    assert found == pytest.approx(expected, abs=2e-4)
+    actual = share("twisted-beam", "96x16", source="scikit-fem", load=load)
+    assert actual == pytest.approx(1.0, abs=bound)
+    assert actual == pytest.approx(expected, abs=2e-4)
 
 
 @pytest.mark.slow

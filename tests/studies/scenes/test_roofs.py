@@ -106,11 +106,11 @@ def test_a_curve_that_ends_with_its_limit_point_has_the_same_one() -> None:
 @pytest.mark.parametrize("lines", ["even", "edges"])
 def test_even_deflection_is_without_the_logarithm_of_the_element_size(lines: str) -> None:
     """F/(2 pi G h) ln(h/l), F of the whole roof and l the mean side of the element under it."""
-    found = solve(*resolve("roof-a", {"until": "limit", "lines": lines}, "4x4")).quantities
+    actual = solve(*resolve("roof-a", {"until": "limit", "lines": lines}, "4x4")).quantities
     h, G = 12.7, 3102.75 / 2.6
     sides = np.array([HALF_LENGTH, RADIUS * HALF_ANGLE]) * (0.25 if lines == "even" else np.sin(np.pi / 8))
-    rise = found["limit_load_fraction"] * P_MAX / (2 * np.pi * G * h) * np.log(h / np.sqrt(sides.prod()))
-    assert found["limit_w_C_mm"] - found["limit_w_C_even_mm"] == pytest.approx(rise, rel=1e-2)
+    rise = actual["limit_load_fraction"] * P_MAX / (2 * np.pi * G * h) * np.log(h / np.sqrt(sides.prod()))
+    assert actual["limit_w_C_mm"] - actual["limit_w_C_even_mm"] == pytest.approx(rise, rel=1e-2)
 
 
 # --- limit points and curves ------------------------------------------------------------------------------------------
@@ -143,22 +143,22 @@ def curve(scene: str, mesh: str, steps: int = 1) -> np.ndarray:
 
 def limits(scene: str) -> tuple[np.ndarray, float]:
     """First limit loads on the three meshes, and extrapolated from the finer two."""
-    found = np.array([run(scene, mesh, 1).quantities[LIMIT] for mesh in MESHES])
-    return found, float(extrapolated(found[1], found[2], 4 / 3))
+    actual = np.array([run(scene, mesh, 1).quantities[LIMIT] for mesh in MESHES])
+    return actual, float(extrapolated(actual[1], actual[2], 4 / 3))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ROOFS)
 def test_limit_load_converges_to_that_of_the_solid(scene: str) -> None:
     """Strains linear between the faces cost 0.3 to 0.5 % at 12.7 mm (of the order h^2), next to nothing at 6.35 mm."""
-    found, limit = limits(scene)
+    actual, limit = limits(scene)
     error = limit / limit_of(scene, "computed") - 1
     if scene in ("roof-a", "roof-b", "roof-c"):
         assert -5e-3 <= error <= -2e-3
     else:
         assert abs(error) <= 2e-3
-    assert abs(found[2] - limit) < abs(found[0] - limit)
-    assert abs(found[2] / limit - 1) <= ROOF
+    assert abs(actual[2] - limit) < abs(actual[0] - limit)
+    assert abs(actual[2] / limit - 1) <= ROOF
     for mesh in MESHES:
         number = run(scene, mesh, 1).quantities["limit_points"]
         assert number == (4 if scene == "roof-e" else 2)
@@ -251,14 +251,14 @@ class SolidRoof:
 @pytest.mark.parametrize(("scene", "meshes"), [("roof-c", (4, 6, 8)), ("roof-d", (6, 8, 12))])
 def test_solid_roofs_converge_to_the_computed_limits(scene: str, meshes: tuple[int, ...]) -> None:
     """Extrapolated by the order of the three meshes: a point load costs the quadratic hexahedra half of theirs."""
-    roof, found = SCENES[scene], []
+    roof, actual = SCENES[scene], []
     assert isinstance(roof, Roof)
     for n in meshes:
         solid = SolidRoof(roof, n)
         trace = ArcLength(0.05 if roof.thickness > 10 else 0.02, max_points=6).trace(
             solid.linearise, solid.load, (1.0,)
         )
-        found.append(next(point.factor for point in trace.points if point.limit))
-    order, limit = fitted_limit(1 / np.array(meshes), np.array(found))
+        actual.append(next(point.factor for point in trace.points if point.limit))
+    order, limit = fitted_limit(1 / np.array(meshes), np.array(actual))
     assert 2 <= order <= 4
     assert limit == pytest.approx(limit_of(scene, "computed"), rel=1e-3)

@@ -144,20 +144,22 @@ def by_hertz(ratio: float = 1.0) -> float:
 @pytest.mark.parametrize(("slave", "ratio"), [("first", 1), ("second", 1), ("first", 10), ("second", 10)])
 def test_cylinders_converge_to_hertz_whoever_is_the_master_and_the_stiffer(slave: str, ratio: float) -> None:
     """Pressures fall to zero as a root does: means over elements miss half of the last one, which is of order one."""
-    found = [solved("two-cylinders", mesh, slave=slave, E_ratio=ratio, **FIRST).quantities for mesh in ("1x16", "1x32")]
-    half_width = [abs(each["half_width_over_hertz"] - 1) for each in found]
+    values = [
+        solved("two-cylinders", mesh, slave=slave, E_ratio=ratio, **FIRST).quantities for mesh in ("1x16", "1x32")
+    ]
+    half_width = [abs(each["half_width_over_hertz"] - 1) for each in values]
     assert half_width[1] <= 0.06
     assert fitted_order([2.0, 1.0], half_width) >= 0.9
-    assert found[1]["P_over_ER"] == pytest.approx(by_hertz(ratio), rel=1e-2)
-    assert found[1]["peak_over_hertz"] == pytest.approx(1, abs=2e-2)
+    assert values[1]["P_over_ER"] == pytest.approx(by_hertz(ratio), rel=1e-2)
+    assert values[1]["peak_over_hertz"] == pytest.approx(1, abs=2e-2)
 
 
 @pytest.mark.slow
 def test_nodes_against_patches_have_the_force_of_hertz_and_peaks_that_scatter() -> None:
-    found = solved("two-cylinders", "1x32", pairing="nodes", **FIRST).quantities
-    assert found["P_over_ER"] == pytest.approx(by_hertz(), rel=1e-2)
-    assert found["half_width_over_hertz"] == pytest.approx(1, abs=2e-2)
-    assert found["peak_over_hertz"] == pytest.approx(1, abs=4e-2)
+    actual = solved("two-cylinders", "1x32", pairing="nodes", **FIRST).quantities
+    assert actual["P_over_ER"] == pytest.approx(by_hertz(), rel=1e-2)
+    assert actual["half_width_over_hertz"] == pytest.approx(1, abs=2e-2)
+    assert actual["peak_over_hertz"] == pytest.approx(1, abs=4e-2)
 
 
 @pytest.mark.slow
@@ -184,18 +186,20 @@ def test_a_ring_on_a_stiff_layer_is_that_on_a_plate() -> None:
 
 @pytest.mark.slow
 def test_a_ring_on_a_stiff_layer_has_the_force_of_the_elastica() -> None:
-    found = solved("ring-on-layer", "1x64", delta_mm="50", **RIGID).quantities
-    assert found["P_R2_over_EI"] == pytest.approx(5.742160, rel=1e-3)
-    assert found["flat_half_length"] == pytest.approx(0.476577, rel=1e-3)
+    actual = solved("ring-on-layer", "1x64", delta_mm="50", **RIGID).quantities
+    assert actual["P_R2_over_EI"] == pytest.approx(5.742160, rel=1e-3)
+    assert actual["flat_half_length"] == pytest.approx(0.476577, rel=1e-3)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("law", "push"), [("svk", 0.995 * (1 - 0.995**2) / 2), ("hencky", -np.log(0.995) / 0.995)])
 def test_a_thin_soft_layer_is_a_bed_of_springs(law: str, push: float) -> None:
     """The peak by the law of what is pressed by 0.005 alone; the force of the circle on springs, a/t = 23."""
-    found = solved("ring-on-layer", "1x48", layer_law=law, **{key: str(value) for key, value in BED.items()}).quantities
-    assert found["peak_over_springs"] == pytest.approx(push / 0.005, rel=1e-3)
-    assert found["force_over_springs"] == pytest.approx(1, rel=1.5e-2)
+    actual = solved(
+        "ring-on-layer", "1x48", layer_law=law, **{key: str(value) for key, value in BED.items()}
+    ).quantities
+    assert actual["peak_over_springs"] == pytest.approx(push / 0.005, rel=1e-3)
+    assert actual["force_over_springs"] == pytest.approx(1, rel=1.5e-2)
 
 
 @pytest.mark.slow
@@ -203,9 +207,9 @@ def test_a_thin_layer_is_the_law_of_a_finite_epsilon_on_a_plate() -> None:
     """epsilon = E/t: another formulation, without a second body. Springs have no shear, so the rim differs."""
     ring = solve(*complete("ring", {"delta_mm": "5", "epsilon": "50"}, "1x128")).quantities
     layer = {"layer_mm": "0.5", "E_layer_MPa": "25", "other_elements": "100"}
-    found = solved("ring-on-layer", "1x128", delta_mm="5", **layer).quantities
-    assert found["P_R2_over_EI"] == pytest.approx(ring["P_R2_over_EI"], rel=1e-3)
-    assert found["flat_half_length"] == pytest.approx(ring["flat_half_length"], rel=5e-2)  # on a rigid plate it is 0
+    actual = solved("ring-on-layer", "1x128", delta_mm="5", **layer).quantities
+    assert actual["P_R2_over_EI"] == pytest.approx(ring["P_R2_over_EI"], rel=1e-3)
+    assert actual["flat_half_length"] == pytest.approx(ring["flat_half_length"], rel=5e-2)  # on a rigid plate it is 0
 
 
 HALVES: dict[str, str] = {"delta_mm": "1,2,3,4", "surfaces": "5"}
@@ -239,8 +243,8 @@ def test_fields_of_half_spheres_have_what_deforms(tmp_path) -> None:
 
 
 def half_spheres(kind: str, mu: float) -> dict[float, Reference]:
-    found = [each for each in SCENES["half-spheres"].references if each.kind == kind and each.at["mu"] == mu]
-    return {float(each.at["delta_mm"]): each for each in found}
+    values = [each for each in SCENES["half-spheres"].references if each.kind == kind and each.at["mu"] == mu]
+    return {float(each.at["delta_mm"]): each for each in values}
 
 
 def in_band(result: Result, mu: float) -> None:

@@ -31,8 +31,8 @@ def solved(scene: str, mesh: str, model: str = "auto", **settings: Any) -> Resul
 
 
 def built(scene: str, settings: dict[str, Any], model: str) -> object:
-    found, request = complete(scene, settings, "8x8", model=model)
-    return found.build(request)
+    actual, request = complete(scene, settings, "8x8", model=model)
+    return actual.build(request)
 
 
 def force(scene: str, mesh: str, model: str = "auto", **settings: Any) -> float:
@@ -42,13 +42,13 @@ def force(scene: str, mesh: str, model: str = "auto", **settings: Any) -> float:
 @pytest.mark.parametrize("ratio", [1.0, 1.4, 3.0])
 def test_navier_has_the_deflection_of_levy_under_a_force_in_the_middle(ratio: float) -> None:
     """w = F a^2/(2 pi^3 D) sum_m (tanh s - s/cosh^2 s)/m^3, s = m pi b/(2 a), which forgets b far faster."""
-    found = navier_deflection((3.0, 3.0 * ratio), 7.0, np.zeros(1), np.zeros(1), np.array([2.0]))
+    actual = navier_deflection((3.0, 3.0 * ratio), 7.0, np.zeros(1), np.zeros(1), np.array([2.0]))
     m = np.arange(1, 60, 2)
     s = m * np.pi * ratio / 2
     levy = 2.0 * 9.0 / (2 * np.pi**3 * 7.0) * np.sum((np.tanh(s) - s / np.cosh(s) ** 2) / m**3)
-    assert found == pytest.approx(levy, rel=3e-4)
+    assert actual == pytest.approx(levy, rel=3e-4)
     if ratio == 1.0:
-        assert found * 7.0 / (2.0 * 9.0) == pytest.approx(PRINTED, abs=1e-6)
+        assert actual * 7.0 / (2.0 * 9.0) == pytest.approx(PRINTED, abs=1e-6)
 
 
 @pytest.mark.parametrize("model", ["quarter", pytest.param("full", marks=pytest.mark.slow)])
@@ -60,11 +60,11 @@ def test_a_stiff_plate_is_the_rigid_plane(model: str) -> None:
 
 
 def test_a_plate_that_bends_by_little_does_so_as_navier_says() -> None:
-    found = solved("tyre-on-plate", "28x28", E_plate_MPa="1e7", **PRESSED).quantities
-    assert found["deflection_over_navier"] == pytest.approx(1, rel=1e-3)
-    assert 0.02 < found["deflection_mm"] < 0.03
+    actual = solved("tyre-on-plate", "28x28", E_plate_MPa="1e7", **PRESSED).quantities
+    assert actual["deflection_over_navier"] == pytest.approx(1, rel=1e-3)
+    assert 0.02 < actual["deflection_mm"] < 0.03
     held = solved("tyre-on-plate", "28x28", E_plate_MPa="1e7", edges="clamped", **PRESSED).quantities
-    ratio = held["deflection_mm"] / found["deflection_mm"]
+    ratio = held["deflection_mm"] / actual["deflection_mm"]
     assert 0.00126 / 0.00406 < ratio < 0.0056 / 0.0116  # of a load all over it and of one in its middle
     assert "deflection_over_navier" not in held
 
@@ -126,9 +126,9 @@ def test_a_thin_coat_is_a_bed_of_springs_on_the_drum() -> None:
 @pytest.mark.slow
 def test_compliances_of_tyre_and_plate_are_in_series() -> None:
     """The tyre goes as far in as on the plane, less what the plate gives way: to its slope beside the centre."""
-    found = solved("tyre-on-plate", "28x28", E_plate_MPa="1e6", **PRESSED).quantities
-    less = force("tyre", "28x28", **{**PRESSED, "delta_mm": f"{20 - found['deflection_mm']!r}"})
-    assert found["force_N"] == pytest.approx(less, rel=1.5e-3)
+    actual = solved("tyre-on-plate", "28x28", E_plate_MPa="1e6", **PRESSED).quantities
+    less = force("tyre", "28x28", **{**PRESSED, "delta_mm": f"{20 - actual['deflection_mm']!r}"})
+    assert actual["force_N"] == pytest.approx(less, rel=1.5e-3)
     assert less < 0.99 * force("tyre", "28x28", **PRESSED)
 
 

@@ -23,8 +23,8 @@ def tyre(**settings: str) -> SceneModel:
 
 
 def test_every_requested_point_of_every_stage_is_visited() -> None:
-    model, told = tyre(), []
-    visited = list(walk(model.stages(), Semismooth(), 2, tell=lambda stage, at: told.append((stage, at))))
+    model, stated = tyre(), []
+    visited = list(walk(model.stages(), Semismooth(), 2, tell=lambda stage, at: stated.append((stage, at))))
     assert [(each.stage.name, each.point.requested) for each in visited] == [
         ("inflation", 1.0),
         ("press", 2.0),
@@ -34,7 +34,7 @@ def test_every_requested_point_of_every_stage_is_visited() -> None:
     assert all(each.converged for each in visited)
     assert all(each.state.u.shape == (model.n_unknowns,) for each in visited)
     np.testing.assert_array_equal(visited[2].before.u, visited[1].point.solution.u)
-    assert told == [("inflation", 0.5), ("inflation", 1.0), *(("press", float(at)) for at in (1, 2, 3, 4))]
+    assert stated == [("inflation", 0.5), ("inflation", 1.0), *(("press", float(at)) for at in (1, 2, 3, 4))]
 
 
 def test_a_walk_goes_on_from_a_state() -> None:

@@ -55,11 +55,11 @@ def test_the_beam_in_point_contact_is_that_of_its_equation(load: float) -> None:
     x = np.linspace(0, 0.5, 60)
     k = 2 * math.pi
     bow = [(1 - np.cos(k * x)) / 2, k * np.sin(k * x) / 2, k**2 * np.cos(k * x) / 2, -(k**3) * np.sin(k * x) / 2, x]
-    found = solve_bvp(along, ends, x, np.array(bow), tol=1e-7, max_nodes=20000)
-    assert found.success
+    actual = solve_bvp(along, ends, x, np.array(bow), tol=1e-7, max_nodes=20000)
+    assert actual.success
     shortening, force = bent(load)
-    assert found.y[4, -1] == pytest.approx(shortening, rel=1e-6)
-    assert 2 * found.y[3, 0] / (4 * math.pi**2) == pytest.approx(force, rel=1e-5, abs=1e-6)
+    assert actual.y[4, -1] == pytest.approx(shortening, rel=1e-6)
+    assert 2 * actual.y[3, 0] / (4 * math.pi**2) == pytest.approx(force, rel=1e-5, abs=1e-6)
 
 
 def test_the_beam_passes_from_point_to_line_contact() -> None:
@@ -84,23 +84,23 @@ def test_the_beam_passes_from_point_to_line_contact() -> None:
 def test_load_and_force_of_point_contact_converge_to_the_beam() -> None:
     """From 16 to 64 elements on half of the column: by their square, to 0.3 and 0.6 %."""
     meshes = (16, 32, 64)
-    found = [solved(SCENE, f"{n}x1", delta_mm=ASKED) for n in meshes]
-    assert all(step["stability"]["word"] == STABLE for step in found[-1].steps)
+    values = [solved(SCENE, f"{n}x1", delta_mm=ASKED) for n in meshes]
+    assert all(step["stability"]["word"] == STABLE for step in values[-1].steps)
     expected = np.array([exact(delta) for delta in DELTAS])
-    off = np.array([[read(each, name) for name in QUANTITIES] for each in found])[:, :, 1:] / expected.T[:, 1:] - 1
+    off = np.array([[read(each, name) for name in QUANTITIES] for each in values])[:, :, 1:] / expected.T[:, 1:] - 1
     assert np.all(np.abs(off[-1]) <= [[5e-3], [8e-3]])
     for errors in np.abs(off[:, :, -1]).T:
         assert fitted_order([1 / n for n in meshes], errors) >= 1.8
-    np.testing.assert_allclose(read(found[-1], "P_over_PE")[0], 1, rtol=1e-3)  # before it touches
+    np.testing.assert_allclose(read(values[-1], "P_over_PE")[0], 1, rtol=1e-3)  # before it touches
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("contact", sorted(ALGORITHMS))
 def test_force_over_shortening_by_all_algorithms(contact: str) -> None:
-    found = solved(SCENE, "256x1", contact=contact, delta_mm=ASKED)
+    solution = solved(SCENE, "256x1", contact=contact, delta_mm=ASKED)
     expected = np.array([exact(delta) for delta in DELTAS])
-    np.testing.assert_allclose(read(found, "P_over_PE"), expected[:, 0], rtol=5e-4)
-    np.testing.assert_allclose(read(found, "wall_force"), expected[:, 1], rtol=1e-3)
+    np.testing.assert_allclose(read(solution, "P_over_PE"), expected[:, 0], rtol=5e-4)
+    np.testing.assert_allclose(read(solution, "wall_force"), expected[:, 1], rtol=1e-3)
 
 
 # --- line contact -----------------------------------------------------------------------------------------------------
@@ -149,12 +149,12 @@ def flattened(n: int, load: float) -> tuple[ContactProblem, ContactSolution, flo
 def test_line_contact_is_that_of_the_beam() -> None:
     """Equilibria of the whole contact problem, stable though nothing presses the flat part."""
     for load in (5.0, 7.0, 8.5):
-        problem, state, found = flattened(128, load)
+        problem, state, actual = flattened(128, load)
         assert judge(problem, state.u, state.pressure).failures() == []
         assert stability(problem, state).negative == 0
-        assert found == pytest.approx(load, rel=5e-3)
+        assert actual == pytest.approx(load, rel=5e-3)
         force = 2 * problem.nodal_forces(state.pressure).sum() / EULER * LENGTH / CLEARANCE
-        assert force == pytest.approx(bent(found)[1], rel=1e-3)
+        assert force == pytest.approx(bent(actual)[1], rel=1e-3)
 
 
 def test_inertia_alone_sees_the_flat_part_buckle_at_nine_times_the_load() -> None:

@@ -35,22 +35,22 @@ def square_plate(surfaces: str, S: float) -> dict[str, float]:
 @pytest.mark.parametrize(("surfaces", "within"), [("2/ply", 0.04), pytest.param("3/ply", 0.01, marks=SLOW)])
 def test_surfaces_in_every_ply_come_to_elasticity(surfaces, within) -> None:
     """The limits of 2 and 3 a ply are those of layerwise polynomials of their degree, digit by digit."""
-    found = square_plate(surfaces, 4.0)["w_bar"]
-    assert found == pytest.approx(SQUARE[4.0][0], rel=within)
-    assert found == pytest.approx({"2/ply": 1.937908, "3/ply": 1.986382}[surfaces], rel=1e-4)
+    actual = square_plate(surfaces, 4.0)["w_bar"]
+    assert actual == pytest.approx(SQUARE[4.0][0], rel=within)
+    assert actual == pytest.approx({"2/ply": 1.937908, "3/ply": 1.986382}[surfaces], rel=1e-4)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("S", [4.0, 10.0])
 def test_stresses_between_plies(S) -> None:
     """By the law and by equilibrium, four surfaces a ply."""
-    found = square_plate("4/ply", S)
+    actual = square_plate("4/ply", S)
     exact = dict(zip(COLUMNS.values(), SQUARE[S], strict=True))
-    assert found["w_bar"] == pytest.approx(exact["w_bar"], rel=3e-3)
-    assert found["sigma_x_bar"] == pytest.approx(exact["sigma_x_bar"], rel=5e-3)
+    assert actual["w_bar"] == pytest.approx(exact["w_bar"], rel=3e-3)
+    assert actual["sigma_x_bar"] == pytest.approx(exact["sigma_x_bar"], rel=5e-3)
     for name in ("tau_xz_bar", "tau_yz_bar"):
-        assert found[name] == pytest.approx(exact[name], rel=1e-2)
-        assert found[f"{name}_equilibrium"] == pytest.approx(exact[name], rel=5e-3)
+        assert actual[name] == pytest.approx(exact[name], rel=1e-2)
+        assert actual[f"{name}_equilibrium"] == pytest.approx(exact[name], rel=5e-3)
 
 
 def test_wrapped_cylinder_is_lames() -> None:
@@ -152,10 +152,10 @@ def test_closed_forms_of_rubber_are_those_of_a_compressible_wall_that_hardly_is(
     stretch = 1.5
     R = np.linspace(inner, outer, 41)
     r = np.sqrt(R**2 + (stretch**2 - 1) * inner**2)
-    found = solve_bvp(field, lambda a, b: [a[0] - stretch * inner, b[1]], R, [r, 0.2 * (R - outer)], tol=1e-8)
-    assert found.success
+    actual = solve_bvp(field, lambda a, b: [a[0] - stretch * inner, b[1]], R, [r, 0.2 * (R - outer)], tol=1e-8)
+    assert actual.success
     exact = inflation_pressure(TERMS["neo-hooke"], stretch, inner, outer, sphere=False)
-    assert -found.y[1, 0] / stretch == pytest.approx(exact, rel=5e-4)
+    assert -actual.y[1, 0] / stretch == pytest.approx(exact, rel=5e-4)
 
 
 @pytest.mark.slow
@@ -247,8 +247,8 @@ def test_a_law_that_refuses_the_plies_is_a_wrong_request(monkeypatch) -> None:
 
 
 def built(scene: str, settings: dict[str, str], **options: str) -> SceneModel:
-    found, request = complete(scene, settings, **options)
-    return found.build(request)
+    actual, request = complete(scene, settings, **options)
+    return actual.build(request)
 
 
 @pytest.mark.slow

@@ -32,27 +32,27 @@ def tyre():
 
 def pressed(given: dict[str, str], contact: str = "semismooth"):
     """A tyre at 8 mm: its last problem, its state, and the result."""
-    found = solve(*complete("tyre", {"delta_mm": "8", **given}, MESH, contact=contact, model="full"))
-    assert found.outcome.converged
-    assert all(set(step) >= KEYS for step in found.steps)
-    assert [step["failures"] + step["diagnosis"] for step in found.steps] == [[]] * len(found.steps)
-    inflation, press = found.model.stages()
+    solution = solve(*complete("tyre", {"delta_mm": "8", **given}, MESH, contact=contact, model="full"))
+    assert solution.outcome.converged
+    assert all(set(step) >= KEYS for step in solution.steps)
+    assert [step["failures"] + step["diagnosis"] for step in solution.steps] == [[]] * len(solution.steps)
+    inflation, press = solution.model.stages()
     problem_at, rest = inflation.begin(None)
     inflated = ALGORITHMS["semismooth"]().solve(problem_at(1.0), rest)
-    return press.begin(inflated)[0](press.targets[-1]), found.last, found
+    return press.begin(inflated)[0](press.targets[-1]), solution.last, solution
 
 
 def test_a_converged_tyre_is_certified(tyre) -> None:
-    problem, state, found = tyre
+    problem, state, actual = tyre
     again = certificate(problem, state)
     assert again["failures"] == []
-    assert set(again["balances"]) == set(found.steps[-1]["balances"]) == {"energy", "force"}
+    assert set(again["balances"]) == set(actual.steps[-1]["balances"]) == {"energy", "force"}
     assert max(again["balances"].values()) <= 1e-10
 
 
 def test_a_regularised_state_is_certified_by_its_own_law_only() -> None:
-    problem, state, found = pressed({"epsilon": "1e4"}, "trial-and-error")
-    assert found.steps[-1]["kkt"]["penetration"] > 1e-6  # the true one is told
+    problem, state, actual = pressed({"epsilon": "1e4"}, "trial-and-error")
+    assert actual.steps[-1]["kkt"]["penetration"] > 1e-6  # the true one is told
     assert certificate(problem, state, 1e4)["failures"] == []
     assert certificate(problem, state, 5e3)["failures"] == ["complementarity"]
     assert "penetration" in certificate(problem, state, math.inf)["failures"]
@@ -60,8 +60,8 @@ def test_a_regularised_state_is_certified_by_its_own_law_only() -> None:
 
 def test_scenes_without_contact_are_certified_too() -> None:
     for scene, balances in (("cantilever", {"energy", "force"}), ("pressurised-sphere", {"force"})):
-        found = solve(*complete(scene, {}, "4x2" if scene == "cantilever" else "6x6"))
-        for step in found.steps:
+        solution = solve(*complete(scene, {}, "4x2" if scene == "cantilever" else "6x6"))
+        for step in solution.steps:
             assert set(step) >= KEYS
             assert step["failures"] == []
             assert set(step["balances"]) == balances
@@ -72,9 +72,9 @@ def test_a_state_of_rest_is_certified_against_an_open_foundation(tyre) -> None:
     """Zero displacement under load is no equilibrium, and is named so."""
     problem, state, _ = tyre
     rest = ContactSolution.at_rest(len(state.u), len(state.pressure))
-    found = certificate(problem, rest)
-    assert "equilibrium" in found["failures"]
-    assert found["diagnosis"]
+    actual = certificate(problem, rest)
+    assert "equilibrium" in actual["failures"]
+    assert actual["diagnosis"]
 
 
 def free_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: float) -> np.ndarray:
@@ -104,28 +104,28 @@ def test_negative_eigenvalues_of_a_coarse_tyre_are_all_counted_and_are_of_its_el
     scene, request = complete("tyre", {"delta_mm": "20"}, mesh, measure=measure, contact=contact)
     *_, last = walk(scene.build(request).stages(), ALGORITHMS[contact](epsilon=epsilon))
     values = free_eigenvalues(last.problem, last.point.solution, epsilon)
-    told = certificate(last.problem, last.point.solution, epsilon)["stability"]
-    assert told["negative"] + told["element_modes"] == alone == int(np.sum(values < 0))
-    assert (told["negative"], told["word"]) == (0, "stable")
+    record = certificate(last.problem, last.point.solution, epsilon)["stability"]
+    assert record["negative"] + record["element_modes"] == alone == int(np.sum(values < 0))
+    assert (record["negative"], record["word"]) == (0, "stable")
 
 
 def test_an_unstable_equilibrium_is_a_class_of_its_own() -> None:
-    found = solve(*complete("sze-moment", {"load_fraction": "0.9,1"}, "8x1"))
-    assert found.outcome.converged
-    assert found.verdict == UNSTABLE
-    assert [step["failures"] for step in found.steps] == [[], []]
-    assert found.as_json()["class"] == "unstable"
-    assert found.as_json()["reason"].startswith("load at 0.9: unstable: 1 negative eigenvalue of the tangent")
-    assert len(found.unstable) == 2
+    solution = solve(*complete("sze-moment", {"load_fraction": "0.9,1"}, "8x1"))
+    assert solution.outcome.converged
+    assert solution.verdict == UNSTABLE
+    assert [step["failures"] for step in solution.steps] == [[], []]
+    assert solution.as_json()["class"] == "unstable"
+    assert solution.as_json()["reason"].startswith("load at 0.9: unstable: 1 negative eigenvalue of the tangent")
+    assert len(solution.unstable) == 2
 
 
 @pytest.mark.slow
 def test_points_of_a_traced_curve_say_their_count_and_are_no_such_class() -> None:
     """The roof snaps: its curve passes unstable points on purpose, from the limit point to the other."""
-    found = solve(*complete("roof-b", {}, "4x4"))
-    counts = [step["stability"]["negative"] for step in found.steps]
-    limits = [i for i, step in enumerate(found.steps) if step["limit_point"]]
-    assert found.verdict == CONVERGED
+    solution = solve(*complete("roof-b", {}, "4x4"))
+    counts = [step["stability"]["negative"] for step in solution.steps]
+    limits = [i for i, step in enumerate(solution.steps) if step["limit_point"]]
+    assert solution.verdict == CONVERGED
     assert len(limits) == 2
     assert set(counts[: limits[0]]) == set(counts[limits[1] + 1 :]) == {0}
     assert set(counts[limits[0] + 1 : limits[1]]) == {1}
@@ -145,24 +145,24 @@ def test_a_limit_of_iterations_is_no_cause_where_the_path_ends(outcome, end, ver
     rest = ContactSolution.at_rest(1, 0)
     point = PathPoint(20.0, 7.4, outcome, rest, 3, Outcome.ITERATION_LIMIT, end)
     visited = Visited(Stage("press", lambda before: (None, before), (20.0,), None), lambda t: None, rest, point)
-    found = Result(request, outcome=outcome, cause=Outcome.ITERATION_LIMIT, visits=[visited])
-    assert found.verdict == verdict
+    actual = Result(request, outcome=outcome, cause=Outcome.ITERATION_LIMIT, visits=[visited])
+    assert actual.verdict == verdict
     at = {} if end is None or end.limit is None else {"parameter": end.limit}
     kind = (
         {} if found_by is None else {"kind": end.kind.value, "stage": "press", "parameter": 7.4, "found_by": found_by}
     )
-    assert found.path_end == (kind | at if kind else {})
+    assert actual.path_end == (kind | at if kind else {})
 
 
 @pytest.mark.slow
 def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ball of 0.05 mm that comes by 1 mm: behind the panel, where nothing touches and all residuals are zero."""
     asked = complete("panel", {"foundation": "ball", "ball_mm": "0.05", "delta_mm": "1"}, "4x4")
-    found = solve(*asked)
-    assert found.verdict == "converged"
-    assert found.quantities["force_N"] > 0
-    assert any("passes through the foundation" in cut for cut in found.as_json()["cuts"])
-    (note,) = found.notes
+    solution = solve(*asked)
+    assert solution.verdict == "converged"
+    assert solution.quantities["force_N"] > 0
+    assert any("passes through the foundation" in cut for cut in solution.as_json()["cuts"])
+    (note,) = solution.notes
     assert "0.05 mm, is below the size of an element there, 12.6 mm: nodes alone touch" in note
     monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
     blind = solve(*asked)
@@ -170,8 +170,8 @@ def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytes
     assert blind.as_json()["reason"].startswith("swept: candidate 4 passes through the foundation")
     (step,) = blind.steps
     assert step["failures"] == ["swept"]
-    (told,) = step["diagnosis"]
-    assert told.startswith("swept: candidate 4 passes through the foundation, from 0")  # of 9, the one at the crown
+    (stated,) = step["diagnosis"]
+    assert stated.startswith("swept: candidate 4 passes through the foundation, from 0")  # of 9, the one at the crown
 
 
 @pytest.mark.slow

@@ -40,13 +40,13 @@ def told(out: Path) -> dict:
 @pytest.mark.slow
 def test_what_is_recommended_is_within_the_error_of_a_closed_form(ring: Path, tmp_path: Path) -> None:
     """The elastica, whose P R²/EI is 5.74216 at R/2, higher than that of this wall by 2.4e-4."""
-    found = told(ring)
-    words = shlex.split(found["recommended"]["command"])
+    actual = told(ring)
+    words = shlex.split(actual["recommended"]["command"])
     assert words[:3] == ["footprint", "solve", "ring"]
     assert main([*words[1:-1], str(tmp_path)]) == OK
     value = json.loads((tmp_path / "result.json").read_text())["quantities"]["P_R2_over_EI"]
     assert value == pytest.approx(5.74216, rel=0.02)
-    assert found["reference"]["limit"] == pytest.approx(5.74216, rel=found["reference"]["uncertainty"] + 3e-4)
+    assert actual["reference"]["limit"] == pytest.approx(5.74216, rel=actual["reference"]["uncertainty"] + 3e-4)
 
 
 @pytest.mark.slow
@@ -65,16 +65,16 @@ def test_a_classical_measure_is_off_in_the_limit_as_on_a_fine_grid(ring: Path) -
 @pytest.mark.slow
 def test_a_thick_laminate_needs_surfaces_inside_its_wall() -> None:
     """Pagano's 2.82: a limit of two faces, a quarter less, is no truth however fine the mesh."""
-    found = choose("pagano", {"S": "4"}, 0.01, 600.0)  # more than it takes on a busy machine
-    rows = {row["name"]: row for row in found.variants}
-    assert found.truth.limit == pytest.approx(2.82, rel=found.truth.uncertainty)
-    assert (found.wall.name, found.recommended.settings["surfaces"]) == ("4/ply", "4/ply")
-    assert {*found.recommended.settings} <= {"surfaces", "thickness_strain"}  # which of two as good is quicker
-    assert found.recommended.data["error_at_most"] <= 0.01
+    choice = choose("pagano", {"S": "4"}, 0.01, 600.0)  # more than it takes on a busy machine
+    rows = {row["name"]: row for row in choice.variants}
+    assert choice.truth.limit == pytest.approx(2.82, rel=choice.truth.uncertainty)
+    assert (choice.wall.name, choice.recommended.settings["surfaces"]) == ("4/ply", "4/ply")
+    assert {*choice.recommended.settings} <= {"surfaces", "thickness_strain"}  # which of two as good is quicker
+    assert choice.recommended.data["error_at_most"] <= 0.01
     assert rows["exact"]["verdict"] == rows["2/ply"]["verdict"] == NOT_ENOUGH
     assert rows["exact"]["formulation_error"] == pytest.approx(2.0547 / 2.82 - 1, abs=rows["exact"]["within"])
     assert (rows["donnell"]["verdict"], rows["donnell"]["surfaces"]) == (ENOUGH, "4/ply")  # rotations are small
-    looser = loosened(found, 0.05)
+    looser = loosened(choice, 0.05)
     assert looser.recommended.settings["surfaces"] == "2/ply"
     assert looser.recommended.data["error_at_most"] <= 0.05
 
@@ -83,8 +83,8 @@ def test_a_thick_laminate_needs_surfaces_inside_its_wall() -> None:
 def test_a_recommendation_says_that_nothing_can_stand_on_it() -> None:
     """By the linear law a thin tube has lost three quarters of its wall, and pressure falls as it grows."""
     thin = {"surfaces": "3", "law": "svk", "h_over_R": "0.01", "load_fraction": "0.41"}
-    found = choose("rubber-tube", thin, 0.05, 30.0)
-    assert any("no stable equilibrium" in each for each in found.uncertain)
+    choice = choose("rubber-tube", thin, 0.05, 30.0)
+    assert any("no stable equilibrium" in each for each in choice.uncertain)
 
 
 @pytest.mark.slow
@@ -96,23 +96,23 @@ def test_where_two_faces_are_enough_more_are_tried_once(ring: Path) -> None:
 
 @pytest.mark.slow
 def test_the_files_of_an_answer(ring: Path) -> None:
-    found = told(ring)
-    assert found["outcome"] == ANSWERED
+    actual = told(ring)
+    assert actual["outcome"] == ANSWERED
     keys = {"scene", "quantity", "error_asked", "budget_s", "settings", "reference", "recommended", "runner_up"}
-    assert keys <= {*found}
-    assert {row["verdict"] for row in found["variants"]} <= {*WORDS}
-    assert found["variants"][0]["name"] == "exact"
-    enough = [row for row in found["variants"] if row["verdict"] == ENOUGH]
+    assert keys <= {*actual}
+    assert {row["verdict"] for row in actual["variants"]} <= {*WORDS}
+    assert actual["variants"][0]["name"] == "exact"
+    enough = [row for row in actual["variants"] if row["verdict"] == ENOUGH]
     for row in enough:
-        own = [grid for grid in found["grids"] if (grid["axis"], grid["name"]) == (row["axis"], row["name"])]
+        own = [grid for grid in actual["grids"] if (grid["axis"], grid["name"]) == (row["axis"], row["name"])]
         meshes = [grid["mesh"] for grid in own]
         rest = own[meshes.index(row["mesh"]) :]
         assert all(grid["error_at_most"] <= 0.02 for grid in rest)
         before = own[: meshes.index(row["mesh"])][-1:]
         assert all(grid["error_at_most"] > 0.02 for grid in before)
-    by_name = {row["name"]: row for row in found["algorithms"] if row["mesh"] != "1x16"}
+    by_name = {row["name"]: row for row in actual["algorithms"] if row["mesh"] != "1x16"}
     assert by_name["lcp"]["agrees"]
-    assert {*found["files"]} == {path.relative_to(ring).as_posix() for path in ring.rglob("*") if path.is_file()} - {
+    assert {*actual["files"]} == {path.relative_to(ring).as_posix() for path in ring.rglob("*") if path.is_file()} - {
         "choice.json"
     }
     for name in ("measures", "surfaces", "elements"):
@@ -136,15 +136,15 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
         return 60.0 * len(looks)
 
     monkeypatch.setattr(choosing, "Clock", lambda budget: Clock(budget, now, lambda: 60.0 * len(looks)))
-    found = choose("ring", {"delta_mm": "50"}, 0.05, 1500.0)
-    assert found.limit is not None
-    assert found.dropped
-    assert any("no time" in sentence for sentence in found.uncertain)
+    choice = choose("ring", {"delta_mm": "50"}, 0.05, 1500.0)
+    assert choice.limit is not None
+    assert choice.dropped
+    assert any("no time" in sentence for sentence in choice.uncertain)
     spent = choose("ring", {"delta_mm": "50"}, 0.01, 1e-3)
     assert spent.recommended is None
     assert spent.as_json()["outcome"] == NOT_ANSWERED
     assert "fewer than three grids" in spent.reason
-    for known, error in ((spent, 0.05), (found, 0.01)):
+    for known, error in ((spent, 0.05), (choice, 0.01)):
         with pytest.raises(ValueError, match="of ring nothing is known to 1 %"):
             loosened(known, error)
 
@@ -152,9 +152,9 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
 @pytest.mark.slow
 def test_a_point_load_has_no_limit() -> None:
     """It grows by ln 2/(2 pi S) with every halving; an interval that is narrow on each ladder of grids would lie."""
-    found = choose("pinched-cylinder", {}, 0.005, 10.0, mesh="4x4")
-    assert (found.recommended, found.limit) == (None, None)
-    assert "has no limit in a theory with shear under a point load: it grows by 0.1" in found.reason
+    choice = choose("pinched-cylinder", {}, 0.005, 10.0, mesh="4x4")
+    assert (choice.recommended, choice.limit) == (None, None)
+    assert "has no limit in a theory with shear under a point load: it grows by 0.1" in choice.reason
 
 
 @pytest.mark.parametrize(
@@ -193,8 +193,8 @@ def test_what_is_interrupted_writes_nothing(tmp_path, capsys, monkeypatch) -> No
 def test_nothing_that_is_enough_is_not_converged(tmp_path, capsys) -> None:
     assert main(["choose", *RING, "--error", "1%", "--budget", "0.01s", "--out", str(tmp_path)]) == NOT_CONVERGED
     assert capsys.readouterr().out.splitlines()[-1].startswith("no recommendation: ")
-    found = told(tmp_path)
-    assert (found["outcome"], found["recommended"], found["variants"]) == (NOT_ANSWERED, None, [])
+    actual = told(tmp_path)
+    assert (actual["outcome"], actual["recommended"], actual["variants"]) == (NOT_ANSWERED, None, [])
 
 
 @pytest.mark.slow
@@ -209,10 +209,10 @@ def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
 
 @pytest.mark.slow
 def test_a_notebook_has_tables(tmp_path: Path) -> None:
-    found = choose_in_notebook("ring", "5%", budget=2.0, delta_mm=50)
-    assert {"name", "formulation_error", "within", "mesh"} <= {*found.variants.columns}
-    assert found.recommended["error_at_most"] <= 0.05
-    found.write(tmp_path)
+    actual = choose_in_notebook("ring", "5%", budget=2.0, delta_mm=50)
+    assert {"name", "formulation_error", "within", "mesh"} <= {*actual.variants.columns}
+    assert actual.recommended["error_at_most"] <= 0.05
+    actual.write(tmp_path)
     assert told(tmp_path)["scene"] == "ring"
     with pytest.raises(UsageError, match="error"):
         choose_in_notebook("ring", 7.0)

@@ -66,9 +66,9 @@ def ladder(limit: float, slope: float, sizes=SIZES, wobble: float = 0.0) -> list
 
 
 def known(grids: list[Seen]) -> Estimate:
-    found = estimate_of(grids)
-    assert isinstance(found, Estimate)
-    return found
+    actual = estimate_of(grids)
+    assert isinstance(actual, Estimate)
+    return actual
 
 
 def test_a_crossing_of_the_reference_is_no_accuracy() -> None:
@@ -192,9 +192,9 @@ def test_what_the_reference_misses_on_the_same_grids_counts_with_a_margin() -> N
     """Twice the reference, whose limit is 10 below what these grids say: 1.5 times as much, twice, is open."""
     beside = [Seen(h, 100 + 0.8 * h**2) for h in (1.0, 0.5, 0.25)]
     own = [Seen(each.size, 2 * each.value) for each in beside]
-    found = difference(own, beside, Estimate(90.0, 0.0, 0.0))
-    assert isinstance(found, Difference)
-    assert (found.value, found.within) == pytest.approx((110 / 90, 2 * 15 / 90))
+    actual = difference(own, beside, Estimate(90.0, 0.0, 0.0))
+    assert isinstance(actual, Difference)
+    assert (actual.value, actual.within) == pytest.approx((110 / 90, 2 * 15 / 90))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -49,8 +49,8 @@ def test_memory_and_unknowns_are_those_of_a_process_that_solves_it(
 ) -> None:
     ahead = foresee(*complete(scene, given, mesh))
     script = MEASURED.format(scene=scene, given=given, least=least, mesh=mesh)
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
-    unknowns, memory, _ = map(float, told.split())
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    unknowns, memory, _ = map(float, done.split())
     assert ahead.unknowns == pytest.approx(unknowns, rel=0.1)
     assert ahead.memory_MB == pytest.approx(memory, rel=HALF if scene == "tyre" else WITHIN)
     assert ahead.seconds is not None
@@ -82,10 +82,10 @@ def test_more_than_a_limit_is_one_line_and_nothing_is_solved(
 ) -> None:
     asked = ["solve", "hemisphere", "--mesh", "40x40", "--set", "load_fraction=0.02", *words]
     assert main([*asked, "--out", str(tmp_path / "out")]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err.count("\n") == 1
-    assert re.match("footprint: " + says, told.err)
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert re.match("footprint: " + says, printed.err)
     assert not (tmp_path / "out").exists()
 
 
@@ -93,8 +93,8 @@ def test_more_than_a_limit_is_one_line_and_nothing_is_solved(
 def alarm_at(text: str) -> Iterator[Callable[[str], None]]:
     """The limit of time is reached when progress says this."""
 
-    def tell(told: str) -> None:
-        if told.endswith(text):
+    def tell(stated: str) -> None:
+        if stated.endswith(text):
             signal.raise_signal(signal.SIGALRM)
 
     yield tell
@@ -110,8 +110,8 @@ def test_at_the_limit_of_time_the_finished_loads_are_written(
     assert signal.getsignal(signal.SIGALRM) is before
     said = "stopped at the limit of 1000 s with 1 loads finished"
     assert capsys.readouterr().err == f"footprint: {said}; they are written\n"
-    told = json.loads((tmp_path / "result.json").read_text())
-    assert (told["outcome"], told["reason"], len(told["steps"])) == ("interrupted", said, 1)
+    record = json.loads((tmp_path / "result.json").read_text())
+    assert (record["outcome"], record["reason"], len(record["steps"])) == ("interrupted", said, 1)
 
 
 def test_before_the_grid_that_is_asked_for_nothing_is_written(
@@ -130,10 +130,10 @@ def test_a_process_that_takes_more_than_its_memory_says_so_in_a_line(tmp_path: P
     """Not foreseen, as the limit is just above what is."""
     asked = ["solve", "hemisphere", "--mesh", "18x18", "--memory-limit", "1", "--start", "cold", "--no-error"]
     words = [sys.executable, "-m", "studies.cli", *asked, "--out", str(tmp_path / "out")]
-    found = subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
-    assert found.returncode == 1
-    assert found.stderr.startswith("footprint: not enough memory; a coarser mesh needs less")
-    assert found.stderr.count("\n") == 1
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 1
+    assert done.stderr.startswith("footprint: not enough memory; a coarser mesh needs less")
+    assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 
@@ -152,19 +152,19 @@ def test_a_small_solve_under_a_small_limit_ends(tmp_path: Path) -> None:
         "--out",
         str(tmp_path / "out"),
     ]
-    found = subprocess.run([sys.executable, "-m", "studies.cli", *asked], capture_output=True, check=False, timeout=120)
-    assert found.returncode in (0, 1)
+    done = subprocess.run([sys.executable, "-m", "studies.cli", *asked], capture_output=True, check=False, timeout=120)
+    assert done.returncode in (0, 1)
 
 
 def test_every_round_is_told_with_what_it_will_take() -> None:
-    told = list[str]()
+    stated = list[str]()
     scene, request = complete("hemisphere", {"load_fraction": "0.1"}, "16x16")
-    solve_with_error(scene, request, told.append)
-    heads = list(dict.fromkeys(text.partition(":")[0] for text in told))
+    solve_with_error(scene, request, stated.append)
+    heads = list(dict.fromkeys(text.partition(":")[0] for text in stated))
     assert re.fullmatch(
         r"round 1, 4x4\nround 2, 8x8, about [0-9.e-]+ CPU s\nround 3, 16x16, about [0-9.e-]+ CPU s", "\n".join(heads)
     )
-    assert told[-1].endswith(" CPU s: load 0.1")
+    assert stated[-1].endswith(" CPU s: load 0.1")
     assert round_of(1, request, []) == "round 1, 16x16"
 
 

@@ -251,14 +251,14 @@ def test_who_is_taken_in_on_the_first_step_slips_from_where_it_was(monkeypatch: 
 def test_the_judge_of_a_scene_sees_a_spoilt_answer(dragged: Result, spoil: str) -> None:
     visited, state = dragged.end, dragged.end.point.solution
     assert state.friction is not None
-    told = state.friction
+    stated = state.friction
     spoilt = {
-        "sign": replace(told, force=-told.force),
-        "twice": replace(told, force=2 * told.force),
-        "open": replace(told, force=told.force + np.where(told.state == State.OPEN, 1.0, 0.0)[:, None]),
-        "since": replace(told, since=told.anchors),
+        "sign": replace(stated, force=-stated.force),
+        "twice": replace(stated, force=2 * stated.force),
+        "open": replace(stated, force=stated.force + np.where(stated.state == State.OPEN, 1.0, 0.0)[:, None]),
+        "since": replace(stated, since=stated.anchors),
         "untold": None,
-        "short": replace(told, force=0.99 * told.force),
+        "short": replace(stated, force=0.99 * stated.force),
     }[spoil]
     good = certificate(visited.problem, state, before=visited.last_accepted)
     assert not good["failures"]
@@ -340,8 +340,8 @@ def test_a_path_may_begin_at_rest() -> None:
 def test_a_loose_tolerance_leaves_friction_opposite_to_its_slip(contact: str) -> None:
     """Springs, too, slip along the whole of their stretch, whatever friction the last linear step had."""
     settings = {"mu": "0.131", "drag_mm": "-0.5315,0", "length_unit": "0.2825", "tolerance": "0.1"}
-    found = solve(*complete("panel", {**settings, "epsilon": "1e4"}, "3x2", contact=contact))
-    assert found.verdict == "converged", found.reason
+    solution = solve(*complete("panel", {**settings, "epsilon": "1e4"}, "3x2", contact=contact))
+    assert solution.verdict == "converged", solution.reason
 
 
 def test_soft_springs_slip_however_little_they_carry() -> None:

@@ -32,10 +32,10 @@ SLOW = [pytest.param(case, marks=pytest.mark.slow) for case in GOLDEN if case no
 def test_a_scene_is_what_it_was(case: str) -> None:
     contact, _, name = case.partition(": ")
     scene, settings, mesh = CASES[name]
-    wanted, found = GOLDEN[case], solve(*complete(scene, settings, mesh, contact=contact))
-    assert found.verdict == wanted["verdict"]
-    assert [step.counters["newton_iterations"] for step in found.loads] == wanted["iterations"]
-    for step, kept in zip(found.loads, wanted["loads"], strict=True):
+    wanted, actual = GOLDEN[case], solve(*complete(scene, settings, mesh, contact=contact))
+    assert actual.verdict == wanted["verdict"]
+    assert [step.counters["newton_iterations"] for step in actual.loads] == wanted["iterations"]
+    for step, kept in zip(actual.loads, wanted["loads"], strict=True):
         for quantity, value in step.quantities.items():
             unit = unit_of(quantity)
             size = max(abs(other) for key, other in kept.items() if unit_of(key) == unit) if unit[0] == "_" else 1.0

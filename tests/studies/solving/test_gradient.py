@@ -187,8 +187,8 @@ def _changes(**factors: float) -> Callable[[pytest.MonkeyPatch], None]:
         right = Change.between.__func__
 
         def wrong(cls: type[Change], *args: Any) -> Change:
-            found = right(cls, *args)
-            return replace(found, **{name: factor * getattr(found, name) for name, factor in factors.items()})
+            actual = right(cls, *args)
+            return replace(actual, **{name: factor * getattr(actual, name) for name, factor in factors.items()})
 
         patch.setattr(Change, "between", classmethod(wrong))
 
@@ -217,9 +217,9 @@ def _unmoved_stage(patch: pytest.MonkeyPatch) -> None:
     def wrong(self: Side, passed: Passed) -> Any:
         if passed.stage is not self.of and self.last is not None:
             self.last = self.held
-        found = right(self, passed)
+        actual = right(self, passed)
         self.held = passed.state
-        return found
+        return actual
 
     patch.setattr(Side, "posed", wrong)
 
@@ -268,9 +268,9 @@ def rungs_of(key: str) -> tuple[list[taylor.Rung], Result, dict[str, float], flo
 
 def words(key: str) -> set[str]:
     rungs, result, sizes, unit = rungs_of(key)
-    found = of("tyre", RUBBED, "12x14", key)
-    assert found
-    return {taylor._checked(each, gradient.values_of(result), sizes, unit, rungs, "").word for each in found}
+    actual = of("tyre", RUBBED, "12x14", key)
+    assert actual
+    return {taylor._checked(each, gradient.values_of(result), sizes, unit, rungs, "").word for each in actual}
 
 
 @pytest.mark.slow

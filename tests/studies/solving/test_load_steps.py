@@ -52,30 +52,30 @@ def test_the_limit_of_small_steps_is_in_every_interval(case: str) -> None:
 @pytest.mark.slow
 def test_the_error_is_of_first_order_once_steps_are_small() -> None:
     """Half the steps, half the estimate; and with so many steps it is the error itself within a fifth."""
-    found = []
+    values = []
     for steps in (8, 16):
         result = path("plate", steps)
         estimate(result)
         last = list(result.table(TABLE).rows())
-        found.append({row["quantity"]: row for row in last if row["load"] == 0.02})
+        values.append({row["quantity"]: row for row in last if row["load"] == 0.02})
     for name in ("friction_N", "dissipation_N_mm"):
-        assert found[1][name]["error"] / found[0][name]["error"] == pytest.approx(0.5, abs=0.06), name
-        limit = found[1][name]["value"] + found[1][name]["error"]
-        assert limit - found[0][name]["value"] == pytest.approx(found[0][name]["error"], rel=0.2), name
+        assert values[1][name]["error"] / values[0][name]["error"] == pytest.approx(0.5, abs=0.06), name
+        limit = values[1][name]["value"] + values[1][name]["error"]
+        assert limit - values[0][name]["value"] == pytest.approx(values[0][name]["error"], rel=0.2), name
 
 
 @pytest.mark.slow
 def test_the_answer_stays_that_of_the_steps_asked_for() -> None:
-    plain, told = path("plate"), path("plate")
-    estimate(told)
-    assert told.quantities == plain.quantities
-    assert [step.flat for step in told.loads] == [step.flat for step in plain.loads]
+    plain, stated = path("plate"), path("plate")
+    estimate(stated)
+    assert stated.quantities == plain.quantities
+    assert [step.flat for step in stated.loads] == [step.flat for step in plain.loads]
     twice = path("plate", 2)
-    halved = [row for row in told.table(TABLE).rows() if row["quantity"] == "friction_N"]
+    halved = [row for row in stated.table(TABLE).rows() if row["quantity"] == "friction_N"]
     assert [row["halved"] for row in halved] == [step.quantities["friction_N"] for step in twice.loads]
     assert [(row["substeps"], row["halved_substeps"]) for row in halved] == [(1, 2)] * 3
     assert [row["stage"] for row in halved] == ["load", "drag", "drag"]
-    low, high = (told.errors["friction_N"][key] for key in ("low", "high"))
+    low, high = (stated.errors["friction_N"][key] for key in ("low", "high"))
     error = 2 * (halved[-1]["halved"] - halved[-1]["value"])
     assert (low, high) == pytest.approx((halved[-1]["value"] - 3 * abs(error), halved[-1]["value"] + 3 * abs(error)))
 
@@ -107,8 +107,12 @@ def test_the_command_prints_the_error_beside_the_force(tmp_path: Path, capsys: p
     assert "in 1 steps" in said
     assert "first-order error of this answer" in said
     assert "errors of load steps are estimates" in said
-    told = json.loads((tmp_path / "with" / "result.json").read_text())
-    assert told["errors"]["friction_N"]["low"] < told["quantities"]["friction_N"] < told["errors"]["friction_N"]["high"]
+    record = json.loads((tmp_path / "with" / "result.json").read_text())
+    assert (
+        record["errors"]["friction_N"]["low"]
+        < record["quantities"]["friction_N"]
+        < record["errors"]["friction_N"]["high"]
+    )
     assert (tmp_path / "with" / f"{TABLE}.csv").exists()
     assert main([*asked, "--no-step-error", "--out", str(tmp_path / "without")]) == 0
     assert "first-order" not in capsys.readouterr().out

@@ -82,12 +82,12 @@ def test_a_programme_costs_its_iterations() -> None:
     programme = Programme(P, -np.ones(4), A, np.zeros(4))
     fill = min((10 + 4 + 4) * 3, 8 * 9 / 2)
     assert operations(programme, 10, 2) == 2 * fill**2 / 8 + 10 * (4 * fill + 2 * (16 + 8))
-    found = []
+    values = []
     for eps in (1e-2, 1e-9):
         with counted() as work:
             assert ask("osqp", programme, eps, False).claimed
-        found.append(work[PROGRAMMES])
-    assert 0 < found[0] < found[1]
+        values.append(work[PROGRAMMES])
+    assert 0 < values[0] < values[1]
 
 
 def test_a_cell_counts_all_its_kinds_and_the_same_twice() -> None:

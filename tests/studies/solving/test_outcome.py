@@ -34,10 +34,10 @@ class Liar(Semismooth):
     name: ClassVar[str] = "liar"
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        found = super().solve(problem, start)
+        solution = super().solve(problem, start)
         if not start.active.any():
-            return found
-        return replace(found, u=np.zeros_like(found.u), pressure=np.zeros_like(found.pressure))
+            return solution
+        return replace(solution, u=np.zeros_like(solution.u), pressure=np.zeros_like(solution.pressure))
 
 
 @pytest.fixture(autouse=True)
@@ -56,12 +56,12 @@ def test_the_path_ends_at_the_load_that_the_judge_refuses(lied: Result) -> None:
     assert [step["failures"] for step in lied.steps] == [[], ["penetration"]]
     assert lied.unstable == []
     assert lied.steps[-1]["stability"]["word"] == "not counted"
-    told = lied.as_json()
-    assert (told["outcome"], told["class"]) == ("wrong", "wrong")
-    (size, bound) = told["steps"][-1]["exceeded"]["penetration"]
-    assert told["reason"] == f"penetration {size:.3g} mm above {bound:.3g} mm at delta_mm 10"
+    record = lied.as_json()
+    assert (record["outcome"], record["class"]) == ("wrong", "wrong")
+    (size, bound) = record["steps"][-1]["exceeded"]["penetration"]
+    assert record["reason"] == f"penetration {size:.3g} mm above {bound:.3g} mm at delta_mm 10"
     assert size == 10
-    assert "exceeded" not in told["steps"][0]
+    assert "exceeded" not in record["steps"][0]
 
 
 def test_what_was_refused_is_written_all_the_same(lied: Result, tmp_path: Path) -> None:
@@ -91,9 +91,9 @@ def test_a_notebook_reads_the_same() -> None:
 
 
 def test_a_refinement_ends_with_a_state_that_is_wrong() -> None:
-    found, enough = solve_to_error(*coarsest("ring", LOADS, "1x8", contact="liar"), 0.1)
-    assert (found.outcome, enough) == (Outcome.WRONG, False)
-    assert not [name for name in found.quantities if name.startswith("extrapolated")]
+    actual, enough = solve_to_error(*coarsest("ring", LOADS, "1x8", contact="liar"), 0.1)
+    assert (actual.outcome, enough) == (Outcome.WRONG, False)
+    assert not [name for name in actual.quantities if name.startswith("extrapolated")]
 
 
 @pytest.mark.parametrize("path", ["arc-length", "series"])
@@ -112,14 +112,14 @@ def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(path: str, monk
         return judge(*asked) | (more if next(wrong) else {})
 
     monkeypatch.setattr(recording, "certificate", refusing)
-    found = solve(*complete("roof-b", {"path": path}, "4x4"))
-    curve = found.table("curve").columns
-    assert len(found.steps) == 3
+    solution = solve(*complete("roof-b", {"path": path}, "4x4"))
+    curve = solution.table("curve").columns
+    assert len(solution.steps) == 3
     assert (len(curve["load_fraction"]) == 3) == (path == "arc-length")
-    assert curve["load_fraction"][-1] == found.steps[-1]["load_fraction"]
-    assert found.outcome is Outcome.WRONG
-    assert found.reason.startswith("equilibrium 0.5 above 1e-08 at load_fraction ")
-    assert not [name for name in found.quantities if "limit" in name]  # what only the whole curve has
+    assert curve["load_fraction"][-1] == solution.steps[-1]["load_fraction"]
+    assert solution.outcome is Outcome.WRONG
+    assert solution.reason.startswith("equilibrium 0.5 above 1e-08 at load_fraction ")
+    assert not [name for name in solution.quantities if "limit" in name]  # what only the whole curve has
 
 
 @dataclass(frozen=True)
@@ -141,9 +141,9 @@ def test_an_interrupted_solve_writes_the_loads_that_were_finished(
     words = ["ring", "--mesh", "1x16", "--contact", "stopped", "--set", "delta_mm=5,10,20", "--out", str(tmp_path)]
     assert main(["solve", *words]) == 130
     assert capsys.readouterr().err == "footprint: interrupted with 1 loads finished; they are written\n"
-    told = json.loads((tmp_path / "result.json").read_text())
-    assert (told["outcome"], told["class"], len(told["steps"])) == ("interrupted", "not-converged", 1)
-    assert told["steps"][0] == _whole()["steps"][0]
+    record = json.loads((tmp_path / "result.json").read_text())
+    assert (record["outcome"], record["class"], len(record["steps"])) == ("interrupted", "not-converged", 1)
+    assert record["steps"][0] == _whole()["steps"][0]
     with pytest.raises(KeyboardInterrupt):  # a loop in a notebook ends, too
         studies.footprint.solve("ring", mesh="1x16", contact="stopped", **LOADS)
 
@@ -178,17 +178,17 @@ class Inflation(Semismooth):
     """A claim that inflating moves nothing."""
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        found = super().solve(problem, start)
-        return found if len(problem.weights) else replace(found, u=np.zeros_like(found.u))
+        solution = super().solve(problem, start)
+        return solution if len(problem.weights) else replace(solution, u=np.zeros_like(solution.u))
 
 
 def test_what_no_step_shows_is_judged_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(ALGORITHMS, "semismooth", Inflation)
-    found = solve(*complete("tyre", {"delta_mm": "5"}, "8x8"))
-    assert (found.outcome, found.verdict) == (Outcome.WRONG, "wrong")
-    assert found.reason.startswith("equilibrium ")
-    assert found.reason.endswith(" in column at 1")
-    assert found.steps == []
+    solution = solve(*complete("tyre", {"delta_mm": "5"}, "8x8"))
+    assert (solution.outcome, solution.verdict) == (Outcome.WRONG, "wrong")
+    assert solution.reason.startswith("equilibrium ")
+    assert solution.reason.endswith(" in column at 1")
+    assert solution.steps == []
 
 
 def test_a_path_through_an_unstable_state_says_so() -> None:

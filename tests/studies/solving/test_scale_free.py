@@ -81,8 +81,8 @@ def test_the_whole_map_is_of_one_colour(name) -> None:
 @pytest.mark.slow
 def test_the_thinnest_wall_is_right_or_given_up_for_rounding() -> None:
     """Which of both depends on the last digits of the machine."""
-    found = attempt(chart_of("thin-travel").point("0.562341", "2.05353e-06"))
-    assert found.kind in (CONVERGED, UNSTABLE) or "rounding" in found.reason
+    actual = attempt(chart_of("thin-travel").point("0.562341", "2.05353e-06"))
+    assert actual.kind in (CONVERGED, UNSTABLE) or "rounding" in actual.reason
 
 
 @pytest.mark.slow
@@ -93,11 +93,11 @@ def test_a_very_thin_wall_is_known_to_the_last_digit_of_its_faces(h_over_R) -> N
     Were the middle of the wall and its director stored, and not the faces, it would be ten thousand times less.
     """
     point = chart_of("thin-travel").point("0.562341", h_over_R)
-    found = ends("panel", "semismooth", point.options["mesh"], **point.settings)
-    verdict = judge(found.problem, found.state.u, found.state.pressure)
+    actual = ends("panel", "semismooth", point.options["mesh"], **point.settings)
+    verdict = judge(actual.problem, actual.state.u, actual.state.pressure)
     assert verdict.failures() == []
     assert verdict.equilibrium > 100 * RESIDUAL_TOLERANCE
-    body, u = found.problem.linearise(found.state.u, None), found.state.u
+    body, u = actual.problem.linearise(actual.state.u, None), actual.state.u
     rng, half = np.random.default_rng(0), np.finfo(float).eps / 2
 
     def out_of_balance(stored: Callable[[], np.ndarray]) -> float:
@@ -120,16 +120,16 @@ def test_a_very_thin_wall_is_known_to_the_last_digit_of_its_faces(h_over_R) -> N
 def test_a_travel_of_next_to_nothing_is_pressed_as_a_linear_body_is(contact) -> None:
     """Against Lawson and Hanson's least squares on the compliance of the unloaded panel, an epsilon's included."""
     share = 1e-9
-    found = ends("panel", contact, "4x4", h_over_R=f"{H / 100}", delta_mm=f"{share * H}")
-    assert found.converged
-    problem, epsilon = found.problem, ALGORITHMS[contact]().epsilon
-    rest = np.zeros_like(found.state.u)
+    actual = ends("panel", contact, "4x4", h_over_R=f"{H / 100}", delta_mm=f"{share * H}")
+    assert actual.converged
+    problem, epsilon = actual.problem, ALGORITHMS[contact]().epsilon
+    rest = np.zeros_like(actual.state.u)
     K, G = problem.linearise(rest, None).tangent.toarray(), problem.gap_jacobian(rest).toarray()
     compliance = G @ np.linalg.solve(K, G.T) + np.diag(1 / (epsilon * problem.weights))
     root = np.linalg.cholesky(compliance).T
     forces, _ = nnls(root, -np.linalg.solve(root.T, problem.gap(rest) / (share * H)))
     np.testing.assert_allclose(
-        problem.nodal_forces(found.state.pressure) / (share * H), forces, rtol=0, atol=LIGHT * forces.max()
+        problem.nodal_forces(actual.state.pressure) / (share * H), forces, rtol=0, atol=LIGHT * forces.max()
     )
 
 
@@ -158,8 +158,8 @@ def test_a_tyre_is_pressed_under_any_pressure_down_to_none(p0, contact) -> None:
 @pytest.mark.parametrize("nu", ["0.492501", "0.496838"])
 def test_what_rounding_leaves_is_not_called_converged_unless_it_is_known_to_move_nothing(nu: str) -> None:
     """Nearly incompressible, 2e6 times thinner than its radius: four times beyond where the last digits decide."""
-    found = attempt(chart_of("nu-thin").point(nu, "5e-07"))
-    assert found.kind == FAILED
+    actual = attempt(chart_of("nu-thin").point(nu, "5e-07"))
+    assert actual.kind == FAILED
 
 
 def test_what_is_read_off_a_panel_is_in_units_of_its_own() -> None:

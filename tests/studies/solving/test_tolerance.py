@@ -17,9 +17,9 @@ LOOSE = 1e-2
 
 
 def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: str) -> Result:
-    found = solve(*complete(scene, settings, mesh, contact=contact))
-    assert found.outcome.converged
-    return found
+    solution = solve(*complete(scene, settings, mesh, contact=contact))
+    assert solution.outcome.converged
+    return solution
 
 
 @pytest.mark.parametrize(
@@ -29,26 +29,26 @@ def solved(scene: str, mesh: str, contact: str = "semismooth", **settings: str) 
 def test_every_algorithm_stops_where_it_is_told_and_says_no_more(contact: str) -> None:
     tight, loose = (solved("tyre", "12x12", contact, delta_mm="10", **t) for t in ({}, {"tolerance": str(LOOSE)}))
     assert loose.counters["newton_iterations"] < tight.counters["newton_iterations"]
-    for found in (tight, loose):
-        assert found.steps[-1]["failures"] == []
+    for actual in (tight, loose):
+        assert actual.steps[-1]["failures"] == []
     assert loose.steps[-1]["kkt"]["equilibrium"] <= LOOSE
     assert tight.steps[-1]["kkt"]["equilibrium"] <= 10 * RESIDUAL_TOLERANCE
     assert loose.steps[-1]["force_N"] == pytest.approx(tight.steps[-1]["force_N"], rel=LOOSE)
 
 
 def test_the_default_is_what_it_was() -> None:
-    usual, told = (solved("tyre", "12x12", delta_mm="20", **t) for t in ({}, {"tolerance": "1e-9"}))
-    assert np.array_equal(usual.last.u, told.last.u)
-    assert usual.counters == told.counters
+    usual, stated = (solved("tyre", "12x12", delta_mm="20", **t) for t in ({}, {"tolerance": "1e-9"}))
+    assert np.array_equal(usual.last.u, stated.last.u)
+    assert usual.counters == stated.counters
 
 
 def test_a_loose_answer_is_wrong_for_who_claims_more() -> None:
     """Must fail beside must pass."""
     scene, request = complete("cantilever", {"tolerance": "1e-1"}, "16x1")
-    found = solve(scene, request)
-    *_, stage = found.model.stages()
-    verdict = judge(stage.begin(None)[0](1.0), found.last.u, found.last.pressure)
-    n = len(found.last.u)
+    solution = solve(scene, request)
+    *_, stage = solution.model.stages()
+    verdict = judge(stage.begin(None)[0](1.0), solution.last.u, solution.last.pressure)
+    n = len(solution.last.u)
     assert "equilibrium" in verdict.failures(**claim(RESIDUAL_TOLERANCE, n))
     assert "equilibrium" in verdict.failures(**claim(1e-4, n))
     assert verdict.failures(**claim(1e-1, n)) == []

@@ -74,10 +74,10 @@ def klarbring(mu: float, load: tuple[float, float], coupling: float) -> FrozenFr
 def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:
     """Every answer of :func:`klarbring`, state by state, each by its two equations."""
     K, (along, across) = springs.K.toarray()[:2, :2], -springs.r[:2]
-    mu, found = float(springs.mu[0]), []
+    mu, actual = float(springs.mu[0]), []
 
     def take(u_t: float, u_n: float, f: float, t: float, state: State) -> None:
-        found.append(Answer(np.array([u_t, u_n, 0.0]), np.array([f]), np.array([[t, 0.0]]), np.array([state])))
+        actual.append(Answer(np.array([u_t, u_n, 0.0]), np.array([f]), np.array([[t, 0.0]]), np.array([state])))
 
     u_t, u_n = np.linalg.solve(K, [along, across])
     if u_n > 0:
@@ -89,7 +89,7 @@ def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:
         u_t, f = np.linalg.solve(matrix, [along, across])
         if f > 0 and sense * u_t > 0:
             take(u_t, 0.0, f, -sense * mu * f, State.SLIP)
-    return found
+    return actual
 
 
 def balanced(made: FrozenFrictionalStep, answer: Answer) -> FrozenFrictionalStep:

@@ -73,13 +73,13 @@ def _answered(row: dict, step: FrozenStep) -> str:
     """
     first = find(step)
     own = traits(step, first)
-    found = confirm(step, first, own.condition)
+    actual = confirm(step, first, own.condition)
     if own.kind != row["kind"]:
         return f"{own.kind}, not {row['kind']}"
     if own.kind != "definite":
         return ""
-    forces, least = step.problem().nodal_forces(found.pressure), rounding(own.condition)
-    gap = step.gap + step.G @ found.du
+    forces, least = step.problem().nodal_forces(actual.pressure), rounding(own.condition)
+    gap = step.gap + step.G @ actual.du
     sure = int(np.sum(forces > least * forces.max()))
     closed = gap <= least * max(np.abs(step.gap).max(), np.abs(gap).max())
     if not sure <= row["pressed"] <= np.sum(closed | (forces > 0)):

@@ -49,8 +49,8 @@ def choices() -> pd.DataFrame:
             for name, error in MEASURES.items():
                 enough = abs(error) < asked
                 limit = {"formulation_error": error, "within": 0.03 if name == "sanders" else 0.001}
-                found = {"verdict": "enough" if enough else "not enough", "mesh": "16x16" if enough else None}
-                rows.append({**own, "row": "variant", "name": name, **limit, **found, "seconds": 0.3})
+                by_name = {"verdict": "enough" if enough else "not enough", "mesh": "16x16" if enough else None}
+                rows.append({**own, "row": "variant", "name": name, **limit, **by_name, "seconds": 0.3})
                 for n in (8, 16):
                     grid = {"mesh": f"{n}x{n}", "unknowns": 6.0 * n * n, "seconds": n / 10}
                     rows.append({**own, "row": "grid", "name": name, **grid, "error_at_most": abs(error) + 1 / n**2})
@@ -61,8 +61,8 @@ def choices() -> pd.DataFrame:
 
 def _trial(name: str) -> dict[str, object]:
     solved = name != "qp"
-    told = {"name": name, "contact": name, "mesh": "16x16", "verdict": "converged" if solved else "refused"}
-    return {**told, "agrees": True if solved else None, "seconds": RATIOS[name], "iterations": 9}
+    record = {"name": name, "contact": name, "mesh": "16x16", "verdict": "converged" if solved else "refused"}
+    return {**record, "agrees": True if solved else None, "seconds": RATIOS[name], "iterations": 9}
 
 
 def write_answers(store: Path, campaign: str) -> None:

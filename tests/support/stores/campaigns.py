@@ -48,14 +48,14 @@ def again(folder: Path, store: Path, **options: Any) -> Summary:
 
 def content(store: Path) -> dict[str, Any]:
     """Everything in a store apart from timings and provenance."""
-    found: dict[str, Any] = {}
+    by_name: dict[str, Any] = {}
     for path in sorted(each for each in store.rglob("*") if each.is_file() and each.name != ".lock"):
         name = path.relative_to(store).as_posix()
-        found[name] = path.read_bytes()
+        by_name[name] = path.read_bytes()
         if name.startswith("cells/") and name.endswith(".json"):
-            record = json.loads(found[name])
-            found[name] = {key: value for key, value in record.items() if key not in APART}
-    return found
+            record = json.loads(by_name[name])
+            by_name[name] = {key: value for key, value in record.items() if key not in APART}
+    return by_name
 
 
 def analysed_again(store: Path, campaign: str = "report") -> None:

@@ -35,13 +35,13 @@ def pairings() -> pd.DataFrame:
             lost = problem == LOST and pairing == "nodes" and n == SIDES[-1]
             error = math.nan if lost else sign / n ** (2 if pairing == "mortar" else 1)
             said = {"problem": problem, "scene": "two-rings", "mesh": f"1x{n}", "pairing": pairing, "slave": slave}
-            found = {"quantity": QUANTITY, "value": EXACT * (1 + error), "reference": EXACT, "error": error}
+            by_name = {"quantity": QUANTITY, "value": EXACT * (1 + error), "reference": EXACT, "error": error}
             ended = {"outcome": "cap-hit" if lost else "converged", "reason": "it is made up" if lost else ""}
             command = f"footprint solve two-rings --mesh 1x{n} --set pairing={pairing} --set slave={slave} {problem!r}"
             both = math.nan if len(slaves) == 1 or lost else 2 * abs(error)
             ended |= {"finest": n == SIDES[-1], "bias": both}
             spent = {"known": 3e-4, "iterations": 9, "unknowns": 14 * n, "cpu_s": 0.1}
-            rows.append({**said, **found, **spent, **ended, "command": command})
+            rows.append({**said, **by_name, **spent, **ended, "command": command})
     return pd.DataFrame(rows)
 
 
@@ -92,8 +92,8 @@ def ironed() -> pd.DataFrame:
         if (n, slab) == (120, "shell"):
             continue
         V, H = 400.0, 140 * (1 + (error if slab == "solid" else error / 2))
-        told = {"slab": slab, "mesh": f"1x{n}", "V_press": 0.8 * V, "H_press": 0.5 * H, "V": V, "H": H}
-        rows.append({**told, "ratio": H / V, "ripple": 0.1 * error, "states": 100})
+        record = {"slab": slab, "mesh": f"1x{n}", "V_press": 0.8 * V, "H_press": 0.5 * H, "V": V, "H": H}
+        rows.append({**record, "ratio": H / V, "ripple": 0.1 * error, "states": 100})
     return pd.DataFrame(rows)
 
 

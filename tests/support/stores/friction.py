@@ -144,9 +144,9 @@ def klarbring() -> pd.DataFrame:
     rows = []
     for (case, (coupling, count, which)), name in product(cases.items(), (NAIVE, *EXACT)):
         lost = count == 0 or (name == NAIVE and case == "one")
-        found = None if lost else "stick" if case == "one" else "open"
+        actual = None if lost else "stick" if case == "one" else "open"
         row = {"case": case, "mu_Knt_over_Ktt": coupling, "answers": count, "which": which, "algorithm": name}
-        rows.append(row | {"outcome": "cycling" if lost else "converged", "found": found})
+        rows.append(row | {"outcome": "cycling" if lost else "converged", "found": actual})
     return pd.DataFrame(rows)
 
 

@@ -50,9 +50,9 @@ def npy(array: Any) -> bytes:
 
 def header(shape: str, descr: str = "<f8") -> bytes:
     """Of an array of which nothing is there."""
-    told = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}".encode()
-    told += b" " * (-(len(told) + 11) % 64) + b"\n"
-    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(told)) + told
+    stated = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}".encode()
+    stated += b" " * (-(len(stated) + 11) % 64) + b"\n"
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(stated)) + stated
 
 
 def npz(members: Mapping[str, bytes], zeros: Mapping[str, int] | None = None) -> Write:
@@ -279,6 +279,6 @@ def changed(path: Path, change: Change | str) -> None:
     if isinstance(change, str):
         path.write_text(change)
         return
-    told = json.loads(path.read_text())
-    change(told)
-    path.write_text(json.dumps(told))
+    record = json.loads(path.read_text())
+    change(record)
+    path.write_text(json.dumps(record))

@@ -78,10 +78,10 @@ def flipped(data: bytes, rng: np.random.Generator) -> bytes:
     """Some bits turned, or an end cut off."""
     if rng.random() < 0.3:
         return data[: rng.integers(len(data))]
-    found = bytearray(data)
+    actual = bytearray(data)
     for at in rng.integers(len(data), size=int(rng.integers(1, 9))):
-        found[at] ^= 1 << int(rng.integers(8))
-    return bytes(found)
+        actual[at] ^= 1 << int(rng.integers(8))
+    return bytes(actual)
 
 
 def npz(data: bytes, rng: np.random.Generator) -> bytes:

@@ -52,7 +52,7 @@ def test_a_claimed_answer_is_one_of_them_and_below_the_bound_all_find_it() -> No
     assert not (table["found"] == "wrong").any()
     assert (table["outcome"][table["answers"] == 0] == "cycling").all()
     claimed = table[table["outcome"] == "converged"]
-    assert all(found in which.split(", ") for found, which in zip(claimed["found"], claimed["which"], strict=True))
+    assert all(actual in which.split(", ") for actual, which in zip(claimed["found"], claimed["which"], strict=True))
     alone = table[(table["answers"] == 1) & (table["mu_Knt_over_Ktt"] < 1)]
     assert (alone["outcome"] == "converged").all()
     pulled = table.loc["beyond it, slip - alone, pulled off", "outcome"]
@@ -67,11 +67,11 @@ def test_the_greco_plate_in_all_hands() -> None:
     assert wanted.outcome.converged
     largest = np.max(plate.weights * wanted.pressure)
     for name in (*EXACT[1:], "trial-and-error"):
-        found = plate.solve(algorithm(name), 1.0)
-        assert found.outcome.converged, name
-        assert np.array_equal(found.rubbed.state, wanted.rubbed.state), name
-        assert np.max(np.abs(found.u - wanted.u)) < 1e-8 * np.max(np.abs(wanted.u)), name
-        assert np.max(np.abs(found.rubbed.force - wanted.rubbed.force)) < 1e-8 * largest, name
+        solution = plate.solve(algorithm(name), 1.0)
+        assert solution.outcome.converged, name
+        assert np.array_equal(solution.rubbed.state, wanted.rubbed.state), name
+        assert np.max(np.abs(solution.u - wanted.u)) < 1e-8 * np.max(np.abs(wanted.u)), name
+        assert np.max(np.abs(solution.rubbed.force - wanted.rubbed.force)) < 1e-8 * largest, name
     assert plate.solve(by_the_exact_law(naive=True)["trial-and-error"], 1.0).outcome.word == "cycling"
     sprung = plate.solve(algorithm("regularised"), 1.0)
     assert sprung.outcome.converged
@@ -82,9 +82,9 @@ def test_trial_and_error_on_bars() -> None:
     """As semismooth Newton there and back; what the others do is written down among the golden answers."""
     bar = Bar(10, LENGTH, 1.0, press=TAU)
     states = list(follow(bar.stage_at, [PULL, 0.0], algorithm("trial-and-error"), bar.rest))
-    for found, known in zip(states, bar.follow([PULL, 0.0]), strict=True):
-        assert found.solution.outcome.converged
-        assert np.max(np.abs(found.solution.u - known.solution.u)) < 1e-8 * STRIP_END
+    for actual, known in zip(states, bar.follow([PULL, 0.0]), strict=True):
+        assert actual.solution.outcome.converged
+        assert np.max(np.abs(actual.solution.u - known.solution.u)) < 1e-8 * STRIP_END
 
 
 def on_slope(slope: float, mu: float, push: float) -> ContactProblem:
@@ -106,6 +106,6 @@ def test_wedge_and_slope_in_all_hands() -> None:
         (slope, 0.49, 0.0): State.SLIP,
     }
     for name, (case, state) in product(ALGORITHMS, cases.items()):
-        found = algorithm(name).solve(on_slope(*case), ContactSolution.at_rest(2, 1))
-        assert found.outcome.converged, name
-        assert found.rubbed.state[0] == state, name
+        solution = algorithm(name).solve(on_slope(*case), ContactSolution.at_rest(2, 1))
+        assert solution.outcome.converged, name
+        assert solution.rubbed.state[0] == state, name

@@ -95,8 +95,8 @@ def test_a_turn_on_the_spot() -> None:
 @pytest.mark.slow
 def test_a_turn_on_the_spot_is_of_second_order_in_the_rings() -> None:
     table = parking_table()
-    found = orders(table, ["pressure", "core"], "rings", ERRORS)
-    np.testing.assert_allclose(found[list(ERRORS)].to_numpy(float), 2, atol=0.1)
+    actual = orders(table, ["pressure", "core"], "rings", ERRORS)
+    np.testing.assert_allclose(actual[list(ERRORS)].to_numpy(float), 2, atol=0.1)
     parabolic = table[table["pressure"] == "parabolic"]
     np.testing.assert_allclose(orders(parabolic, ["core"], "rings", ["core_error"])["core_error"], 2, atol=0.1)
     finest = table[table["rings"] == table["rings"].max()]
@@ -143,8 +143,8 @@ def test_load_steps_of_first_order_with_springs_alike() -> None:
     table = path_table((8, 16, 32), ("springs alike",))
     assert (table["outcome"] == "converged").all()
     assert (table["work_error"] < 0).all()
-    found = orders(table, ["case"], "steps", PATH_ERRORS)
-    np.testing.assert_allclose(found[list(PATH_ERRORS)].to_numpy(float), 1, atol=0.07)
+    actual = orders(table, ["case"], "steps", PATH_ERRORS)
+    np.testing.assert_allclose(actual[list(PATH_ERRORS)].to_numpy(float), 1, atol=0.07)
 
 
 @pytest.mark.slow
@@ -154,5 +154,5 @@ def test_load_steps_are_of_first_order() -> None:
     assert (table["outcome"] == "converged").all()
     for _, own in table.groupby("case"):
         assert (np.diff(own["end_error"]) < 0).all()
-    found = orders(table[table["steps"] >= 16], ["case"], "steps", PATH_ERRORS)
-    np.testing.assert_allclose(found[list(PATH_ERRORS)].to_numpy(float), 1, atol=0.05)
+    actual = orders(table[table["steps"] >= 16], ["case"], "steps", PATH_ERRORS)
+    np.testing.assert_allclose(actual[list(PATH_ERRORS)].to_numpy(float), 1, atol=0.05)

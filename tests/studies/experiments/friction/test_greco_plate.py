@@ -41,11 +41,11 @@ def test_uniform_load_is_carried_uniformly_by_every_exact_algorithm(element: str
     plate = GrecoPlate(element, 4)
     assert plate.forces.sum() == pytest.approx((150 - TOP) * SIDE, rel=ROUNDING)
     for name in EXACT:
-        found = plate.solve(ALGORITHMS[name](epsilon=math.inf))
-        assert found.outcome is Outcome.CONVERGED, name
-        np.testing.assert_allclose(found.pressure, TOP, rtol=ROUNDING, err_msg=name)
-        np.testing.assert_allclose(plate.along @ found.u, slip(plate.x), atol=ROUNDING, err_msg=name)
-        assert judge(plate.problem(), found.u, found.pressure).equilibrium < ROUNDING
+        solution = plate.solve(ALGORITHMS[name](epsilon=math.inf))
+        assert solution.outcome is Outcome.CONVERGED, name
+        np.testing.assert_allclose(solution.pressure, TOP, rtol=ROUNDING, err_msg=name)
+        np.testing.assert_allclose(plate.along @ solution.u, slip(plate.x), atol=ROUNDING, err_msg=name)
+        assert judge(plate.problem(), solution.u, solution.pressure).equilibrium < ROUNDING
     assert slip(0.0) == pytest.approx(1.1e8 * 1.2 / 1.3e11 * 40)
     assert slip(0.0) / 0.0286 == pytest.approx(1.42, abs=0.01)
 
@@ -56,17 +56,17 @@ def test_other_loads_have_other_references(element: str) -> None:
     forces and displacements are those of Clarabel on the same quadratic programme.
     """
     plate, both = GrecoPlate(element, 6, "rising"), GrecoPlate(element, 6, "rising", mirrored=True)
-    found, free = plate.solve(Semismooth()), spsolve(both.stiffness, both.forces[both.free])
-    assert found.active.all()
+    solution, free = plate.solve(Semismooth()), spsolve(both.stiffness, both.forces[both.free])
+    assert solution.active.all()
     np.testing.assert_allclose(both.across @ free, 0, atol=ROUNDING * slip(0.0))
-    np.testing.assert_allclose(plate.along @ found.u, both.along @ free, rtol=ROUNDING)
+    np.testing.assert_allclose(plate.along @ solution.u, both.along @ free, rtol=ROUNDING)
     plate = GrecoPlate(element, 8, "lifting")
-    found = plate.solve(Semismooth())
-    assert 0 < np.sum(~found.active) < len(plate.x)
+    solution = plate.solve(Semismooth())
+    assert 0 < np.sum(~solution.active) < len(plate.x)
     step = freeze(plate.problem(), np.zeros(len(plate.free)), np.zeros(len(plate.x)), {"scene": "greco-plate"})
-    assert confirm(step, found.u, found.pressure).agrees
+    assert confirm(step, solution.u, solution.pressure).agrees
     held = spsolve(plate.stiffness + 1e9 * plate.across.T @ plate.across, plate.forces[plate.free])
-    assert not confirm(step, held, found.pressure).agrees
+    assert not confirm(step, held, solution.pressure).agrees
 
 
 @pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
@@ -76,11 +76,11 @@ def test_nobody_has_to_say_how_large_a_gap_is_where_nothing_lifts_off(scale: flo
     problem, rest = plate.problem(), ContactSolution.at_rest(len(plate.free), len(plate.x))
     assert problem.gap_size == 0
     loaded = replace(problem, linearise=linear_mechanics(plate.stiffness, scale * plate.forces[plate.free]))
-    found = ALGORITHMS["augmented-lagrangian"](epsilon=math.inf).solve(loaded, rest)
-    assert found.outcome is Outcome.CONVERGED
-    assert found.counters["newton_iterations"] < 10
-    np.testing.assert_allclose(found.pressure, scale * TOP, rtol=ROUNDING)
-    assert judge(loaded, found.u, found.pressure).failures() == []
+    solution = ALGORITHMS["augmented-lagrangian"](epsilon=math.inf).solve(loaded, rest)
+    assert solution.outcome is Outcome.CONVERGED
+    assert solution.counters["newton_iterations"] < 10
+    np.testing.assert_allclose(solution.pressure, scale * TOP, rtol=ROUNDING)
+    assert judge(loaded, solution.u, solution.pressure).failures() == []
 
 
 @pytest.mark.slow
@@ -126,12 +126,12 @@ def test_without_friction_the_plate_is_that_of_the_frictionless_algorithm() -> N
     """But for rounding, as both eliminate in other orders."""
     for element, load in product(ELEMENTS, LOADS):
         plate = GrecoPlate(element, 8, load)
-        alone, found = plate.solve(Semismooth()), plate.solve(Semismooth(), 0.0)
-        assert found.outcome.converged
-        assert np.array_equal(found.rubbed.state != State.OPEN, alone.active)
-        assert not found.rubbed.force.any()
-        assert found.counters["newton_iterations"] == alone.counters["newton_iterations"]
-        for value, known in ((found.u, alone.u), (found.pressure, alone.pressure)):
+        alone, actual = plate.solve(Semismooth()), plate.solve(Semismooth(), 0.0)
+        assert actual.outcome.converged
+        assert np.array_equal(actual.rubbed.state != State.OPEN, alone.active)
+        assert not actual.rubbed.force.any()
+        assert actual.counters["newton_iterations"] == alone.counters["newton_iterations"]
+        for value, known in ((actual.u, alone.u), (actual.pressure, alone.pressure)):
             assert np.max(np.abs(value - known)) < TIED_ROUNDING * np.max(np.abs(known))
 
 
@@ -158,6 +158,6 @@ def test_a_tied_answer_is_one_of_the_whole_plate_and_of_a_large_coefficient() ->
     assert np.all(left[normals[holds]] > 0)
     assert np.all(u[normals[~holds]] > 0)
     np.testing.assert_allclose(np.delete(left, held), 0, atol=1e-9 * np.max(np.abs(left)))
-    found = plate.solve(Semismooth(), 1e6)
-    assert np.array_equal(found.rubbed.state == State.STICK, holds)
-    np.testing.assert_allclose(found.u, u, rtol=0, atol=1e-12 * np.max(np.abs(u)))
+    solution = plate.solve(Semismooth(), 1e6)
+    assert np.array_equal(solution.rubbed.state == State.STICK, holds)
+    np.testing.assert_allclose(solution.u, u, rtol=0, atol=1e-12 * np.max(np.abs(u)))

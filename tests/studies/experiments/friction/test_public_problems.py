@@ -49,10 +49,10 @@ from support.problems.frictional import with_mu
 
 def test_the_shipped_table_is_what_its_module_tells() -> None:
     """Every problem by all, who is not tried with a reason; whoever claims an answer by the exact law is certified."""
-    found = public_table()
-    tried, gone = found[found["outcome"] != UNDECIDED], found[found["outcome"] == UNDECIDED]
-    taken = found[found["certified"] == "True"]
-    assert (found["problem"].nunique(), tried["problem"].nunique(), taken["problem"].nunique()) == (65, 62, 56)
+    actual = public_table()
+    tried, gone = actual[actual["outcome"] != UNDECIDED], actual[actual["outcome"] == UNDECIDED]
+    taken = actual[actual["certified"] == "True"]
+    assert (actual["problem"].nunique(), tried["problem"].nunique(), taken["problem"].nunique()) == (65, 62, 56)
     assert taken["algorithm"].value_counts().to_dict() == {
         **{"augmented-lagrangian": 45, "lcp": 42, ORACLE: 43, "semismooth": 46, "qp": 26, "trial-and-error": 18}
     }
@@ -60,10 +60,10 @@ def test_the_shipped_table_is_what_its_module_tells() -> None:
     assert (gone["reason"] != "").all()
     assert not set(gone["problem"]) & set(tried["problem"])
     assert set(tried.groupby("problem")["algorithm"].agg(tuple)) == {(ORACLE, *algorithms())}
-    claims = found[(found["outcome"] == "converged") & ~found["reason"].str.startswith("by its own law")]
+    claims = actual[(actual["outcome"] == "converged") & ~actual["reason"].str.startswith("by its own law")]
     assert len(claims) > 200
     assert (claims["certified"] == "True").all()
-    own = found[found["algorithm"] == ORACLE]
+    own = actual[actual["algorithm"] == ORACLE]
     assert (own.loc[own["certified"] != "True", "reason"] != "").all()
 
 
@@ -81,13 +81,13 @@ def test_one_contact_by_hand() -> None:
     """W = 1, q = (-1, 1, 3), mu = 0.1 of FrictionContact3D_1c: f = 1, slip along (1, 3), friction against it."""
     problem = small()["FrictionContact3D_1c.dat"]
     assert problem.W is not None
-    found = minimise(problem.step())
-    f = found.normal[0]
-    direction = found.friction[0] / np.linalg.norm(found.friction[0])
-    ways = problem.W @ np.array([f, *found.friction[0]]) + problem.offset
-    assert found.state.tolist() == [State.SLIP]
+    actual = minimise(problem.step())
+    f = actual.normal[0]
+    direction = actual.friction[0] / np.linalg.norm(actual.friction[0])
+    ways = problem.W @ np.array([f, *actual.friction[0]]) + problem.offset
+    assert actual.state.tolist() == [State.SLIP]
     assert ways[0] == pytest.approx(0, abs=1e-12)
-    assert np.linalg.norm(found.friction[0]) == pytest.approx(problem.mu[0] * f, rel=1e-12)
+    assert np.linalg.norm(actual.friction[0]) == pytest.approx(problem.mu[0] * f, rel=1e-12)
     assert direction @ ways[1:] == pytest.approx(-np.linalg.norm(ways[1:]), rel=1e-12)
 
 
@@ -96,8 +96,8 @@ def test_a_solve_that_does_not_end_stops_nothing() -> None:
         while True:
             pass
 
-    found = limited(endless, 0.1)
-    assert (found.outcome, found.reason) == ("time limit", "more than 0.1 s")
+    actual = limited(endless, 0.1)
+    assert (actual.outcome, actual.reason) == ("time limit", "more than 0.1 s")
     assert limited(lambda: Tried("none"), 0.1).outcome == "none"
 
 
@@ -107,9 +107,9 @@ def test_files_that_are_none_are_told(tmp_path) -> None:
     with pytest.raises((SiconosError, OSError)):
         read_any(tmp_path / "none.hdf5")
     (tmp_path / "none.hdf5").unlink()
-    found = table([tmp_path])
-    assert found["outcome"].tolist() == [UNDECIDED]
-    assert "the file is no frictional problem" in found["reason"][0]
+    actual = table([tmp_path])
+    assert actual["outcome"].tolist() == [UNDECIDED]
+    assert "the file is no frictional problem" in actual["reason"][0]
 
 
 def _models() -> dict[str, tuple[Any, list[float], np.ndarray]]:
@@ -137,8 +137,8 @@ def test_every_state_passes_the_judge(name: str) -> None:
     states = model.follow(loads)
     assert len(states) == len(loads)
     for state in states:
-        problem, found = model.stage_at(state.load, anchors).problem, state.solution
-        assert judge(problem, found.u, found.pressure, found.rubbed.force).failures() == []
+        problem, actual = model.stage_at(state.load, anchors).problem, state.solution
+        assert judge(problem, actual.u, actual.pressure, actual.rubbed.force).failures() == []
         anchors = state.anchors
 
 
@@ -146,9 +146,9 @@ def test_the_judge_would_see_less_friction() -> None:
     """The last state of the strip, its coefficient a little smaller in the problem than in the answer."""
     model, loads, anchors = MODELS["strip"]
     state = model.follow(loads[:1])[0]
-    problem, found = model.stage_at(state.load, anchors).problem, state.solution
+    problem, actual = model.stage_at(state.load, anchors).problem, state.solution
     smoother = with_mu(problem, 0.999 * problem.coulomb.mu)
-    assert "cone" in judge(smoother, found.u, found.pressure, found.rubbed.force).failures()
+    assert "cone" in judge(smoother, actual.u, actual.pressure, actual.rubbed.force).failures()
 
 
 ROUNDING = 1e-9
@@ -213,9 +213,9 @@ def test_errors_are_of_second_order() -> None:
     exact_but_for_the_mesh(strip)
     assert (strip[["end_error", "loop_error"]].abs() < [0.005, 0.01]).all(axis=None)
     assert (drum["end_error"].abs() < 1e-3).all()
-    found = (
+    actual = (
         orders(strip, ["steps"], "elements", ["back_error"]),
         orders(drum, ["side"], "elements", ["end_error", "slip_error"]),
     )
-    np.testing.assert_allclose(found[0].to_numpy(float), 2, atol=0.01)
-    np.testing.assert_allclose(found[1].to_numpy(float), 2, atol=0.05)
+    np.testing.assert_allclose(actual[0].to_numpy(float), 2, atol=0.01)
+    np.testing.assert_allclose(actual[1].to_numpy(float), 2, atol=0.05)

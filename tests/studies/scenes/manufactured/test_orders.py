@@ -43,42 +43,42 @@ def off(table: pd.DataFrame) -> dict[str, float]:
 @pytest.mark.parametrize(("measure", "surface", "element"), SAMPLE)
 def test_a_sample_has_the_orders_of_theory(measure: str, surface: str, element: str) -> None:
     rows = list(errors_of(Case("sample", measure, surface, element), (6, 12)))
-    found = manufactured_orders(pd.DataFrame(rows))
-    assert found["near"].all()
-    assert off(found)["order_resultants"] < WITHIN["order_resultants"]
+    actual = manufactured_orders(pd.DataFrame(rows))
+    assert actual["near"].all()
+    assert off(actual)["order_resultants"] < WITHIN["order_resultants"]
 
 
 @pytest.mark.slow
 def test_moved_nodes_keep_the_order_of_a_measure_whose_shears_are_no_vector() -> None:
-    found = distortion_orders(distortion(("novozhilov",), (8, 16)))
-    assert found["order_displacement"].between(1.9, 2.1).all()
-    assert found["times"].max() < 1.3
+    actual = distortion_orders(distortion(("novozhilov",), (8, 16)))
+    assert actual["order_displacement"].between(1.9, 2.1).all()
+    assert actual["times"].max() < 1.3
 
 
 @pytest.mark.slow
 def test_moved_nodes_keep_the_orders_of_all_measures() -> None:
-    found = distortion_orders(distortion(meshes=(16, 32)))
-    assert found["order_displacement"].between(1.9, 2.05).all()
+    actual = distortion_orders(distortion(meshes=(16, 32)))
+    assert actual["order_displacement"].between(1.9, 2.05).all()
 
 
 @pytest.mark.slow
 def test_mean_resultants_are_of_the_first_order_on_random_and_trapezoidal_meshes() -> None:
-    found = distortion_orders(distortion(("exact",), (32, 64)))
-    smooth = found["distortion"].isin(("regular", "skew"))
-    assert found[smooth]["order_mean_resultants"].between(1.9, 2.1).all()
-    assert found[~smooth]["order_mean_resultants"].between(0.9, 1.1).all()
+    actual = distortion_orders(distortion(("exact",), (32, 64)))
+    smooth = actual["distortion"].isin(("regular", "skew"))
+    assert actual[smooth]["order_mean_resultants"].between(1.9, 2.1).all()
+    assert actual[~smooth]["order_mean_resultants"].between(0.9, 1.1).all()
 
 
 @pytest.mark.slow
 def test_all_have_the_orders_of_theory() -> None:
     """9 measures x 3 surfaces x 2 elements, and every surface, option of the element, wall and a large rotation."""
     data = manufactured()
-    found = manufactured_orders(data)
-    measures = found[found["group"] == "measures"]
+    actual = manufactured_orders(data)
+    measures = actual[actual["group"] == "measures"]
     assert len(measures) == 9 * 3 * 2
-    assert len(found) == sum(1 for _ in cases())
-    assert found["near"].all()
-    assert {name: value for name, value in off(found).items() if value > WITHIN[name]} == {}
+    assert len(actual) == sum(1 for _ in cases())
+    assert actual["near"].all()
+    assert {name: value for name, value in off(actual).items() if value > WITHIN[name]} == {}
     assert statements()["wrong"].eq("").all()
 
 
@@ -88,26 +88,26 @@ def test_contact_has_its_orders(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("studies.experiments.manufactured.MEASURES", CONTACT_SAMPLE)
     monkeypatch.setattr("studies.experiments.manufactured.MESHES", (12, 24))
     data = manufactured_contact()
-    found = contact_orders(data)
-    assert set(found["measure"]) == set(CONTACT_SAMPLE)
+    actual = contact_orders(data)
+    assert set(actual["measure"]) == set(CONTACT_SAMPLE)
     assert data["class"].eq("converged").all()
-    exact = found[found["measure"] == "exact"]
+    exact = actual[actual["measure"] == "exact"]
     assert exact["order_displacement"].between(1.9, 2.1).all()
-    assert found["order_displacement"].median() > 1.9
-    assert found["order_pressure"].median() > 0.95
-    assert found["order_edge"].median() > 0.95
-    assert found["edge_elements"].max() < 0.6
+    assert actual["order_displacement"].median() > 1.9
+    assert actual["order_pressure"].median() > 0.95
+    assert actual["order_edge"].median() > 0.95
+    assert actual["edge_elements"].max() < 0.6
 
 
 @pytest.mark.slow
 def test_contact_converges() -> None:
     """The judge agrees, and errors fall."""
-    found = {}
+    by_name = {}
     for n in (8, 24):
         result = solve(*resolve("manufactured-contact", {"radius": "0.5"}, f"{n}x{n}"))
         assert result.verdict == "converged"
-        found[n] = result.quantities
-    coarse, fine = found[8], found[24]
+        by_name[n] = result.quantities
+    coarse, fine = by_name[8], by_name[24]
     assert 1.9 < np.log(coarse["error_displacement"] / fine["error_displacement"]) / np.log(3) < 2.1
     assert fine["error_pressure"] < 0.5 * coarse["error_pressure"]
     assert fine["error_edge"] < 0.5 * coarse["error_edge"]
@@ -120,9 +120,9 @@ def test_a_planted_coefficient_stops_the_convergence_and_is_named(monkeypatch: p
     quadratic = sanders.quadratic.copy()
     quadratic[STRAINS.index("E22+")] *= 1.05
     monkeypatch.setitem(MEASURES, "sanders", replace(sanders, quadratic=quadratic))
-    found = manufactured_orders(pd.DataFrame(errors_of(Case("planted", "sanders", "torus"), (6, 12, 24))))
-    assert not found["near"].any()
-    assert found["order_displacement"].iloc[0] < 1.5
+    actual = manufactured_orders(pd.DataFrame(errors_of(Case("planted", "sanders", "torus"), (6, 12, 24))))
+    assert not actual["near"].any()
+    assert actual["order_displacement"].iloc[0] < 1.5
     named = {(wrong.strain, wrong.monomial) for wrong in wrong_coefficients(MEASURES["sanders"], STATEMENTS["sanders"])}
     assert named == {("E22+", pair) for pair in ("t2+ t2+", "w1+ w1+", "w2+ w2+", "w1+ w2+")}
 
@@ -130,8 +130,8 @@ def test_a_planted_coefficient_stops_the_convergence_and_is_named(monkeypatch: p
 def test_a_statement_that_differs_stops_the_convergence(monkeypatch: pytest.MonkeyPatch) -> None:
     """The loads are those of the statement, not of the table."""
     monkeypatch.setattr(stated, "STATEMENTS", {**STATEMENTS, "von-karman": stated.sanders})
-    found = manufactured_orders(pd.DataFrame(errors_of(Case("planted", "von-karman", "torus"), (6, 12))))
-    assert not found["near"].any()
+    actual = manufactured_orders(pd.DataFrame(errors_of(Case("planted", "von-karman", "torus"), (6, 12))))
+    assert not actual["near"].any()
 
 
 def test_orders_are_exponents() -> None:
@@ -143,12 +143,12 @@ def test_orders_are_exponents() -> None:
         for name, outcome in (("good", "converged"), ("bad", "wrong"))
         for n in (32, 8, 16)
     ]
-    found = manufactured_orders(pd.DataFrame(rows)).set_index("measure")
-    assert list(found["near"]) == [True, False]
-    np.testing.assert_allclose(found.loc["good", list(WITHIN)].astype(float), list(THEORY.values()), atol=1e-12)
-    assert found.loc["good", "change_displacement"] == pytest.approx(0)
-    assert not found["coarse"].any()
-    assert found.loc["good", "error_displacement"] == 3 / 32**2
+    table = manufactured_orders(pd.DataFrame(rows)).set_index("measure")
+    assert list(table["near"]) == [True, False]
+    np.testing.assert_allclose(table.loc["good", list(WITHIN)].astype(float), list(THEORY.values()), atol=1e-12)
+    assert table.loc["good", "change_displacement"] == pytest.approx(0)
+    assert not table["coarse"].any()
+    assert table.loc["good", "error_displacement"] == 3 / 32**2
     kinked = pd.DataFrame({"measure": "m", "n": [1, 2, 4], "error_a": [8.0, 4.0, 1.0]})
     assert orders(kinked, ["measure"], ["error_a"])[["order_a", "change_a"]].to_numpy().tolist() == [[2.0, 1.0]]
 

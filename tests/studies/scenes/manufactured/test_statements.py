@@ -39,12 +39,12 @@ def test_a_planted_coefficient_is_named(name: str) -> None:
     linear[row, i] *= 1.05
     e22, j, k = STRAINS.index("E22-"), QUANTITIES.index("l1-"), QUANTITIES.index("beta3")
     quadratic[e22, j, k] = quadratic[e22, k, j] = 0.02
-    found = wrong_coefficients(replace(measure, linear=linear, quadratic=quadratic), STATEMENTS[name])
-    assert set(found) == {
+    actual = wrong_coefficients(replace(measure, linear=linear, quadratic=quadratic), STATEMENTS[name])
+    assert set(actual) == {
         WrongCoefficient("2E13+", "t1+", -1.05, -1.0),
         WrongCoefficient("E22-", "l1- beta3", 0.02, 0.0),
     }
-    assert str(found[0]) in (
+    assert str(actual[0]) in (
         "2E13+: coefficient of t1+ is -1.05, stated -1",
         "E22-: coefficient of l1- beta3 is 0.02, stated 0",
     )

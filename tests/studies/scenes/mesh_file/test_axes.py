@@ -84,8 +84,8 @@ def test_a_wedge_of_a_ring_under_pressure_grows(tmp_path) -> None:
     seen = answered(tmp_path, wedge(), "--mesh", "2x2", "--no-error")["quantities"]
     assert seen["largest_mm"] == pytest.approx(0.01 * 10.0**2 / (1000.0 * 0.1), rel=0.01)
     spread = np.array([np.cos(0.9) - np.cos(0.3), np.sin(0.9) - np.sin(0.3)])  # of the radii, a force p R b each
-    found = np.array([seen["reaction_1_N"], seen["reaction_2_N"]])
-    assert np.allclose(found, 0.1 * np.array([-spread[1], spread[0]]), rtol=2e-3)
+    actual = np.array([seen["reaction_1_N"], seen["reaction_2_N"]])
+    assert np.allclose(actual, 0.1 * np.array([-spread[1], spread[0]]), rtol=2e-3)
 
 
 @pytest.mark.parametrize(

@@ -57,8 +57,8 @@ def test_a_moment_at_the_end_bends_a_strip_to_a_circle(tmp_path, capsys) -> None
     turned = swapped(turned, "*NSET, NSET=ROOT", "*TRANSFORM, NSET=TIP", "0, 1, 0, -1, 0, 0", "*NSET, NSET=ROOT")
     turned = [line for line in turned if line not in ("*NSET, NSET=TIP", "33, 34")]
     turned = swapped(turned, "*TRANSFORM, NSET=TIP", "*NSET, NSET=TIP", "33, 34", "*TRANSFORM, NSET=TIP")
-    found = answered(tmp_path, turned, "--no-error")["quantities"]["u3_TIP_mm"]
-    assert found == pytest.approx(deflection, rel=1e-7)
+    actual = answered(tmp_path, turned, "--no-error")["quantities"]["u3_TIP_mm"]
+    assert actual == pytest.approx(deflection, rel=1e-7)
     assert "moments are understood with the measure linear alone" in refused(
         tmp_path, capsys, swapped(STRIP, "TIP, 3, 2.", "TIP, 5, -1.")
     )
@@ -102,8 +102,8 @@ def test_a_roof_on_soft_diaphragms(tmp_path) -> None:
     u = np.linalg.solve(step.tangent.toarray(), -step.residual)
     ours = np.mean(model.shell.discretisation.cartesian(u), axis=0)[corner]
     seen = answered(tmp_path, lines, "--no-error")["quantities"]
-    found = [seen[f"u{i}_EDGE_mm"] for i in (1, 2, 3)]
-    assert np.allclose(found, ours, rtol=0, atol=1e-9 * np.abs(ours).max())
+    values = [seen[f"u{i}_EDGE_mm"] for i in (1, 2, 3)]
+    assert np.allclose(values, ours, rtol=0, atol=1e-9 * np.abs(ours).max())
     bare = answered(tmp_path, without_normals(lines), "--no-error")["quantities"]
     assert bare["u1_EDGE_mm"] == pytest.approx(seen["u1_EDGE_mm"], rel=1e-9)  # normals of a cylinder are exact
 

@@ -204,13 +204,13 @@ def test_a_ridge_that_tells_the_normals_of_both_sides_has_their_mean(tmp_path, c
     loaded = ["*STEP", "*STATIC", "*CLOAD", "17, 3, 0.5", "18, 3, 0.5", "*END STEP"]
     means = [*mesh_lines(x, elements), *ISOTROPIC, *ends, *loaded]
     sides = [f"{8 + (way > 0)}, {node}, {0.1 * way}, 0., 2." for way in (-1, 1) for node in (17, 18)]
-    told = swapped(means, "*BOUNDARY", "*NORMAL", *sides, "*BOUNDARY")
-    found = [answered(tmp_path, lines, *ONCE)["quantities"]["largest_mm"] for lines in (means, told)]
-    assert found[1] == pytest.approx(found[0], rel=1e-12)
+    stated = swapped(means, "*BOUNDARY", "*NORMAL", *sides, "*BOUNDARY")
+    values = [answered(tmp_path, lines, *ONCE)["quantities"]["largest_mm"] for lines in (means, stated)]
+    assert values[1] == pytest.approx(values[0], rel=1e-12)
     said = capsys.readouterr().out
     assert "2 from the deck" in said
     assert "several normals at 2 nodes" in said
-    assert "normal of node 17 is zero" in refused(tmp_path, capsys, swapped(told, sides[0], "8, 17, 0., 0., 0."))
+    assert "normal of node 17 is zero" in refused(tmp_path, capsys, swapped(stated, sides[0], "8, 17, 0., 0., 0."))
 
 
 @pytest.mark.parametrize(

@@ -37,8 +37,8 @@ def coarse() -> Result:
 @pytest.mark.slow
 def test_paper_tyre_forces_within_one_percent(paper: Result) -> None:
     assert paper.outcome.converged
-    found = {step["delta_mm"]: step["force_N"] for step in paper.steps}
-    assert found == pytest.approx(TRIAL_FORCE, rel=ONE_PERCENT)
+    by_name = {step["delta_mm"]: step["force_N"] for step in paper.steps}
+    assert by_name == pytest.approx(TRIAL_FORCE, rel=ONE_PERCENT)
 
 
 @pytest.mark.slow
@@ -65,10 +65,10 @@ def test_every_step_passes_the_judge_and_is_centrally_symmetric(mesh: str, reque
 @pytest.mark.parametrize("element", ["paper", "refined"])
 def test_a_load_deflection_curve_of_eight_points_takes_at_most_fifty_iterations(element: str, mesh: str) -> None:
     """From rest, inflation included: each point starts from the state and the set of the one before."""
-    found = run({"delta_mm": "2.5,5,7.5,10,12.5,15,17.5,20", "element": element}, mesh)
-    assert len(found.steps) == 8
-    assert all(step["substeps"] == 1 for step in found.steps)
-    assert found.counters["newton_iterations"] <= 50
+    solution = run({"delta_mm": "2.5,5,7.5,10,12.5,15,17.5,20", "element": element}, mesh)
+    assert len(solution.steps) == 8
+    assert all(step["substeps"] == 1 for step in solution.steps)
+    assert solution.counters["newton_iterations"] <= 50
 
 
 @pytest.mark.slow
@@ -84,14 +84,14 @@ def test_one_step_takes_no_more_iterations_on_a_finer_mesh() -> None:
 @pytest.mark.slow
 def test_the_paper_tyre_goes_on_to_a_limit_point() -> None:
     """Beyond 37 mm the sidewall gives way beside the patch, well before the clamp: the program says so."""
-    found = run({"delta_mm": "30,35,40", "element": "paper"}, model="half")
-    assert {step["delta_mm"]: step["force_N"] for step in found.steps[:2]} == pytest.approx(
+    solution = run({"delta_mm": "30,35,40", "element": "paper"}, model="half")
+    assert {step["delta_mm"]: step["force_N"] for step in solution.steps[:2]} == pytest.approx(
         {30.0: 3408.3, 35.0: 4193.8}, rel=1e-3
     )
-    assert found.outcome is Outcome.LIMIT_POINT
-    assert "limit point of the path at 37.23" in found.reason
-    assert found.quantities["press_limit_point"] == pytest.approx(37.236, abs=0.002)
-    assert found.quantities["patch_to_clamp_mm"] > 50
+    assert solution.outcome is Outcome.LIMIT_POINT
+    assert "limit point of the path at 37.23" in solution.reason
+    assert solution.quantities["press_limit_point"] == pytest.approx(37.236, abs=0.002)
+    assert solution.quantities["patch_to_clamp_mm"] > 50
 
 
 @pytest.mark.slow
@@ -141,11 +141,11 @@ def test_every_algorithm_finds_the_same_set_and_force(load: str, section: str) -
     ways = [("semismooth", {}), ("trial-and-error", {"epsilon": "inf"}), ("augmented-lagrangian", {}), ("qp", {})]
     ways += [("lcp", {"method": method}) for method in ("lemke", "active-set", "nnls")]
     ways += [("semismooth", {"epsilon": "1e4"}), ("trial-and-error", {}), ("regularised", {})]
-    found = [
+    values = [
         (contact, run({"load": load, "section": section, **more}, mesh="20x20", contact=contact))
         for contact, more in ways
     ]
-    for family in (found[:7], found[7:]):
+    for family in (values[:7], values[7:]):
         reference = family[0][1]
         assert reference.outcome.converged
         for contact, result in family[1:]:
@@ -201,8 +201,8 @@ def test_a_load_has_its_area_unless_another_is_named(load: str, area: str) -> No
 @pytest.mark.slow
 @pytest.mark.parametrize(("mesh", "force"), [("42x40", 2247.0), ("84x80", 2200.0)])
 def test_follower_pressure_on_the_face(mesh: str, force: float) -> None:
-    found = run({**TO_20, "load": "follower", "pressure_area": "face"}, mesh)
-    assert found.steps[-1]["force_N"] == pytest.approx(force, rel=ONE_PERCENT)
+    solution = run({**TO_20, "load": "follower", "pressure_area": "face"}, mesh)
+    assert solution.steps[-1]["force_N"] == pytest.approx(force, rel=ONE_PERCENT)
 
 
 @pytest.fixture(scope="module", params=["42x40", pytest.param("84x80", marks=pytest.mark.slow)])
@@ -241,17 +241,17 @@ def test_isotropic_inflated_profile_against_3d_solids(isotropic: Result) -> None
 
 
 def test_consistent_coupling_is_solved_and_keeps_central_symmetry() -> None:
-    found = run({**TO_20, "coupling": "consistent"}, "20x20", model="full")
-    assert found.outcome.converged
-    assert found.steps[-1]["central_asymmetry"] <= 1e-9
-    assert found.steps[-1]["kkt"]["penetration"] <= 1e-9
+    solution = run({**TO_20, "coupling": "consistent"}, "20x20", model="full")
+    assert solution.outcome.converged
+    assert solution.steps[-1]["central_asymmetry"] <= 1e-9
+    assert solution.steps[-1]["kkt"]["penetration"] <= 1e-9
 
 
 @pytest.mark.slow
 def test_nonsymmetric_section_is_close_to_the_symmetric_one(paper: Result) -> None:
-    found = run({**TO_20, "section": "nonsymmetric"})
-    assert found.outcome.converged
-    assert found.steps[-1]["force_N"] == pytest.approx(paper.steps[-1]["force_N"], rel=0.05)
+    solution = run({**TO_20, "section": "nonsymmetric"})
+    assert solution.outcome.converged
+    assert solution.steps[-1]["force_N"] == pytest.approx(paper.steps[-1]["force_N"], rel=0.05)
 
 
 @pytest.mark.slow

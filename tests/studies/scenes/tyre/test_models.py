@@ -75,11 +75,11 @@ def test_other_algorithms_solve_parts_alike(contact: str) -> None:
 
 def test_inflation_of_a_column_is_that_of_the_whole() -> None:
     """With the paper's element the lifted column is the answer: nothing is left to iterate."""
-    found = run("half", {"delta_mm": "2", "element": "paper"})
-    lifted = [row for row in found.history if row["stage"] == "inflation"]
+    solution = run("half", {"delta_mm": "2", "element": "paper"})
+    lifted = [row for row in solution.history if row["stage"] == "inflation"]
     assert len(lifted) == 1
     assert lifted[0]["residual"] <= EXACT
-    angle = np.linalg.norm(fields(found)["displacement"][0].reshape(17, 18, 3)[:, 9], axis=1)  # opposite the plane
+    angle = np.linalg.norm(fields(solution)["displacement"][0].reshape(17, 18, 3)[:, 9], axis=1)  # opposite the plane
     assert angle.max() > 1.0
 
 
@@ -98,7 +98,7 @@ def test_inflation_of_a_column_is_that_of_the_whole() -> None:
 def test_a_column_turned_around_is_the_inflated_whole(settings: dict[str, str]) -> None:
     """Twist included; other elements than the paper's look at the shape of each, so there all columns are alike."""
     column, whole = (run(model, {"delta_mm": "0", **settings}) for model in ("axisymmetric", "full"))
-    states = [np.stack(found.model.wall.faces(found.last.u)) for found in (column, whole)]
+    states = [np.stack(actual.model.wall.faces(actual.last.u)) for actual in (column, whole)]
     moved = states[1] - np.stack(whole.model.wall.faces(np.zeros_like(whole.last.u)))
     assert np.max(np.abs(states[0] - states[1])) <= EXACT * np.max(np.abs(moved))
     for name, value in column.quantities.items():
@@ -155,13 +155,13 @@ def test_images_in_the_map(rng: np.random.Generator) -> None:
     fixed = np.zeros((4, 6), bool)
     fixed[0, 5] = True
     images = Images(np.array([2, 1]), np.array([0, 1]), np.array([[-1, 1, 1], [1, -1, -1]]))
-    found = DofMap.build(fixed, images=images)
-    assert found.n == 5 + 2 + 6
-    u = rng.uniform(1, 2, found.n)
-    v = found.expand(u)
+    actual = DofMap.build(fixed, images=images)
+    assert actual.n == 5 + 2 + 6
+    u = rng.uniform(1, 2, actual.n)
+    v = actual.expand(u)
     np.testing.assert_array_equal(v[2], v[0] * [-1, -1, 1, 1, 1, 1])
     np.testing.assert_array_equal(v[1] == 0, [False, False, True, True, True, True])
-    np.testing.assert_array_equal(found.restrict(v), u)
-    assert not found.hinged.any()
+    np.testing.assert_array_equal(actual.restrict(v), u)
+    assert not actual.hinged.any()
     with pytest.raises(ValueError, match="follows an image"):
         DofMap.build(fixed, images=Images(np.array([2, 3]), np.array([0, 2]), np.ones((2, 3))))

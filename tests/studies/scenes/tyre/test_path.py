@@ -36,12 +36,12 @@ def test_the_arc_leads_to_the_states_of_the_travel() -> None:
 @pytest.mark.slow
 def test_a_curve_that_goes_back_ends_where_it_began() -> None:
     """On eight elements a wall of them snaps at 12 mm, and what follows leads back until nothing touches any more."""
-    found = run("8x8", delta_mm="5,15", path="arc")
-    assert found.outcome is Outcome.LIMIT_POINT
-    assert "the path goes back below t = 0" in found.reason
-    assert found.quantities["limit_points"] == 1
-    assert found.steps[-1]["delta_mm"] < 0
-    assert found.steps[-1]["force_N"] == 0
+    solution = run("8x8", delta_mm="5,15", path="arc")
+    assert solution.outcome is Outcome.LIMIT_POINT
+    assert "the path goes back below t = 0" in solution.reason
+    assert solution.quantities["limit_points"] == 1
+    assert solution.steps[-1]["delta_mm"] < 0
+    assert solution.steps[-1]["force_N"] == 0
 
 
 def test_points_belong_to_an_arc() -> None:
@@ -50,10 +50,10 @@ def test_points_belong_to_an_arc() -> None:
 
 
 def test_a_curve_that_is_too_short_says_so() -> None:
-    found = run("8x8", delta_mm="5,30", path="arc", arc_points="2")
-    assert found.outcome is Outcome.ITERATION_LIMIT
-    assert "2 points of the curve did not reach t = 30" in found.reason
-    assert len(found.steps) == 3
+    solution = run("8x8", delta_mm="5,30", path="arc", arc_points="2")
+    assert solution.outcome is Outcome.ITERATION_LIMIT
+    assert "2 points of the curve did not reach t = 30" in solution.reason
+    assert len(solution.steps) == 3
 
 
 @pytest.mark.slow
@@ -63,24 +63,24 @@ def test_the_tyre_turns_back_and_goes_on(tmp_path: Path) -> None:
     ended.write(tmp_path / "travel")
     assert "mode.svg" in {path.name for path in draw_result(tmp_path / "travel")}
     limit = ended.quantities["press_limit_point"]
-    found = run("20x18", delta_mm="34,40", path="arc")
-    assert found.outcome.converged
-    assert found.quantities["limit_points"] == 2
-    assert found.quantities["press_limit_point"] == pytest.approx(limit, abs=1e-4)  # started from elsewhere
-    assert not any(step["failures"] for step in found.steps)  # each judged as a problem at its travel
-    turns = [i for i, step in enumerate(found.steps) if step["limit_point"]]
-    travel = np.array([step["delta_mm"] for step in found.steps])
+    solution = run("20x18", delta_mm="34,40", path="arc")
+    assert solution.outcome.converged
+    assert solution.quantities["limit_points"] == 2
+    assert solution.quantities["press_limit_point"] == pytest.approx(limit, abs=1e-4)  # started from elsewhere
+    assert not any(step["failures"] for step in solution.steps)  # each judged as a problem at its travel
+    turns = [i for i, step in enumerate(solution.steps) if step["limit_point"]]
+    travel = np.array([step["delta_mm"] for step in solution.steps])
     assert np.all(np.diff(travel[: turns[0] + 1]) > 0)
     assert np.all(np.diff(travel[turns[0] : turns[1] + 1]) < 0)
     assert np.all(np.diff(travel[turns[1] :]) > 0)
-    assert found.quantities["least_delta_behind_mm"] == pytest.approx(travel[turns[1]])
-    forces = np.array([step["force_N"] for step in found.steps])
+    assert solution.quantities["least_delta_behind_mm"] == pytest.approx(travel[turns[1]])
+    forces = np.array([step["force_N"] for step in solution.steps])
     (by_travel,) = run("20x18", delta_mm="38.2").steps
     there = np.interp(38.2, travel[: turns[0] + 1], forces[: turns[0] + 1])
     back = np.interp(38.2, travel[turns[1] : turns[0] : -1], forces[turns[1] : turns[0] : -1])
     assert by_travel["force_N"] == pytest.approx(there, rel=1e-3)
     assert back < there - 20
-    found.write(tmp_path / "arc")
+    solution.write(tmp_path / "arc")
     assert "turning-back.svg" in {path.name for path in draw_result(tmp_path / "arc")}
 
 

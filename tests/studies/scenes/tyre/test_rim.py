@@ -34,7 +34,7 @@ def scatter(values: list[float]) -> float:
 
 def ladder(factors: tuple[float, ...], hollow: float = 0.0) -> dict[str, float]:
     """Scatter over six grids of an isotropic tyre; with both readings of the rim of one and the same state."""
-    found: dict[str, list[float]] = {}
+    by_name: dict[str, list[float]] = {}
     for n in ROOTS:
         given = {"E_MPa": "20", "nu": "0.45", "delta_mm": "20", "grading": "uniform"}
         scene, request = resolve("tyre", given, (n, 2 * n))
@@ -43,8 +43,8 @@ def ladder(factors: tuple[float, ...], hollow: float = 0.0) -> dict[str, float]:
         *_, press = replace(result.model, rim_by_pressure=True).stages()
         again = press.observe(result.end.problem, result.end.point.solution, 20.0).quantities
         for name, value in {**result.quantities, "by_pressure": again["half_length_mm"]}.items():
-            found.setdefault(name, []).append(value)
-    return {name: scatter(values) for name, values in found.items()}
+            by_name.setdefault(name, []).append(value)
+    return {name: scatter(values) for name, values in by_name.items()}
 
 
 @pytest.mark.slow

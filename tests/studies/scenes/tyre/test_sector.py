@@ -78,9 +78,9 @@ def test_lines_of_a_sector() -> None:
 
 
 def test_a_cut_between_lines_is_solved() -> None:
-    found = run("sector", {"delta_mm": "10"}, sector_deg="70")
-    assert np.rad2deg(found.model.part.cut) == pytest.approx(70)
-    assert 0 < found.quantities["truncation_estimate"] < 0.05
+    solution = run("sector", {"delta_mm": "10"}, sector_deg="70")
+    assert np.rad2deg(solution.model.part.cut) == pytest.approx(70)
+    assert 0 < solution.quantities["truncation_estimate"] < 0.05
 
 
 @pytest.mark.parametrize(

@@ -95,7 +95,7 @@ def test_a_quarter_is_the_whole_tyre(small: Result) -> None:
         assert a[quantity] == pytest.approx(b[quantity], rel=1e-8), quantity
     assert b["mirror_asymmetry"] <= 1e-9
     for name in ("contact", "profile"):
-        tables = [found.table(name).frame() for found in (small, whole)]
+        tables = [actual.table(name).frame() for actual in (small, whole)]
         pd.testing.assert_frame_equal(*tables, rtol=1e-7, atol=1e-7)
     assert small.quantities == pytest.approx(whole.quantities, rel=1e-8)
 
@@ -147,10 +147,10 @@ def test_fields_are_hexahedra_in_the_order_of_vtk(surface: Surface, tmp_path: Pa
 
 @pytest.mark.slow
 def test_cords_at_an_angle_turn_the_patch() -> None:
-    found = run({**TO_10, "E_L_MPa": "510.45", "plies": "2", "ply_thickness_mm": "2.4"}, "8x10")
-    assert found.request.model == "full"
-    assert found.steps[-1]["central_asymmetry"] <= 1e-9
-    assert found.steps[-1]["mirror_asymmetry"] > 0.01
+    solution = run({**TO_10, "E_L_MPa": "510.45", "plies": "2", "ply_thickness_mm": "2.4"}, "8x10")
+    assert solution.request.model == "full"
+    assert solution.steps[-1]["central_asymmetry"] <= 1e-9
+    assert solution.steps[-1]["mirror_asymmetry"] > 0.01
 
 
 @pytest.mark.slow
@@ -186,8 +186,8 @@ def test_isotropic_inflation_is_that_of_another_program(isotropic: Result) -> No
 
 @pytest.mark.slow
 def test_consistent_coupling_changes_the_force_little(isotropic: Result) -> None:
-    found = run({**TO_10, "coupling": "consistent"}, "20x20")
-    change = found.steps[-1]["force_N"] / forces(isotropic)[1] - 1
+    solution = run({**TO_10, "coupling": "consistent"}, "20x20")
+    change = solution.steps[-1]["force_N"] / forces(isotropic)[1] - 1
     assert 1e-6 < abs(change) < ONE_PERCENT
 
 

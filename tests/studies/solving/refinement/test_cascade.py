@@ -73,16 +73,16 @@ def test_lines_that_may_follow_an_estimate_do() -> None:
 
 def test_a_budget_is_kept_and_its_best_answer_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = first_grid("ring", {"delta_mm": "30"})
-    told, enough = answer(*asked, 1e-7, budget=1e-3)
+    stated, enough = answer(*asked, 1e-7, budget=1e-3)
     assert enough is False  # one grid says nothing
-    assert "fewer than three grids" in told.reason
+    assert "fewer than three grids" in stated.reason
     clock = iter(range(100))  # a second a grid
     monkeypatch.setattr(cascade, "time", SimpleNamespace(process_time=lambda: float(next(clock))))
     monkeypatch.setattr(cascade, "DEARER", 0.0)
-    found, enough = answer(*asked, 1e-7, budget=5.5)
+    actual, enough = answer(*asked, 1e-7, budget=5.5)
     assert enough
-    assert len(list(found.table("refinement").rows())) == 6
-    assert found.quantities["uncertainty"] > 1e-7
+    assert len(list(actual.table("refinement").rows())) == 6
+    assert actual.quantities["uncertainty"] > 1e-7
 
 
 def test_what_a_cascade_does_not_get_at_is_left_to_cuts(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,11 +30,11 @@ def rounds(*values: tuple[float, float]) -> list[Round]:
 
 def test_rounds_have_the_limit_of_richardson_and_what_is_off_makes_the_statement_wide() -> None:
     first, last = rounds((104.0, 101.0), (102.0, 100.5))
-    found = estimate([first, last])
-    assert found.limit == pytest.approx(100)
-    assert found.error == pytest.approx(0.005)
-    assert found.uncertainty == pytest.approx(0.005)
-    assert (found.low, found.high) == pytest.approx((0.0, 0.01))
+    actual = estimate([first, last])
+    assert actual.limit == pytest.approx(100)
+    assert actual.error == pytest.approx(0.005)
+    assert actual.uncertainty == pytest.approx(0.005)
+    assert (actual.low, actual.high) == pytest.approx((0.0, 0.01))
     jumping, apart = estimate([first, replace(last, rim=8.0)]), estimate([first, replace(last, finer=101.7)])
     assert jumping.uncertainty * jumping.limit == pytest.approx(4.0)
     assert apart.uncertainty * apart.limit == pytest.approx(1.5 * 1.6)
@@ -44,8 +44,8 @@ def test_rounds_have_the_limit_of_richardson_and_what_is_off_makes_the_statement
 def test_the_limit_of_any_order_lies_inside(order: float) -> None:
     """A grid cut everywhere in each round: L is wrong for another order than 2, and the statement says by how much."""
     value = [100 + 8 * 2.0 ** (-order * k) for k in range(6)]
-    found = estimate(rounds(*pairwise(value)))
-    assert abs(found.limit - 100) <= found.uncertainty * found.limit
+    actual = estimate(rounds(*pairwise(value)))
+    assert abs(actual.limit - 100) <= actual.uncertainty * actual.limit
 
 
 def test_an_error_is_read_or_refused() -> None:
@@ -91,8 +91,8 @@ def test_elements_that_are_too_long_for_the_stress_are_cut_both_ways() -> None:
     """One element across a cantilever has modes by itself before 0.05 % are reached; two have none."""
     result, enough = solve_to_error(*coarsest("cantilever", {"load_fraction": "1"}), 0.0005)
     assert enough
-    told = result.loads[-1].certificate["stability"]
-    assert (result.verdict, told["negative"], told["element_modes"]) == ("converged", 0, 0)
+    record = result.loads[-1].certificate["stability"]
+    assert (result.verdict, record["negative"], record["element_modes"]) == ("converged", 0, 0)
     assert result.request.mesh[1] > 1
     assert result.quantities["extrapolated_tip_shortening_mm"] == pytest.approx(3.29040, rel=1e-4)
 
@@ -233,5 +233,5 @@ def test_the_rim_has_the_same_part_in_all_loads() -> None:
         SimpleNamespace(loads=[SimpleNamespace(seen={"q": v}) for v in values], end=SimpleNamespace(trace=None))
         for values in ((-3.0, 5.0), (-2.0, 4.0))
     )
-    found = at_loads(coarse, fine, "q", replace(rounds((5.0, 4.0))[0], rim=1.0))
-    assert [(each.value, each.finer, each.rim) for each in found] == [(-3.0, -2.0, 0.5), (5.0, 4.0, 1.0)]
+    actual = at_loads(coarse, fine, "q", replace(rounds((5.0, 4.0))[0], rim=1.0))
+    assert [(each.value, each.finer, each.rim) for each in actual] == [(-3.0, -2.0, 0.5), (5.0, 4.0, 1.0)]

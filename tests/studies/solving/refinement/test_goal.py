@@ -73,15 +73,15 @@ def test_a_small_force_moves_the_limit_load_as_the_mode_says() -> None:
     result = solved("roof-a", "4x4", {"until": "limit", "path": "arc-length", "arc_step": "0.05"})
     stage = result.end.stage
     assert isinstance(stage, ArcStage)
-    found = on_grid(result, "limit_load_fraction")
-    force = np.random.default_rng(0).random(len(found.z))
+    actual = on_grid(result, "limit_load_fraction")
+    force = np.random.default_rng(0).random(len(actual.z))
     force *= 1e-3 * np.linalg.norm(stage.load) / np.linalg.norm(force)
 
     def limit(more: np.ndarray) -> float:
         trace = stage.continuation.trace(under(stage.linearise, more), stage.load, stage.targets)
         return next(point.factor for point in trace.points if point.limit)
 
-    assert 0.5 * (limit(force) - limit(-force)) == pytest.approx(found.z @ force, rel=SAME)
+    assert 0.5 * (limit(force) - limit(-force)) == pytest.approx(actual.z @ force, rel=SAME)
 
 
 def test_without_a_limit_point_there_is_no_dual_of_its_load() -> None:
@@ -93,13 +93,13 @@ def test_without_a_limit_point_there_is_no_dual_of_its_load() -> None:
 def test_contact_is_at_its_nodes_of_the_grid() -> None:
     result = solved("strip-contact", "16x1", {"load_fraction": "5"})
     model, state, problem = result.model, result.end.point.solution, result.end.problem
-    found = on_grid(result, "half_force")
-    np.testing.assert_array_equal(found.contact[0], model.outer_pressure(state))
-    along = found.z / np.max(np.abs(found.z))  # mm; the gap before a plane is linear
-    turned = (problem.gap(state.u + along) - problem.gap(state.u)) * np.max(np.abs(found.z))
-    np.testing.assert_allclose(found.contact[3][model.nodes], turned, atol=1e-12 * np.max(np.abs(turned)))
-    assert np.all(found.contact[:, model.held] == 0)
-    assert np.any(found.contact[2] != 0)
+    actual = on_grid(result, "half_force")
+    np.testing.assert_array_equal(actual.contact[0], model.outer_pressure(state))
+    along = actual.z / np.max(np.abs(actual.z))  # mm; the gap before a plane is linear
+    turned = (problem.gap(state.u + along) - problem.gap(state.u)) * np.max(np.abs(actual.z))
+    np.testing.assert_allclose(actual.contact[3][model.nodes], turned, atol=1e-12 * np.max(np.abs(turned)))
+    assert np.all(actual.contact[:, model.held] == 0)
+    assert np.any(actual.contact[2] != 0)
 
 
 def test_the_gradient_finds_the_few_unknowns_that_count() -> None:

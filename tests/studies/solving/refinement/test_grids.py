@@ -58,9 +58,9 @@ def test_even_indicators_cut_everywhere() -> None:
 
 @pytest.mark.parametrize("chosen", [0, 75, 150])
 def test_half_a_tyre_stays_symmetric(chosen: int) -> None:
-    found = family("tyre", "16x24", "half")
-    assert found.mirrored
-    grid = found.refined(one(found, chosen)).tree.grid()
+    actual = family("tyre", "16x24", "half")
+    assert actual.mirrored
+    grid = actual.refined(one(actual, chosen)).tree.grid()
     assert grid.hanging is not None
     boxes = np.round(np.concatenate([grid.centre, grid.half], axis=1), 9)
     mirrored = boxes * [-1, 1, 1, 1] + 0.0
@@ -69,35 +69,35 @@ def test_half_a_tyre_stays_symmetric(chosen: int) -> None:
 
 def test_no_node_hangs_on_an_element_that_is_curved() -> None:
     """Scordelis and Lo's roof, a cylinder of radius 25 and thickness 0.25: l^2/(25 0.25) by the arc l of an element."""
-    found = family("scordelis-lo", "4x4")
+    actual = family("scordelis-lo", "4x4")
     for _ in range(2):  # the first cuts all elements, the second some
-        found = found.refined(one(found, 0))
-        grid = found.tree.grid()
+        actual = actual.refined(one(actual, 0))
+        grid = actual.tree.grid()
         on = grid.hanging.owner if grid.hanging else []
         assert np.all((25 * 2 * grid.half[on, 1]) ** 2 / (25 * 0.25) <= FLAT)
     assert len(on)
 
 
 def test_a_scene_without_a_tree_is_refined_by_its_mesh() -> None:
-    found = family("panel", "4x2")
-    assert found.tree is None
-    assert found.asked.mesh == (4, 2)
-    assert found.everywhere().everywhere().asked.mesh == (16, 8)
+    actual = family("panel", "4x2")
+    assert actual.tree is None
+    assert actual.asked.mesh == (4, 2)
+    assert actual.everywhere().everywhere().asked.mesh == (16, 8)
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_every_scene_has_its_answers_on_a_grid_with_hanging_nodes(name: str) -> None:
     """From its coarsest grid, a third of the elements cut at random: it is solved, judged right, and read off."""
     scene, request = coarsest(name, CHEAP.get(name, {}))
-    found = Family.of(scene, request)
-    if found.tree is None:
-        assert scene.build(found.everywhere().asked).n_unknowns > scene.build(request).n_unknowns
+    actual = Family.of(scene, request)
+    if actual.tree is None:
+        assert scene.build(actual.everywhere().asked).n_unknowns > scene.build(request).n_unknowns
         return
-    n = len(found.tree.leaves)
+    n = len(actual.tree.leaves)
     marked = np.random.default_rng(0).permutation(n) < n / 3
-    if found.mirrored:
-        marked |= marked[_mirror(found.tree)]
-    refined = replace(found, tree=found.tree.refined(marked))
+    if actual.mirrored:
+        marked |= marked[_mirror(actual.tree)]
+    refined = replace(actual, tree=actual.tree.refined(marked))
     assert np.ptp(refined.tree.leaves[:, 0]) == 1
     uniform, result = solve(scene, request), solve(scene, refined.asked)
     assert result.verdict == uniform.verdict == CONVERGED
@@ -111,7 +111,7 @@ def test_elements_that_have_modes_by_themselves_are_cut_across() -> None:
     """One element across a cantilever has none while it is long enough, and shorter ones have."""
     for mesh, finer in (("64x1", (64, 1)), ("128x1", (128, 2))):
         scene, request = complete("cantilever", {"load_fraction": "1"}, mesh)
-        found = Family.of(scene, request)
-        shorter = found.shortened(scene, solve(scene, request))
+        actual = Family.of(scene, request)
+        shorter = actual.shortened(scene, solve(scene, request))
         assert shorter.asked.mesh == finer
-        assert (shorter is found) == (finer == request.mesh)
+        assert (shorter is actual) == (finer == request.mesh)

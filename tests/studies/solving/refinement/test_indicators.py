@@ -25,12 +25,12 @@ E, H = 1000.0, 0.1  # MPa, mm
 def plates(n: int) -> tuple[OnGrid, OnGrid, np.ndarray]:
     """A free square plate of side 1 at rest, n x n elements and 2n x 2n, and the parents."""
     tree = Quadtree.over(*(np.linspace(0, 1, n + 1),) * 2)
-    finer, found = tree.everywhere(), []
+    finer, actual = tree.everywhere(), []
     for each in (tree, finer):
         shell = make_shell(Plate(), each.grid(), Laminate.single(Ply.isotropic(E, 0.0, H)), measure="linear")
         none = np.zeros(shell.discretisation.n_free)
-        found.append(OnGrid(shell, none, none, np.zeros((4, shell.discretisation.grid.n_nodes))))
-    return found[0], found[1], tree.parents(finer)
+        actual.append(OnGrid(shell, none, none, np.zeros((4, shell.discretisation.grid.n_nodes))))
+    return actual[0], actual[1], tree.parents(finer)
 
 
 def stretched(at: OnGrid) -> OnGrid:

@@ -18,27 +18,27 @@ def ladder(order: float, count: int = 5, factor: float = 2.0, scatter: float = 0
 
 
 def known(*asked: object, **more: object) -> Estimate:
-    found = estimate_of(*asked, **more)
-    assert isinstance(found, Estimate)
-    return found
+    actual = estimate_of(*asked, **more)
+    assert isinstance(actual, Estimate)
+    return actual
 
 
 @pytest.mark.parametrize("touching", [False, True])
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0, 3.0, 4.0])
 def test_the_limit_of_any_order_lies_inside(order: float, touching: bool) -> None:
     for count in (3, 4, 5):
-        found = known(ladder(order, count), touching=touching)
-        assert abs(found.limit - 100) <= found.uncertainty * abs(found.limit)
+        actual = known(ladder(order, count), touching=touching)
+        assert abs(actual.limit - 100) <= actual.uncertainty * abs(actual.limit)
 
 
 @pytest.mark.parametrize(("count", "share"), [(3, 1.0), (4, 0.25), (5, 0.25)])
 def test_a_smooth_sequence_of_the_order_two_is_known_to_a_part_of_its_correction(count: int, share: float) -> None:
     """Of three grids the coarsest has often no order yet: they are not that sure."""
     grids = ladder(2.0, count)
-    found = known(grids)
-    assert found.limit == pytest.approx(100)
-    assert found.uncertainty * 100 == pytest.approx(share * (grids[-1].value - 100))
-    assert found.error * 100 == pytest.approx(grids[-1].value - 100)
+    actual = known(grids)
+    assert actual.limit == pytest.approx(100)
+    assert actual.uncertainty * 100 == pytest.approx(share * (grids[-1].value - 100))
+    assert actual.error * 100 == pytest.approx(grids[-1].value - 100)
 
 
 @pytest.mark.parametrize(("order", "wide"), [(1.0, 4), (1.5, 4), (2.0, 6)])
@@ -49,21 +49,21 @@ def test_scatter_about_an_order_makes_the_interval_as_wide(order: float, wide: f
     """
     inside, widths = 0, []
     for seed in range(200):
-        found = known(ladder(order, 5, math.sqrt(2), 1 / 3, seed), touching=True)
-        inside += abs(found.limit - 100) <= found.uncertainty * abs(found.limit)
-        widths.append(found.uncertainty)
+        actual = known(ladder(order, 5, math.sqrt(2), 1 / 3, seed), touching=True)
+        inside += abs(actual.limit - 100) <= actual.uncertainty * abs(actual.limit)
+        widths.append(actual.uncertainty)
     assert inside >= 190
     assert np.median(widths) < wide * 8 * math.sqrt(2) ** (-4 * order) / 100
 
 
 def test_differences_that_change_their_sign_are_a_bound() -> None:
-    found = known([Seen(4, 101.0), Seen(2, 99.0), Seen(1, 100.0)])
-    assert found.uncertainty * found.limit >= 1.0
+    actual = known([Seen(4, 101.0), Seen(2, 99.0), Seen(1, 100.0)])
+    assert actual.uncertainty * actual.limit >= 1.0
 
 
 def test_small_differences_that_grow_make_the_interval_wide() -> None:
-    found = known([Seen(4, 100.0), Seen(2, 100.1), Seen(1, 101.0)])
-    assert found.uncertainty * found.limit >= SAFETY * 0.9
+    actual = known([Seen(4, 100.0), Seen(2, 100.1), Seen(1, 101.0)])
+    assert actual.uncertainty * actual.limit >= SAFETY * 0.9
 
 
 def test_large_differences_that_grow_and_gaps_say_nothing() -> None:
@@ -75,15 +75,15 @@ def test_large_differences_that_grow_and_gaps_say_nothing() -> None:
 
 def test_three_grids_are_each_about_twice_as_coarse_as_the_next() -> None:
     sizes = [math.sqrt(2) ** -k for k in range(6)]
-    found = three_of([Seen(h, 0.0) for h in sizes])
-    assert found is not None
-    assert [each.size for each in found] == pytest.approx([sizes[1], sizes[3], sizes[5]])
+    actual = three_of([Seen(h, 0.0) for h in sizes])
+    assert actual is not None
+    assert [each.size for each in actual] == pytest.approx([sizes[1], sizes[3], sizes[5]])
 
 
 def test_a_quantity_that_is_nothing_has_a_limit() -> None:
-    found = known([Seen(h, 0.0) for h in (4, 2, 1)])
-    assert (found.limit, found.error) == (0.0, 0.0)
-    assert found.interval == {"low": 0.0, "high": 0.0}
+    actual = known([Seen(h, 0.0) for h in (4, 2, 1)])
+    assert (actual.limit, actual.error) == (0.0, 0.0)
+    assert actual.interval == {"low": 0.0, "high": 0.0}
 
 
 def test_three_grids_in_contact_are_guarded_by_their_largest_difference() -> None:

@@ -121,8 +121,8 @@ def test_two_bodies_have_an_interval_that_is_true() -> None:
 
 def test_grids_that_do_not_follow_the_mesh_state_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     def alike(scene: Scene, request: Request, coarser=None):
-        found = sketch(scene, request, coarser)
-        return found and replace(found, unknowns=1000)
+        solution = sketch(scene, request, coarser)
+        return solution and replace(solution, unknowns=1000)
 
     monkeypatch.setattr(mesh_error, "sketch", alike)
     result = stated("ring", "1x64", {"delta_mm": "20"})

@@ -65,8 +65,8 @@ def test_the_answer_is_that_from_rest(scene, settings, mesh, options) -> None:
     for name, value in cold.quantities.items():
         assert result.quantities[name] == pytest.approx(value, rel=1e-7, abs=1e-8 * scale), name
     for mine, other in zip(result.loads, cold.loads, strict=True):
-        told, before = (each.certificate.get("stability", {}).get("word") for each in (mine, other))
-        assert told == before
+        stated, before = (each.certificate.get("stability", {}).get("word") for each in (mine, other))
+        assert stated == before
 
 
 @pytest.mark.slow
@@ -80,8 +80,8 @@ def test_a_grid_with_hanging_nodes_starts_from_the_one_below() -> None:
     tree = tree_over(request, *scene.build(request).shell.discretisation.grid.lines)
     tree = tree.refined(np.arange(len(tree.leaves)) < 10)
     cut = replace(request, leaves=tuple(map(tuple, tree.leaves.tolist())))
-    found = solve_from(scene, cut, sketch(scene, request))
-    assert found.quantities == pytest.approx(solve(scene, cut).quantities, rel=1e-9)
+    actual = solve_from(scene, cut, sketch(scene, request))
+    assert actual.quantities == pytest.approx(solve(scene, cut).quantities, rel=1e-9)
 
 
 def test_a_path_that_a_start_leads_elsewhere_is_followed_from_rest(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,17 +79,17 @@ def test_a_limit_is_there_for_every_sequence_and_says_what_the_sequence_says() -
     """Without an order the finest value stands for it, and three times what the last meshes are apart."""
     for values in VERDICTS.values():
         if not any(map(math.isnan, values)):
-            sequence, found = MeshSequence((1.0, 0.5, 0.25, 0.125), values), limit_of((1.0, 0.5, 0.25, 0.125), values)
-            assert found.asymptotic is sequence.asymptotic
+            sequence, actual = MeshSequence((1.0, 0.5, 0.25, 0.125), values), limit_of((1.0, 0.5, 0.25, 0.125), values)
+            assert actual.asymptotic is sequence.asymptotic
             if math.isnan(sequence.limit):
-                assert (found.value, found.uncertainty) == (values[-1], 3 * (max(values[-3:]) - min(values[-3:])))
+                assert (actual.value, actual.uncertainty) == (values[-1], 3 * (max(values[-3:]) - min(values[-3:])))
             else:
-                assert (found.value, found.uncertainty) == (sequence.limit, sequence.uncertainty)
+                assert (actual.value, actual.uncertainty) == (sequence.limit, sequence.uncertainty)
     with pytest.raises(ValueError, match="a limit takes three"):
         limit_of((1, 0.5), (1.0, 1.0))
 
 
 def test_what_is_the_same_on_every_mesh_is_as_uncertain_as_all_of_them() -> None:
-    found = MeshSequence((1.0, 0.5, 0.25, 0.125), (1 + 8e-6, 1 + 1e-6, 1.0, 1.0))
-    assert (found.verdict, found.limit) == (SAME, 1.0)
-    assert found.uncertainty == pytest.approx(8e-6)
+    actual = MeshSequence((1.0, 0.5, 0.25, 0.125), (1 + 8e-6, 1 + 1e-6, 1.0, 1.0))
+    assert (actual.verdict, actual.limit) == (SAME, 1.0)
+    assert actual.uncertainty == pytest.approx(8e-6)
