@@ -25,7 +25,7 @@ from studies.solving.solve import solve
 
 ELEMENTS = (100, 400)  # of the two grids, nearly
 HELD = (
-    1.2  # memory that a process holds over what it has allocated: 1.19 to 1.23 on shells of 16 to 155 thousand unknowns
+    1.05  # memory that a process holds over what it has allocated: 1.01 to 1.08 on shells of 10 to 61 thousand unknowns
 )
 MB = 2**20
 FLOAT = 8
