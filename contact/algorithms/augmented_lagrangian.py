@@ -27,7 +27,7 @@ from contact.scales import Stiffness, length, motion
 LOOSEST, TIGHTENING = 1e-3, 0.1  # of the inner Newton
 SLOW = 0.25  # an outer error that falls less than to this fraction asks for a larger c
 STIFFEST, STIFFEST_WITH_FRICTION = 1e10, 1e8  # over the stiffness of the candidates
-SETTLE = 0.02  # as semismooth
+SETTLE = 0.05  # as semismooth
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError, added
 from studies.ask.scene import Setting
 
-SETTLE = 0.02  # of the exact steps, as semismooth
+SETTLE = 0.05  # of the exact steps, as semismooth
 FAR = 1e6  # times the expected distance: an approach that goes farther has failed, as on problems without an answer
 
 
