@@ -44,7 +44,7 @@ class Semismooth(NewtonAlgorithm):
     """
 
     c: float = 1.0
-    settle: float = 0.02
+    settle: float = 0.05
     name: ClassVar[str] = "semismooth"
     friction: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
