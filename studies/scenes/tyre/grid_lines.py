@@ -24,6 +24,7 @@ from formulations.element.strain_operator import CORNER_MASS
 from formulations.geometry.grid import CORNERS, Grid, TensorGrid, graded_lines
 from formulations.recovery import energy_products, recovery_errors, refined
 from formulations.shell import ShellModel
+from formulations.strains.quantities import N_V
 from studies.ask.request import Request, Settings
 from studies.ask.scene import Setting, UsageError
 from studies.scenes.element import MOVED_NODES
@@ -205,11 +206,13 @@ def strain_errors(
 ) -> np.ndarray:
     """(E,) [N]: what the size of each element along one coordinate adds to the error of the force, 2 |dE| |dE'|."""
     part, shell = model.part, model.shell
-    signs = np.repeat(part.sign[:, ::-1], 2, axis=1)  # of a1, a2, normal, which are z, y, x at the crown, on both faces
+    signs = part.sign[:, ::-1]  # of a1, a2, normal, which are z, y, x at the crown
 
     def error(at: Visited) -> np.ndarray:
-        around = signs * (part.view @ shell.nodal_displacements(at.state.u))
-        return recovery_errors(shell, at.state.u, finer, axis, (whole, around))
+        v = part.view @ shell.nodal_displacements(at.state.u)
+        v[:, :N_V] *= np.repeat(signs, 2, axis=1)  # of both faces
+        v[:, N_V:] *= np.tile(signs, (v.shape[1] - N_V) // 3)  # of surfaces between them
+        return recovery_errors(shell, at.state.u, finer, axis, (whole, v))
 
     dE, dE_before = error(state), error(before)
     return 2 * energy_products(model.shell, dE, (dE - dE_before) / (state.point.requested - before.point.requested))

@@ -24,8 +24,9 @@ from studies.scenes.benchmarks.sze import SlitAnnulus
 from studies.scenes.complete import complete
 from studies.scenes.complete import complete as resolve
 from studies.scenes.statics import area_load
-from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
-from studies.scenes.tyre.model import TyreModel
+from studies.scenes.tyre.grid_lines import GROWTH, LineSize, pressed, strain_errors, tyre_lines
+from studies.scenes.tyre.model import TyreModel, inflated_shell
+from studies.scenes.tyre.parts import part_of
 from studies.solving.refinement.grids import Family
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
@@ -212,6 +213,23 @@ def test_recovery_error_falls_with_the_size(axis: int) -> None:
         errors = recovery_errors(result.model.shell, result.last.u, finer.shell, axis)
         values.append(energy_products(result.model.shell, errors, errors).sum())
     assert values[1] < 0.5 * values[0]
+
+
+@pytest.mark.parametrize("surfaces", ["2", "3"])
+def test_an_estimate_on_half_a_tyre_is_that_of_the_whole(surfaces: str) -> None:
+    """What each coordinate adds to the error of the force, by both faces and by surfaces between them."""
+    psi, phi = tyre_lines((12, 12), 120.0)
+    sums = []
+    for model, copies in (("half", 2), ("full", 1)):
+        _, request = resolve("tyre", {"delta_mm": "9,10", "surfaces": surfaces}, "12x12", model=model)
+        tyre = TyreModel.on(request, psi, phi)
+        before, state = pressed(request, tyre)
+        for axis in (0, 1):
+            finer = part_of(model, *(refined(line) if k == axis else line for k, line in enumerate((psi, phi))))
+            whole = Grid.tensor(psi, phi, periodic=True)
+            errors = strain_errors(tyre, before, state, inflated_shell(request, finer), whole, axis)
+            sums.append(copies * errors.sum())
+    assert sums[:2] == pytest.approx(sums[2:], rel=1e-3)
 
 
 @pytest.mark.slow
