@@ -13,6 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
+KNOWN = 1e-3  # part of the smallest modulus of an isotropic ply that rounding of the largest may take
+
 SECTIONS = ("constant-s33", "nonsymmetric", "full-3d")
 
 # Voigt order of a ply: 11, 22, 12 in the plane; 33; then 13, 23.
@@ -48,9 +50,10 @@ class Ply:
         limit = math.sqrt(E_T / E_N)
         if not abs(TN) < limit:
             raise ValueError(f"ply nu_TT = {TN:g} must lie in (-{limit:g}, {limit:g})")
-        determinant = 1 - (LT * LT * E_T + LN * LN * E_N + 2 * LT * LN * TN * E_N) / E_L - TN * TN * E_N / E_T
         if (E_N, LN) == (E_T, LT):  # in factors, whose digits do not cancel as nu comes to -1
             determinant = (1 + TN) * (1 - TN - 2 * LT * LT * E_T / E_L)
+        else:
+            determinant = 1 - (LT * LT * E_T + LN * LN * E_N + 2 * LT * LN * TN * E_N) / E_L - TN * TN * E_N / E_T
         if not determinant > 0:
             raise ValueError(
                 "ply is not positive definite: 1 - (nu_LT^2 E_T + nu_LN^2 E_N + 2 nu_LT nu_LN nu_TT E_N)/E_L "
@@ -59,9 +62,12 @@ class Ply:
 
     @classmethod
     def isotropic(cls, E: float, nu: float, thickness: float) -> Ply:
-        """Isotropic layer; raises ValueError unless E > 0 and -1 < nu < 0.5."""
+        """Isotropic layer; raises ValueError unless E > 0 and -1 < nu < 0.5, by more than rounding can tell."""
         if not -1 < nu < 0.5:
             raise ValueError(f"nu = {nu:g} must lie in (-1, 0.5)")
+        apart = np.finfo(float).eps / KNOWN
+        if min(1 + nu, 0.5 - nu) < apart:
+            raise ValueError(f"nu = {nu!r} must be at least {apart:.1g} inside (-1, 0.5)")
         G = E / (2 * (1 + nu))
         return cls(E, E, G, G, nu, nu, 0.0, thickness)
 

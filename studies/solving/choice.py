@@ -84,6 +84,7 @@ class Choice:
     @property
     def trials(self) -> list[dict[str, Any]]:
         """A row an algorithm and mesh; agrees: its value with that of the one asked for, to the judge."""
+        asked = [beside(each, self.algorithms, self.question.contact) for each in self.algorithms]
         return [
             {
                 "name": each.contact,
@@ -95,8 +96,7 @@ class Choice:
                 "newton_iterations": each.iterations,
                 "said": each.against(own),
             }
-            for each in self.algorithms
-            for own in (beside(each, self.algorithms, self.question.contact),)
+            for each, own in zip(self.algorithms, asked, strict=True)
         ]
 
     @property

@@ -115,11 +115,12 @@ def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]
 def _wall(request: Request, h: float, stress: float) -> Laminate:
     """One ply about its middle; raises UsageError where it is not elastic."""
     ratio, nu = request.number("E_ratio"), request.number("nu")
-    if ratio == 1:
-        return Laminate((Ply.isotropic(E * stress, nu, h),), -h / 2)
     G = E * stress / (2 * (1 + nu))
     try:
-        ply = Ply(ratio * E * stress, E * stress, G, G, nu, nu, np.deg2rad(request.number("gamma_deg")), h)
+        if ratio == 1:
+            ply = Ply.isotropic(E * stress, nu, h)
+        else:
+            ply = Ply(ratio * E * stress, E * stress, G, G, nu, nu, np.deg2rad(request.number("gamma_deg")), h)
     except ValueError as error:
         raise UsageError(str(error)) from None
     return Laminate((ply,), -h / 2)

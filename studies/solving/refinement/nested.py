@@ -204,7 +204,7 @@ class Given:
 
 
 def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
-    """Where the steps of a model set out from: the path that is known, but for stages whose starts were as far off."""
+    """Where the steps of a model set out from: the path that is known, but for stages that strayed as far."""
     if not isinstance(known.model, ShellSceneModel):
         return no_starts
     near = [visited for visited in known.visits if known.strayed.get(visited.stage.name, 0.0) < FAR]
