@@ -4,9 +4,11 @@ What it excuses as rounding is its own to say: algorithms have theirs in :mod:`c
 What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnosis`.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import sparse
@@ -15,7 +17,9 @@ from contact.balances import BALANCE, energy_balance, force_balance, last_digits
 from contact.problem import ContactProblem, Linearised
 from contact.scales import Stiffness, length
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
-from contact.verify_friction import LawResiduals, Rubbed, residuals_of_law, under
+
+if TYPE_CHECKING:
+    from contact.verify_friction import LawResiduals
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
 EQUILIBRIUM = 1e-8
@@ -229,6 +233,8 @@ def _with_friction(
     since: np.ndarray | None,
 ) -> Verdict:
     """Of the contact under the given friction, and of the law."""
+    from contact.verify_friction import Rubbed, residuals_of_law, under  # nothing without friction loads it
+
     law, m = problem.coulomb, len(problem.weights)
     assert law is not None
     if problem.unfit_for_friction:

@@ -37,7 +37,7 @@ MORE = {
     "studies/cli.py": {"?"},  # the module of the command that is asked for
     "studies/analysis/everything.py": {"?"},  # those of the tables that are there
     "studies/commands/worker.py": {"?"},  # that of the table that is asked for
-    "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for
+    "contact/catalogue.py": {"?"},  # that of the algorithm, or of the scene, that is asked for
     "studies/scenes/plugins.py": {"?"},  # modules of a user's own
     "studies/arena/solvers/base.py": {"?"},  # a solver that may not be installed
 }
@@ -247,7 +247,8 @@ sys.addaudithook(hear)
 code = main(["solve", "cantilever", "--mesh", "2x1", "--set", "load_fraction=0.1", "--out", sys.argv[1]])
 threads = len(os.listdir("/proc/self/task")) if sys.platform == "linux" else 1
 scenes = [name for name in sys.modules if name.startswith("studies.scenes.")]
-found = dict(light=light, code=code, heavy=loaded({HEAVY}), started=started, renamed=renamed)
+contact = [name for name in sys.modules if name.startswith("contact.")]
+found = dict(contact=contact, light=light, code=code, heavy=loaded({HEAVY}), started=started, renamed=renamed)
 found |= dict(threads=threads, scenes=scenes)
 open(sys.argv[1] + "/found", "w").write(json.dumps(found))
 """
@@ -277,6 +278,12 @@ def test_a_solve_loads_its_own_scene_alone(found: dict[str, Any]) -> None:
     assert "studies.scenes.benchmarks.cantilever" in found["scenes"]
     others = ("studies.scenes.tyre", "studies.scenes.contact", "studies.scenes.manufactured")
     assert [name for name in found["scenes"] if name.startswith(others) or "hemisphere" in name] == []
+
+
+def test_a_solve_without_contact_loads_one_algorithm_and_nothing_of_friction(found: dict[str, Any]) -> None:
+    algorithms = [name for name in found["contact"] if name.startswith("contact.algorithms.")]
+    assert sorted(algorithms) == ["contact.algorithms.base", "contact.algorithms.semismooth"]
+    assert [name for name in found["contact"] if "friction" in name or "tresca" in name] == []
 
 
 def test_a_solve_starts_nothing_but_git_once_and_only_in_a_work_tree(found: dict[str, Any]) -> None:

@@ -4,20 +4,24 @@ An answer of one is held against what an answer must be before anybody reads it.
 that is for the judge (:mod:`contact.verify`), who sees NaN, too.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import ClassVar, cast
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
 from contact.events import Event
-from contact.newton.friction_run import FrictionalRun
 from contact.newton.loop import MOST_UPDATES
 from contact.newton.solves import COUNTERS, RESIDUAL_TOLERANCE
 from contact.newton.step import NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import AUTO
+
+if TYPE_CHECKING:
+    from contact.newton.friction_run import FrictionalRun
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,8 @@ class NewtonAlgorithm:
         """A new run on a problem with friction; raises ValueError where that has no place in it."""
         if problem.unfit_for_friction:
             raise ValueError(problem.unfit_for_friction)
+        from contact.newton.friction_run import FrictionalRun  # no solve without friction loads it
+
         return FrictionalRun.of(self.run(problem), start, lawful=lawful)
 
 

@@ -9,16 +9,19 @@ mu = 0 gives the iterates of contact alone but for its answer to cycles.
 Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from contact.algorithms.base import NewtonAlgorithm
-from contact.newton.friction_compliance import SIDES, by_pivots, no_polygon
-from contact.newton.friction_loop import approach, finished
 from contact.newton.loop import iterate, settle_most
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
+
+if TYPE_CHECKING:
+    from contact.newton.friction_run import FrictionalRun
 
 
 @dataclass(frozen=True)
@@ -58,10 +61,15 @@ class Semismooth(NewtonAlgorithm):
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set, or the states, repeat and the forces balance."""
         if problem.coulomb is not None:
-            run = self.rubbing(problem, start)
-            at, outcome = approach(run, run.start(), self.settle, self.max_iterations)
-            if outcome is Outcome.CYCLING and no_polygon(SIDES, run.law.mu, "") is None:
-                at, outcome = finished(run, at, by_pivots, [], self.max_iterations)
-            return run.finish(at, outcome)
+            return self._with_friction(self.rubbing(problem, start))
         step = partial(settle_most, settle=self.settle, c=self.c, most=self.max_updates)
         return iterate(self.run(problem), start, step, self.max_iterations, self.c)
+
+    def _with_friction(self, run: FrictionalRun) -> ContactSolution:
+        from contact.newton.friction_compliance import SIDES, by_pivots, no_polygon  # as the run itself
+        from contact.newton.friction_loop import approach, finished
+
+        at, outcome = approach(run, run.start(), self.settle, self.max_iterations)
+        if outcome is Outcome.CYCLING and no_polygon(SIDES, run.law.mu, "") is None:
+            at, outcome = finished(run, at, by_pivots, [], self.max_iterations)
+        return run.finish(at, outcome)

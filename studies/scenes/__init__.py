@@ -1,8 +1,9 @@
 """The catalogue of scenes, a line each. A module is loaded when one of its scenes is asked for."""
 
-import importlib
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Mapping
+from types import ModuleType
 
+from contact.catalogue import Catalogue
 from studies.ask.scene import Scene
 
 MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
@@ -72,33 +73,9 @@ MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
 }
 
 
-class Catalogue(MutableMapping[str, Scene]):
-    """Scenes by name, ours and those that are put in; names are known without loading anything."""
-
-    def __init__(self) -> None:
-        self._scenes: dict[str, Scene | None] = dict.fromkeys(MODULES)  # None: not loaded yet
-
-    def __getitem__(self, name: str) -> Scene:
-        scene = self._scenes[name]
-        if scene is None:
-            scenes: tuple[Scene, ...] = importlib.import_module(MODULES[name]).SCENES
-            scene = self._scenes[name] = next(each for each in scenes if each.name == name)
-        return scene
-
-    def __setitem__(self, name: str, scene: Scene) -> None:
-        self._scenes[name] = scene
-
-    def __delitem__(self, name: str) -> None:
-        del self._scenes[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._scenes)
-
-    def __len__(self) -> int:
-        return len(self._scenes)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._scenes
+def _scene_of(module: ModuleType, name: str) -> Scene:
+    scenes: tuple[Scene, ...] = module.SCENES
+    return next(each for each in scenes if each.name == name)
 
 
-SCENES = Catalogue()
+SCENES: Catalogue[Scene] = Catalogue(MODULES, _scene_of)

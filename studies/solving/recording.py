@@ -9,7 +9,6 @@ from itertools import pairwise
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.critical_points import PathEnd
-from contact.interchange.linearised_step import freeze
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.slip import anchors_left
 from contact.swept import Crossing, crossings
@@ -149,6 +148,8 @@ def _freeze(visited: Visited, result: Result) -> Frozen:
 
     Raises UsageError when it has no contact candidates.
     """
+    from contact.interchange.linearised_step import freeze  # a solve that keeps no problem does not load it
+
     point, stage = visited.point, visited.stage.name
     parameter = point.requested if visited.converged else float(result.history[-1]["parameter"])
     problem, state = visited.problem_at(parameter), point.solution

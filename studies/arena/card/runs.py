@@ -11,7 +11,7 @@ import math
 import pickle
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -62,7 +62,7 @@ LAYOUT = {  # its files and their folders in a repository
     "card.yml": ".github/workflows",
 }
 ALGORITHM, MEASURE, SOLVER, ELEMENT = "contact algorithm", "strain measure", "QP solver", "element option"
-CATALOGUES: dict[str, tuple[dict[str, Any], ...]] = {
+CATALOGUES: dict[str, tuple[MutableMapping[str, Any], ...]] = {
     ALGORITHM: (ALGORITHMS,),
     MEASURE: (MEASURES,),
     SOLVER: (SOLVERS,),

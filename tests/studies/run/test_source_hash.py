@@ -83,6 +83,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     assert not smooth & rubs
     code = "import sys; from studies.solving.solve import solve; import studies.run.record\n"
     code += "from studies.scenes.complete import complete\n"
+    code += "from contact.catalogue import ALGORITHMS; list(ALGORITHMS.values())\n"  # what loads calls its own functions
     code += "from studies.scenes import SCENES; list(SCENES.values()); called = set()\n"
     code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
     code += f"for name in {tuple(ALGORITHMS)}: solve(*complete('strip-contact', {{}}, '4x1', contact=name))\n"
