@@ -5,6 +5,7 @@ Scattering through these slots costs a fifth of building a COO matrix at every N
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -67,18 +68,32 @@ class Pattern:
 
 
 def _found(n: int, number: np.ndarray, elements: np.ndarray, theirs: np.ndarray) -> Pattern:
-    """The pattern without C."""
+    """The pattern without C, by blocks of unknowns that elements have together: a sixth of the time of all entries."""
     plain = number.copy()
     plain[elements] = -1
-    keys = np.concatenate([_keys(each, n) for each in (plain, theirs)])
-    # the index is not wanted, but sorted for it stably: half the time, because keys come in runs
-    unique, _, slots = np.unique(keys, return_index=True, return_inverse=True)
-    entries = unique[unique < n * n]
-    indptr = np.searchsorted(entries, np.arange(n + 1, dtype=np.int64) * n)
-    slots = np.minimum(slots.ravel(), len(entries)).astype(np.intp)
-    own, others = np.split(slots, [number.shape[0] * number.shape[1] ** 2])
-    placed = None if not len(elements) else (elements, others.reshape(-1, theirs.shape[1], theirs.shape[1]), NOTHING)
-    return Pattern(n, indptr.astype(np.int32), (entries % n).astype(np.int32), own, placed)
+    groups = plain, theirs
+    first = _begins_block(n, groups)
+    block, start = np.cumsum(first) - 1, np.flatnonzero(first)
+    size, nobody = np.bincount(block), len(start) ** 2
+    met = [_blocks(each, first, block) for each in groups]
+    keys = [_keys(blocks, len(start), nobody).ravel() for blocks, _ in met]
+    pairs, pair = np.unique(np.concatenate(keys), return_inverse=True)
+    column, row = np.divmod(pairs[pairs < nobody], max(len(start), 1))
+    above = np.append(0, np.cumsum(size[row]))  # entries of a column of all blocks, before each pair
+    begin = above[np.searchsorted(column, np.arange(len(start) + 1))]
+    indptr = np.append(0, np.cumsum(np.diff(begin)[block])).astype(np.int32)
+    indices = _ranges(start[row], size[row])[_ranges(begin[:-1][block], np.diff(indptr))].astype(np.int32)
+    offset = np.append(above[:-1] - begin[column], 0)  # of a pair in its columns
+    slots = []
+    for each, (_, place), its in zip(groups, met, np.split(pair, [len(keys[0])]), strict=True):
+        k = place.max(initial=0) + 1
+        where = np.arange(len(each))[:, None, None], place[:, None, :], place[:, :, None]
+        slot = offset[its.reshape(len(each), k, k)][where]
+        slot += (each - start[block[each]])[:, :, None] + indptr[each][:, None, :]
+        slot[(each < 0)[:, :, None] | (each < 0)[:, None, :]] = len(indices)
+        slots.append(slot)
+    placed = None if not len(elements) else (elements, slots[1], NOTHING)
+    return Pattern(n, indptr, indices, slots[0].ravel(), placed)
 
 
 @lru_cache(maxsize=KEPT)
@@ -88,9 +103,33 @@ def _met_before(n: int, *numbers: tuple[bytes, np.dtype, tuple[int, ...]]) -> Pa
     return _found(n, number, elements, theirs)
 
 
-def _keys(number: np.ndarray, n: int) -> np.ndarray:
-    """Place (column, row) of each entry of the element matrices, n^2 where it is held."""
-    row, column = np.broadcast_arrays(number[:, :, None], number[:, None, :])
-    keys = column.ravel().astype(np.int64) * n + row.ravel()
-    keys[((row < 0) | (column < 0)).ravel()] = n * n
-    return keys
+def _begins_block(n: int, groups: Iterable[np.ndarray]) -> np.ndarray:
+    """Unknowns (n,) that begin a block: all others follow the one before in every element that has one of the two."""
+    met, follows = np.zeros(n, np.intp), np.zeros(n, np.intp)
+    for each in groups:
+        met += np.bincount(each[each >= 0], minlength=n)
+        after = (each[:, 1:] > 0) & (each[:, 1:] == each[:, :-1] + 1)
+        follows += np.bincount(each[:, 1:][after], minlength=n)
+    return np.append(True, (follows[1:] < met[1:]) | (met[1:] != met[:-1]))[:n]
+
+
+def _blocks(number: np.ndarray, first: np.ndarray, block: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The blocks (E, k) of each element, -1 where it has fewer, and the place (E, d) of each of its unknowns there."""
+    begins = (number >= 0) & first[number]
+    place = np.maximum(np.cumsum(begins, axis=1) - 1, 0)
+    blocks = np.full((len(number), place.max(initial=0) + 1), -1)
+    element, at = np.nonzero(begins)
+    blocks[element, place[element, at]] = block[number[element, at]]
+    return blocks, place
+
+
+def _keys(blocks: np.ndarray, n: int, nobody: int) -> np.ndarray:
+    """Of each pair of the blocks of an element (E, k, k), by column and row."""
+    held = (blocks < 0)[:, :, None] | (blocks < 0)[:, None, :]
+    return np.where(held, nobody, blocks[:, :, None] * n + blocks[:, None, :])
+
+
+def _ranges(begins: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Every begins[i], ..., begins[i] + lengths[i] - 1, one after the other."""
+    ends = np.cumsum(lengths)
+    return np.repeat(begins - ends + lengths, lengths) + np.arange(ends[-1] if len(ends) else 0)

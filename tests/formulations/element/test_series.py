@@ -119,3 +119,18 @@ def test_equal_numbers_have_one_pattern_with_what_constrains_each(rng) -> None:
     assert patterns[0].slots is patterns[1].slots
     many = np.tile(NUMBER, (LARGE // NUMBER.size + 1, 1))
     assert Pattern.build(many, 5).slots is not Pattern.build(many, 5).slots
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_blocks_of_unknowns_that_elements_share_are_summed_entry_by_entry(seed: int) -> None:
+    """Nodes of up to three unknowns, some of them held, met in any order, and an element that is constrained."""
+    rng = np.random.default_rng(seed)
+    free = np.where(rng.random((6, 3)) < 0.7, 1, 0)
+    of_node = np.where(free, np.cumsum(free).reshape(6, 3) - 1, -1)
+    number = np.stack([of_node[rng.permutation(6)[:4]].ravel() for _ in range(5)])
+    n, theirs = int(free.sum()), number[4:, rng.permutation(12)[:7]]
+    matrices, C = rng.normal(size=(5, 12, 12)), rng.normal(size=(1, 12, 7))
+    pattern = Pattern.build(number, n, (np.array([4]), theirs, C))
+    wanted = summed(number[:4], matrices[:4], n) + summed(theirs, C.swapaxes(1, 2) @ matrices[4:] @ C, n)
+    np.testing.assert_allclose(dense(pattern, matrices), wanted, atol=1e-12)
+    assert pattern.assemble(matrices).has_canonical_format
