@@ -67,7 +67,7 @@ def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path) 
 
 
 def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With it they decide; without it nothing of theirs is called, but for what tells that there is none."""
+    """With it they decide; without it nothing of theirs is called once it is loaded, but what tells there is none."""
     asked: list[set[str]] = []
 
     def seen(modules, root=ROOT, *, without=()):
@@ -83,7 +83,7 @@ def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest
     assert not smooth & rubs
     code = "import sys; from studies.solving.solve import solve; import studies.run.record\n"
     code += "from studies.scenes.complete import complete\n"
-    code += "from contact.catalogue import ALGORITHMS; list(ALGORITHMS.values())\n"  # what loads calls its own functions
+    code += "from contact.catalogue import ALGORITHMS; list(ALGORITHMS.values())\n"
     code += "from studies.scenes import SCENES; list(SCENES.values()); called = set()\n"
     code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
     code += f"for name in {tuple(ALGORITHMS)}: solve(*complete('strip-contact', {{}}, '4x1', contact=name))\n"
