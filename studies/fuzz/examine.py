@@ -146,7 +146,7 @@ def record_of(name: str) -> str:
 
 SEEDS, MOST = "0:5000", 1_000_000
 LIMITS = Limits(time_s=120.0, memory_MB=2048.0)  # most take well under a second, the longest of 5,000 takes 54 s
-STOPPED = {TIME: "ends", MEMORY: "memory", CRASH: "the process lives"}  # the law that a failure of the child breaks
+STOPPED = {TIME: "time", MEMORY: "memory", CRASH: "the process lives"}  # the law that a failure of the child breaks
 WORST = {"no traceback": "tracebacks", "certified": "judged wrong", "one answer": "silent disagreements"}
 VERDICTS = (PASSED, EXPLAINED, UNCOMPARED, BROKEN)
 Progress = Callable[[int, int, str], None]

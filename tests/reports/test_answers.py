@@ -30,7 +30,7 @@ TEN = {  # question: name of the sentence that answers it, and words that it mus
     ),
     "Which contact algorithm, and when not?": (
         "which-algorithm",
-        r"Take `[\w-]+`: it converges on \d+ % of \d+ requests",
+        r"Take `[\w-]+`: it converges on [0-9.]+ % of \d+ requests",
     ),
     "How far is the force of the tyre known?": ("force-known", r"in the limit of its grids, known to [\d.]+ %"),
     'Does "solved" of OSQP mean solved?': (
@@ -42,7 +42,7 @@ TEN = {  # question: name of the sentence that answers it, and words that it mus
     "What does 1 % cost?": ("one-per-cent", r"An error of 1 % takes [\d.]+ times the seconds of 5 %"),
     "What is the exact problem of a scene, and where is a picture of it?": (
         "scenes",
-        r"has a sheet: geometry, material",
+        r"(?:has|have) a sheet: geometry, material",
     ),
     "How sure is advice?": ("advice", r"meets the tolerance in \d+ % of \d+ cases"),
 }

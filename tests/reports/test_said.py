@@ -55,7 +55,7 @@ def test_limits_stand_in_one_table_a_line_for_measures_and_one_for_algorithms(fi
 def test_beside_dissipation_stands_that_it_converges_with_the_load_step(files: dict[str, str]) -> None:
     tables, _, after = files["friction.md"].partition("**Do not rely on the dissipation of these tables.**")
     assert tables.count("dissipated [N m] |") == 2
-    message = "dragged by 1 mm in one step each the dissipation has an error of +100 %, the force one of -4.0 %"
+    message = "in one step each, on a coarser mesh, the dissipation has an error of +100 %, the force one of -4.0 %"
     assert message in after.partition("\n\n")[0]
 
 

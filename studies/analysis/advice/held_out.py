@@ -39,7 +39,7 @@ COLUMNS = (
 )
 DEAR = 1.5  # regret that is too much
 SUMMARY_COLUMNS = (
-    *("quantities", "scenes", "cases", "advised", "met", "median_regret", "mean_regret", "worst_regret"),
+    *("quantities", "scenes", "cases", "advised", "met", "worst_miss", "median_regret", "mean_regret", "worst_regret"),
     *("dear", "share_above", "abstained"),
 )
 
@@ -62,8 +62,8 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
 def summary(cases: pd.DataFrame) -> pd.DataFrame:
     """SUMMARY_COLUMNS, of the headline quantities and of all: cases, and scenes, of which there are fewer.
 
-    met: share of the advised cases.  share_above: share of the regrets above ``dear``.  abstained: without advice,
-    though a cell would do.
+    met: share of the advised cases.  worst_miss: the largest true error over its tolerance.  share_above: share of the
+    regrets above ``dear``.  abstained: without advice, though a cell would do.
     """
     rows = [
         _summary(words, own) for words, own in (("headline", cases[cases["headline"].astype(bool)]), ("all", cases))
@@ -76,6 +76,7 @@ def _summary(words: str, cases: pd.DataFrame) -> dict[str, object]:
     return {
         **{"quantities": words, "scenes": cases["scene"].nunique(), "cases": len(cases), "advised": len(given)},
         "met": given["met"].astype(float).mean(),
+        "worst_miss": (given["true_error"] / given["tolerance"]).astype(float).max(),
         **{"median_regret": regret.median(), "mean_regret": regret.mean(), "worst_regret": regret.max()},
         **{"dear": DEAR, "share_above": (regret.dropna() > DEAR).mean()},
         "abstained": int(((cases["advised"] == "") & (cases["best"] != "")).sum()),

@@ -8,6 +8,7 @@ import pandas as pd
 
 from studies.analysis.statements.record import Values
 from studies.experiments.choices import ALGORITHM, OFFER, PROBLEM, VARIANT, smallest
+from studies.solving.offers import FASTER, LOADING
 from studies.solving.trials import PATIENCE
 
 NOISE = 0.2  # s of a solve, below which its time says nothing
@@ -47,6 +48,8 @@ def cheapest(choices: pd.DataFrame) -> Iterator[Values]:
     names = {str(name): int(count) for name, count in offers["measure"].value_counts().items()}
     exact = names.pop(EXACT, 0)
     values: Values = {"asked": len(asked), "answered": len(offers), "exact": exact, "others": named_counts(names)}
+    least = LOADING * (1 - FASTER) / FASTER  # s, which to spare altogether would not be enough
+    values |= {"quick": (offers["seconds"] < least).sum(), "least": least}
     errors = " or ".join(f"{100 * error:g} %" for error in asked["asked"].drop_duplicates())
     yield values | {"count": sum(names.values()), "errors": errors, "_problems": len(asked)}
 
@@ -92,13 +95,17 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
     if default not in own.index or trials.empty:
         return
     best = own.loc[[default]].to_dict("records")[0]
-    values: Values = {"best": f"`{default}`", "share": best["solved_share"]}
+    values: Values = {"best": f"`{default}`", "share": best["solved_share"], "noise": NOISE, "patience": PATIENCE}
     values |= {"problems": best["problems"] - best["path_ends"], "scenes": best["scenes"], "refused": best["refused"]}
-    values |= {"error": trials["asked"].min(), "patience": PATIENCE}
+    others = own["solved_share"].drop(default)
+    values |= {"_others": len(others), "least": others.min(), "most": others.max(), "error": trials["asked"].min()}
     clauses = []
     for n, (name, rows) in enumerate(trials[trials["name"] != default].groupby("name", sort=False)):
-        over, other = rows["over"].dropna(), int(rows["other"].sum())
-        values |= {f"name{n}": f"`{name}`", f"of{n}": len(rows), f"solved{n}": len(over)}
+        long = rows[rows["usual"] >= NOISE]
+        if long.empty:
+            continue
+        over, other = long["over"].dropna(), int(long["other"].sum())
+        values |= {f"name{n}": f"`{name}`", f"of{n}": len(long), f"solved{n}": len(over)}
         place = f"{{name{n}}} {{solved{n}:.0f}} of {{of{n}:.0f}}"
         if len(over):
             values |= {f"low{n}": over.min(), f"high{n}": over.max()}
@@ -106,7 +113,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
             place += f" at {{low{n}:.2f}}{span} times"
         if other:
             values[f"other{n}"] = other
-            place += f", {{other{n}:.0f}} with the penetration of its springs"
+            place += f", {{other{n}:.0f}} of them with the answer of springs"
         clauses.append(place)
     yield values | {"_told": "; ".join(clauses), "_problems": best["problems"]}
 
@@ -114,8 +121,8 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
 def finest_trials(choices: pd.DataFrame) -> pd.DataFrame:
     """The algorithms on the finest mesh that they were tried on, for the smallest error.
 
-    over: time over the default's, NaN where one did not converge.  other: it converged to another answer, as one of
-    springs with a finite ε does.
+    usual: seconds of the default.  over: time over that, NaN where one did not converge.  other: it converged to
+    another answer, as one of springs with a finite ε does.
     """
     own = smallest(choices, ALGORITHM, ALGORITHM)
     own = own[own["verdict"] != "not tried"]
@@ -126,8 +133,11 @@ def finest_trials(choices: pd.DataFrame) -> pd.DataFrame:
         converged = last["verdict"] == "converged"
         if len(usual) and converged.any():
             other = converged & (last["agrees"].astype(str) != "True")
-            parts.append(last.assign(over=(last["seconds"] / usual.iloc[0]).where(converged), other=other))
-    return pd.concat(parts, ignore_index=True) if parts else own.assign(over=float("nan"), other=False).iloc[:0]
+            over = (last["seconds"] / usual.iloc[0]).where(converged)
+            parts.append(last.assign(usual=usual.iloc[0], over=over, other=other))
+    if not parts:
+        return own.assign(usual=float("nan"), over=float("nan"), other=False).iloc[:0]
+    return pd.concat(parts, ignore_index=True)
 
 
 def first_offers(choices: pd.DataFrame) -> pd.DataFrame:

@@ -18,7 +18,7 @@ from studies.solving.result import SOLVED
 MESHES = ("28x26", "42x40", "84x80")
 CHANGES = {  # what of the model changes the force, by its name in the budget
     "follower": "a pressure that follows the inner face",
-    "full-3d": "the full three-dimensional law",
+    "full-3d": "the full three-dimensional law, too stiff in bending,",
     "shell instead of a solid": "a solid (of an isotropic tyre)",
 }
 
@@ -61,15 +61,15 @@ def force_known(work_precision: pd.DataFrame, tyre_budget: pd.DataFrame) -> Iter
     """How far the force of the tyre is known: by its grids, and by what its model leaves out."""
     row, changes = work_precision.iloc[0], {each["changed"]: each for each in tyre_budget.to_dict("records")}
     values: Values = {"force": row["reference_N"], "known": row["known"]}
-    clauses, total = [], 0.0
+    clauses, largest = [], 0.0
     for name, words in CHANGES.items():
         if name in changes:
             key, own = name.split()[0].replace("-", "_"), changes[name]
             values |= {key: own["change"], f"{key}_known": own["within"]}
             clauses.append(f"{words} changes it by {{{key}:+.1%}} ± {{{key}_known:.1%}}")
-            total += own["change"]
+            largest = max(largest, abs(own["change"]) - own["within"])
     yield values | {
-        "total": total,
+        "_decides": int(largest > row["known"]),
         "_told": ", ".join(clauses),
         "_changes": len(clauses),
         "_problems": len(work_precision),

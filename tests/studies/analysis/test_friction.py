@@ -161,7 +161,7 @@ def test_who_sticks_and_what_is_left() -> None:
 
 def test_what_load_steps_change() -> None:
     actual = text("friction-steps", friction_step_orders=step_orders(steps()), friction_steps=steps())
-    assert "in 1 step each the tyre has errors of -4.0 % in its force and +100 % in its dissipation" in actual
+    assert "the tyre on 14x14 elements has errors of -4.0 % in its force and +100 % in its dissipation" in actual
     assert "in 8 steps, at 8 times the operations, -0.50 % and +12.5 %" in actual
     assert "are 1.00 and 1.00; theory says 1" in actual
 
@@ -181,7 +181,7 @@ def test_steps_above_what_is_required_are_named() -> None:
     rules, below = pd.DataFrame([COST_BARS]), cost().assign(factorisations=1.0, operations_ratio=2.0)
     actual = text("friction-cost", friction_cost=cost(), rules=rules)
     assert "2.00 to 3.00 times the operations of one without, and 1.20 to 1.50 factorisations" in actual
-    assert "required are at most 2.5 and 1.2, and 1 of 2 steps exceed one of them: drag to 0.5 mm on 42x40." in actual
+    assert "this suite allows 2.5 and 1.2, and 1 of 2 steps exceed one of them: drag to 0.5 mm on 42x40." in actual
     assert "and none of 2 steps exceeds them." in text("friction-cost", friction_cost=below, rules=rules)
     assert "1.50 to 2.00 times one without" in text("friction-seconds", friction_cost=cost())
 

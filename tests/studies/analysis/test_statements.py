@@ -229,11 +229,11 @@ def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) 
     row = {"algorithm": "semismooth", "default": "semismooth", "solved_share": 1.0, "problems": 9, "path_ends": 0}
     summary = pd.DataFrame([{**row, "scenes": 2, "refused": 0}])
     actual = filled("which-algorithm", contact_summary=summary, choices=table)
-    assert "Take `semismooth`: it converges on 100%" in actual
+    assert "Take `semismooth`: it converges on 100.0%" in actual
     assert "`lcp` 2 of 2 at 0.90 times; `qp` 0 of 2" in actual
     other = table.assign(agrees=table["agrees"].where(table["name"] != "lcp", False))
     trials = finest_trials(other).drop_duplicates("name").set_index("name")
     assert trials["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
     assert trials["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
     stated = filled("which-algorithm", contact_summary=summary, choices=other)
-    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in stated
+    assert "`lcp` 2 of 2 at 0.90 times, 2 of them with the answer of springs" in stated
