@@ -72,13 +72,13 @@ def _found(n: int, number: np.ndarray, elements: np.ndarray, theirs: np.ndarray)
     plain = number.copy()
     plain[elements] = -1
     groups = plain, theirs
-    first = _begins_block(n, groups)
+    first = _begins_block(max(n, 1), groups)  # held numbers, -1, are looked up where no unknown is free, too
     block, start = np.cumsum(first) - 1, np.flatnonzero(first)
     size, nobody = np.bincount(block), len(start) ** 2
     met = [_blocks(each, first, block) for each in groups]
     keys = [_keys(blocks, len(start), nobody).ravel() for blocks, _ in met]
     pairs, pair = np.unique(np.concatenate(keys), return_inverse=True)
-    column, row = np.divmod(pairs[pairs < nobody], max(len(start), 1))
+    column, row = np.divmod(pairs[pairs < nobody], len(start))
     above = np.append(0, np.cumsum(size[row]))  # entries of a column of all blocks, before each pair
     begin = above[np.searchsorted(column, np.arange(len(start) + 1))]
     indptr = np.append(0, np.cumsum(np.diff(begin)[block])).astype(np.int32)
@@ -93,7 +93,7 @@ def _found(n: int, number: np.ndarray, elements: np.ndarray, theirs: np.ndarray)
         slot[(each < 0)[:, :, None] | (each < 0)[:, None, :]] = len(indices)
         slots.append(slot)
     placed = None if not len(elements) else (elements, slots[1], NOTHING)
-    return Pattern(n, indptr, indices, slots[0].ravel(), placed)
+    return Pattern(n, indptr[: n + 1], indices, slots[0].ravel(), placed)
 
 
 @lru_cache(maxsize=KEPT)

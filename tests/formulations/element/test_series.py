@@ -134,3 +134,11 @@ def test_blocks_of_unknowns_that_elements_share_are_summed_entry_by_entry(seed: 
     wanted = summed(number[:4], matrices[:4], n) + summed(theirs, C.swapaxes(1, 2) @ matrices[4:] @ C, n)
     np.testing.assert_allclose(dense(pattern, matrices), wanted, atol=1e-12)
     assert pattern.assemble(matrices).has_canonical_format
+
+
+def test_a_mesh_that_is_held_everywhere_has_an_empty_pattern() -> None:
+    held, matrices = np.full((2, 4), -1), np.ones((2, 4, 4))
+    for constrained in (None, (np.array([1]), held[1:], np.ones((1, 4, 4)))):
+        pattern = Pattern.build(held, 0, constrained)
+        assert (pattern.indptr.tolist(), pattern.slots.tolist()) == ([0], [0] * 32)
+        assert dense(pattern, matrices).shape == (0, 0)
