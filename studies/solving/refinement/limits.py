@@ -131,18 +131,6 @@ def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | 
     return _estimate(last.value, limit, within)
 
 
-def order_shown(grids: Sequence[Seen]) -> float | None:
-    """p of J = L + c h^p through three grids, each half as coarse as the one before; None where differences grow."""
-    last_three = three_of(grids)
-    if last_three is None:
-        return None
-    first, middle, last = last_three
-    before, now = middle.value - first.value, last.value - middle.value
-    if not abs(before) > abs(now) or before * now <= 0:
-        return None
-    return math.log(before / now) / math.log(middle.size / last.size)
-
-
 def _fitted(grids: Sequence[Seen]) -> Estimate | str:
     sizes, values = (np.array(each, float) for each in zip(*((g.size, g.value) for g in grids), strict=True))
     if not np.isfinite(values).all():

@@ -17,9 +17,10 @@ from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
 from studies.solving.refinement.grids import FEWEST, element_size, near, on_one_grid, quarter, ways
-from studies.solving.refinement.limits import Estimate, Seen, estimate_of, order_shown
+from studies.solving.refinement.limits import Estimate, Seen, estimate_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
+from studies.solving.refinement.richardson import order_of
 from studies.solving.result import COUNTS, SOLVED, Result, unit_of
 
 TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the table, and two times
@@ -199,7 +200,8 @@ def _limit(
         grown = growth(result, name)
         if HALVINGS * grown > limit.high * abs(limit.limit):
             limit = POINT_LOAD.format(100 * grown / abs(values[-1]))
-    return MeshError(load, name, values[-1], limit, order_shown(points))
+    order = order_of(sizes, values)
+    return MeshError(load, name, values[-1], limit, None if math.isnan(order) else order)
 
 
 def _growth(result: Result, half: Sketch) -> float:

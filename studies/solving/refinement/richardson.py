@@ -132,11 +132,12 @@ def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:
     def excess(p: float) -> float:
         return ((h1 / h2) ** p - 1) / (1 - (h3 / h2) ** p) - ratio
 
-    if not excess(LOWEST) <= 0 <= excess(HIGHEST):
+    low, high = LOWEST, HIGHEST
+    if not excess(low) <= 0 <= excess(high):
         return math.nan
-    from scipy.optimize import brentq  # as slow to load as a small solve
-
-    return float(brentq(excess, LOWEST, HIGHEST))
+    while low < (middle := (low + high) / 2) < high:  # scipy.optimize is as slow to load as a small solve
+        low, high = (middle, high) if excess(middle) <= 0 else (low, middle)
+    return low
 
 
 def holds_from(holds: Sequence[bool] | np.ndarray | pd.Series) -> int:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,7 +17,6 @@ from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.complete import complete
 from studies.scenes.contact.ring import RADIUS
 from studies.solving.refinement import mesh_error
-from studies.solving.refinement.limits import Seen, order_shown
 from studies.solving.refinement.mesh_error import COLD, HALF_SIZE, TABLE, coarser_grids, solve_with_error
 from studies.solving.refinement.nested import sketch
 from studies.solving.result import Result
@@ -153,11 +154,23 @@ def test_with_friction_the_interval_is_that_of_grids_and_of_load_steps() -> None
     assert both == pytest.approx({"low": grids["low"] - width, "high": grids["high"] + width})
 
 
-def test_the_order_that_grids_show_and_where_they_show_none() -> None:
-    for order in (1.0, 2.0, 3.5):
-        assert order_shown([Seen(h, 3.0 + h**order) for h in (4.0, 2.0, 1.0)]) == pytest.approx(order)
-    for values in ((1.0, 2.0, 3.1), (1.0, 2.0, 1.5), (1.0, 1.0, 1.0), (1.0, 1.5)):  # apart, turning, the same, two
-        assert order_shown([Seen(2.0**-k, value) for k, value in enumerate(values)]) is None
+@pytest.mark.parametrize("counts", [(7, 15, 30), (4, 8, 18), (8, 16, 32)])
+@pytest.mark.parametrize("order", [1.0, 2.0, 3.5])
+def test_the_order_is_that_of_three_grids_of_any_sizes(counts: tuple[int, int, int], order: float) -> None:
+    assert shown(counts, [3.0 + n**-order for n in counts]) == pytest.approx(order)
+
+
+def test_grids_that_show_no_order() -> None:
+    for values in ((1.0, 2.0, 3.1), (1.0, 2.0, 1.5), (1.0, 1.0, 1.0)):  # apart, turning, the same
+        assert shown((8, 16, 32), values) is None
+
+
+def shown(counts: tuple[int, int, int], values: Sequence[float]) -> float | None:
+    """The order of values on rings of so many elements, where nothing touches."""
+    nothing = SimpleNamespace(point=SimpleNamespace(solution=SimpleNamespace(active=[])))
+    grids = [SimpleNamespace(size=1 / n, end=nothing) for n in counts[:2]]
+    result = SimpleNamespace(request=complete("ring", {}, (1, counts[2]))[1])
+    return mesh_error._limit(result, grids, 0, "f", values, last=False).order
 
 
 def test_the_command_prints_and_stores_it(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
