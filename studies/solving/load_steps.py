@@ -71,7 +71,8 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     """
     if result.verdict not in SOLVED:
         return
-    start, rows, loads, last = time.process_time(), list[dict[str, Any]](), iter(result.loads), dict[str, StepError]()
+    start, rows, loads = time.process_time(), list[dict[str, Any]](), enumerate(result.loads)
+    headline, of_load = dict[str, StepError](), result.headline_loads
     result.remarks.append(REMARK)
     for visited, steps in _halved(result, tell):
         stage, at = visited.stage.name, visited.point.requested
@@ -81,12 +82,12 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
             break
         if observation.step is None:
             continue
-        step = next(loads)
+        number, step = next(loads)
         step_errors = compared(step.quantities, observation.step, result.request.number("tolerance"))
-        last |= {each.quantity: each for each in step_errors if each.quantity in observation.quantities}
+        headline |= {each.quantity: each for each in step_errors if of_load.get(each.quantity) == number}
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
         rows += [{"stage": stage, "load": at, **spent, **each.row} for each in step_errors]
-    widened = {quantity: _widened(result.errors.get(quantity, {}), each) for quantity, each in last.items()}
+    widened = {quantity: _widened(result.errors.get(quantity, {}), each) for quantity, each in headline.items()}
     result.errors = {name: interval for name, interval in (result.errors | widened).items() if interval}
     result.tables |= {TABLE: [Table.of_rows(rows)]} if rows else {}
     result.timing[TABLE] = time.process_time() - start

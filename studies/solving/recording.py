@@ -99,7 +99,7 @@ def _judge(reached: Reached, visited: Visited, result: Result) -> None:
             result.unstable.append(sentence)
     where = f"in {reached.where}"
     if observation.step is not None:
-        result.loads.append(Step(observation.step, judged, reached.spent))
+        result.loads.append(Step(observation.step, judged, reached.spent, frozenset(observation.quantities)))
         load, value = next(iter(observation.step.items()))
         if visited.stage.whole is None:
             result.states.append(Seen((load, float(value)), reached.at, visited.problem_at, state))

@@ -47,12 +47,14 @@ SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, stabl
 @dataclass(frozen=True, eq=False)
 class Step:
     """seen: the load, which comes first, and the quantities at it {name_unit: value}; certificate: what the judge says
-    of the state; counters: what it has cost.
+    of the state; counters: what it has cost; headlines: the names of the headline values that are of this load, unless
+    a later one has them, too.
     """
 
     seen: dict[str, Any]
     certificate: Mapping[str, Any]
     counters: Mapping[str, int]
+    headlines: frozenset[str]
 
     @property
     def load(self) -> dict[str, float]:
@@ -139,6 +141,11 @@ class Result:
     def end(self) -> Visited | None:
         """The last requested point of the path, or where it ends before it."""
         return self.visits[-1] if self.visits else None
+
+    @property
+    def headline_loads(self) -> dict[str, int]:
+        """{headline value: the number of the load that it is of}; without those that are of no load."""
+        return {name: number for number, step in enumerate(self.loads) for name in step.headlines}
 
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""

@@ -117,10 +117,12 @@ def gradients(
 
 
 def record(result: Result, derivatives: Sequence[Derivative]) -> None:
-    """Into the result: of its headline values, and a table of all."""
+    """Into the result: of its headline values, but for those that the last load reads anew, and a table of all."""
     result.tables[TABLE] = [Table.of_rows([each.row for each in derivatives])]
+    of_load, last = result.headline_loads, len(result.loads) - 1
     for each in derivatives:
-        if each.quantity in result.quantities:
+        anew = of_load.get(each.quantity, last) < last and each.quantity in result.loads[-1].quantities
+        if each.quantity in result.quantities and not anew:
             sides = {"value": each.above} if each.above == each.below else {"below": each.below, "above": each.above}
             of_settings = result.gradients.setdefault(each.quantity, {})
             of_settings[each.setting] = {**sides, "relative": each.relative}

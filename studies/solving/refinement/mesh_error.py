@@ -161,7 +161,8 @@ def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:
         return
     errors = list(_stated(result, grids))
     result.tables[TABLE] = [Table.of_rows([each.row for each in errors])]
-    headline = {each.quantity: each.limit for each in errors if each.quantity in result.quantities}  # the last counts
+    of_load = result.headline_loads
+    headline = {each.quantity: each.limit for each in errors if each.load in (None, of_load.get(each.quantity))}
     result.errors |= {name: each.interval for name, each in headline.items() if isinstance(each, Estimate)}
 
 
@@ -214,7 +215,8 @@ def lines(result: Result) -> list[str]:
     """For people: the limit of every quantity at the last load, and what half the size costs."""
     report = list[str]()
     if TABLE in result.tables:
-        rows = {row["quantity"]: row for row in result.table(TABLE).rows()}  # the last load counts
+        last = None, len(result.loads) - 1
+        rows = {row["quantity"]: row for row in result.table(TABLE).rows() if row["load"] in last}
         unknown = dict[str, list[str]]()
         for name, row in rows.items():
             if row["unknown"] is not None:

@@ -136,11 +136,17 @@ def test_a_quantity_that_two_stages_read_is_that_of_the_last_load() -> None:
     """The force after a drag is not that of the press: by differences of solutions, which know of no stage."""
     given = TYRE | {"mu": "0.3", "delta_mm": "5", "drag_mm": "1"}
     _, result = solved("tyre", "8x8", tuple(given.items()))
-    (force,) = (each for each in of("tyre", given, "8x8", "mu") if each.quantity == "force_N")
+    derivatives = of("tyre", given, "8x8", "mu")
+    (force,) = (each for each in derivatives if each.quantity == "force_N")
     ends = [solved("tyre", "8x8", tuple((given | {"mu": mu}).items()))[1] for mu in ("0.299", "0.301")]
     low, high = (end.loads[-1].quantities["force_N"] for end in ends)
     assert force.value == result.loads[-1].quantities["force_N"] != result.quantities["force_N"]
     assert force.above == pytest.approx((high - low) / 0.002, rel=1e-4)
+    result = replace(result, gradients={}, tables={})
+    gradient.record(result, derivatives)
+    assert {"force_N", "friction_N"} <= set(result.table(gradient.TABLE).columns["quantity"])
+    assert "friction_N" in result.gradients
+    assert "force_N" not in result.gradients  # beside that of the press it would be of another load
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,7 @@ from studies.scenes.contact.ring import RADIUS
 from studies.solving.refinement import mesh_error
 from studies.solving.refinement.mesh_error import COLD, HALF_SIZE, TABLE, coarser_grids, solve_with_error
 from studies.solving.refinement.nested import sketch
-from studies.solving.result import Result
+from studies.solving.result import Result, Step
 from studies.solving.solve import solve
 
 ONE_LOAD = ("solve", "ring", "--mesh", "1x64", "--set", "delta_mm=20")
@@ -167,10 +168,36 @@ def test_grids_that_show_no_order() -> None:
 
 def shown(counts: tuple[int, int, int], values: Sequence[float]) -> float | None:
     """The order of values on rings of so many elements, where nothing touches."""
-    nothing = SimpleNamespace(point=SimpleNamespace(solution=SimpleNamespace(active=[])))
-    grids = [SimpleNamespace(size=1 / n, end=nothing) for n in counts[:2]]
+    grids = [coarse_grid(n) for n in counts[:2]]
     result = SimpleNamespace(request=complete("ring", {}, (1, counts[2]))[1])
     return mesh_error._limit(result, grids, 0, "f", values, last=False).order
+
+
+def coarse_grid(n: int, **known: object) -> Any:
+    """What is known on a ring of n elements that touches nothing."""
+    end = SimpleNamespace(point=SimpleNamespace(solution=SimpleNamespace(active=[])))
+    return SimpleNamespace(size=1 / n, end=end, **known)
+
+
+def test_an_interval_is_that_of_the_load_that_the_headline_value_is_of() -> None:
+    """A drag leaves the force of the press there; one that turns back may leave nothing of friction."""
+
+    def loads(n: int) -> list[dict[str, float]]:
+        error = 16 / n**2
+        return [{"force_N": 100 + error, "friction_N": 30 + error}, {"force_N": 50 + error, "friction_N": 0.0}]
+
+    grids = [coarse_grid(n, loads=loads(n), seconds=1.0) for n in (16, 32)]
+    press, drag = loads(64)
+    steps = [Step({"delta_mm": 1.0, **press}, {}, {}, frozenset(press))]
+    steps.append(Step({"drag_mm": 1.0, **drag}, {}, {}, frozenset({"friction_N"})))
+    quantities = {"force_N": press["force_N"], "friction_N": 0.0}
+    result = Result(complete("ring", {}, "1x64")[1], loads=steps, quantities=quantities, timing={"cpu": 1.0})
+    mesh_error._state(result, grids, "")
+    assert list(result.errors) == ["force_N"]
+    assert result.errors["force_N"]["low"] < 100 < result.errors["force_N"]["high"]
+    said = mesh_error.lines(result)
+    assert said[0].startswith("force_N 50.0039: limit 50 ")
+    assert not any("friction_N" in line for line in said)
 
 
 def test_the_command_prints_and_stores_it(tmp_path, capsys: pytest.CaptureFixture[str]) -> None:
