@@ -71,7 +71,8 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     """
     if result.verdict not in SOLVED:
         return
-    start, rows, loads = time.process_time(), list[dict[str, Any]](), enumerate(result.loads)
+    start, rows = time.process_time(), list[dict[str, Any]]()
+    loads = (each for each in enumerate(result.loads) if each[1].counters["substeps"])  # others: nothing to halve
     headline, of_load = dict[str, StepError](), result.headline_loads
     result.remarks.append(REMARK)
     for visited, steps in _halved(result, tell):
@@ -116,7 +117,7 @@ def _halved(result: Result, tell: Callable[[str], None]) -> Iterator[tuple[Visit
     def halved(stage: Stage) -> Stage:
         ways = [substeps for name, substeps in result.ways if name == stage.name]
         ends[stage.name] = set(accumulate(map(len, ways)))
-        return replace(stage, targets=tuple(chain(*ways)))
+        return replace(stage, targets=tuple(chain(*ways)) or stage.targets)
 
     stages = map(halved, Stages(result.model.stages(), request.settings))
     algorithm, name, passed, steps = configured(request.contact, request.settings), "", 0, 0

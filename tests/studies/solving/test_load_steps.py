@@ -93,6 +93,17 @@ def test_a_step_that_was_cut_is_halved_in_its_parts_and_the_cut_is_printed() -> 
     assert lines(result)[-1] == "load steps: step cut to 0.02"
 
 
+@pytest.mark.parametrize(("fractions", "stated"), [((0.0,), []), ((0.0, 5.0, 7.0), [5.0, 7.0])])
+def test_a_load_without_a_step_has_no_error_of_steps(fractions: tuple[float, ...], stated: list[float]) -> None:
+    result = solve(*complete("strip-contact", {"mu": 0.4, "load_fraction": fractions}, "16x1"))
+    estimate(result)
+    rows = [row for each in result.tables.get(TABLE, []) for row in each.rows() if row["quantity"] == "half_force"]
+    assert [row["load"] for row in rows] == stated
+    values = {step.seen["load_fraction"]: step.seen["half_force"] for step in result.loads}
+    assert [row["value"] for row in rows] == [values[load] for load in stated]
+    assert all(0 < row["halved"] == pytest.approx(row["value"], rel=0.1) for row in rows)
+
+
 def test_paths_that_agree_say_nothing() -> None:
     assert StepError("force_N", 10.0, 10.0 + 1e-9, 1e-8).interval == {}
     assert StepError("force_N", 10.0, 10.5, 1e-8).interval == {"low": 7.0, "high": 13.0}
