@@ -111,6 +111,8 @@ def _run(options: argparse.Namespace) -> int:
         return _say_why(result, stop)
     if error is not None and "refinement" in result.tables:
         print_rounds(result)
+    elif not enough:
+        print(result.reason)
     if stop is not None:
         return code_of(stop)
     return OK if enough else NOT_CONVERGED

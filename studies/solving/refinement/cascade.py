@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from contact.problem import Outcome
 from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
-from studies.solving.refinement.error_control import solve_to_error
+from studies.solving.refinement.error_control import TOO_LONG, solve_to_error
 from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
 from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estimate_of
 from studies.solving.refinement.mesh_error import round_of
@@ -153,6 +154,8 @@ def answer(
         progress(round_of(len(cascade.grids) + 1, grid, cascade.grids))
         last = more <= ALMOST * least if widths else len(cascade.grids) >= FEWEST and error >= USUAL
         followed = cascade.grow(grid, 0.0 if last else TIGHT * error)
+        spent = time.process_time() - start
+        late = spent > budget
         if not followed and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
             break
         finer, more = FINER, least
@@ -170,20 +173,35 @@ def answer(
                 finer = float(np.clip(more ** (1 / ways(request)), CLOSEST, FINER))
             if math.isinf(budget) and cascade.last.unknowns * max(more, least) > MOST:
                 break
-            spent = time.process_time() - start
             late = spent + DEARER * cascade.last.seconds > budget or cascade.last.unknowns > MOST
         grid = near(scene, grid, finer)
+    left = budget - (time.process_time() - start)
+    late = late or left <= 0
     known = isinstance(estimate, Estimate) and (estimate.uncertainty <= error or late)
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
-        left = budget - (time.process_time() - start)
         return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress, budget=left)
+    if not cascade.grids:
+        return _none(scene, request, budget, spent), False
     result = solve_from(scene, cascade.last.request, cascade.last, progress)
     if not result.outcome.converged:
         return result, False
     longer = _longer(scene, result, request)
+    left = budget - (time.process_time() - start)
+    if longer is not None and left > 0:
+        return answer(scene, longer, error, quantity, progress, left)
+    known = _stated(result, cascade, estimate) and known
     if longer is not None:
-        return answer(scene, longer, error, quantity, progress, budget - (time.process_time() - start))
-    return result, _stated(result, cascade, estimate) and known
+        result.reason = TOO_LONG
+    return result, known and longer is None
+
+
+def _none(scene: Scene, request: Request, budget: float, seconds: float) -> Result:
+    """Without a load: none of the grids that the budget has let begin has a path to the last one."""
+    model = scene.build(request)
+    result = Result(request, model, Outcome.STEP_LIMIT, timing={"total": seconds, "cpu": seconds})
+    result.counters["dofs"] = model.n_unknowns
+    result.reason = f"no grid that is begun within {budget:.3g} s has a path to the last load"
+    return result
 
 
 def _stated(result: Result, cascade: Cascade, estimate: Estimate | str) -> bool:

@@ -45,6 +45,7 @@ from studies.solving.solve import solve
 
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
+TOO_LONG = "elements are too long, with modes by themselves, and the budget leaves no time for shorter ones"
 TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
 
 
@@ -119,8 +120,9 @@ def solve_to_error(
         coarse = known or solve(scene, family.asked, tell)
         if coarse.unsupported:
             return coarse, False
+        late = time.process_time() - begun > budget
         if not coarse.outcome.converged:
-            if rounds or too_coarse == TOO_COARSE or coarse.outcome is Outcome.WRONG:
+            if rounds or late or too_coarse == TOO_COARSE or coarse.outcome is Outcome.WRONG:
                 return coarse, False
             family, too_coarse = family.everywhere(), too_coarse + 1
             continue
@@ -129,6 +131,9 @@ def solve_to_error(
         if quantity not in coarse.quantities:
             if too_coarse == TOO_COARSE or not _may_come(scene, quantity):
                 raise UsageError(f"{scene.name} has no quantity {quantity!r}; it has {', '.join(coarse.quantities)}")
+            if late:
+                coarse.reason = f"the grid of {coarse.counters['dofs']} unknowns has no {quantity}"
+                return coarse, False
             family, too_coarse = finer, too_coarse + 1
             continue
         fine = solve(scene, finer.asked, tell)
@@ -139,6 +144,9 @@ def solve_to_error(
             return fine, False
         shorter = family.shortened(scene, fine)
         if shorter is not family:
+            if time.process_time() - begun > budget:
+                fine.reason = TOO_LONG
+                return fine, False
             family, known = shorter, None
             continue
         unknowns, most_unknowns = (int(each.counters["dofs"]) for each in (coarse, fine))

@@ -85,6 +85,29 @@ def test_a_budget_is_kept_and_its_best_answer_is_one(monkeypatch: pytest.MonkeyP
     assert actual.quantities["uncertainty"] > 1e-7
 
 
+def test_a_budget_is_kept_while_grids_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys) -> None:
+    begun = []
+    monkeypatch.setattr(cascade, "sketch", lambda scene, request, *how: begun.append(request.mesh))
+    monkeypatch.setattr(cascade, "solve_to_error", lambda *asked, **how: pytest.fail("a round is begun"))
+    clock = iter(range(100))  # a second a grid
+    monkeypatch.setattr(cascade, "time", SimpleNamespace(process_time=lambda: float(next(clock))))
+    words = ["solve", "ring", "--set", "delta_mm=30", "--error", "1%", "--budget", "1.5s", "--out", str(tmp_path)]
+    assert main(words) == NOT_CONVERGED
+    assert len(begun) == 2
+    assert "did not converge: no grid that is begun within 1.5 s" in capsys.readouterr().err
+    assert json.loads((tmp_path / "result.json").read_text())["class"] == "not-converged"
+
+
+def test_elements_that_are_too_long_are_said_where_the_budget_leaves_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = first_grid("ring", {"delta_mm": "30"})
+    monkeypatch.setattr(cascade, "_longer", lambda scene, result, request: request)
+    clock = iter(range(100))
+    monkeypatch.setattr(cascade, "time", SimpleNamespace(process_time=lambda: float(next(clock))))
+    result, enough = answer(*asked, 0.5, budget=3.5)
+    assert not enough
+    assert "too long" in result.reason
+
+
 def test_what_a_cascade_does_not_get_at_is_left_to_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cascade, "MOST", 200)
     result, enough = answer(*first_grid("scordelis-lo", {}), 0.01)

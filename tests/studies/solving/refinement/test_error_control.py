@@ -8,19 +8,22 @@ from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from contact.problem import Outcome
 from studies.ask.scene import UsageError
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.experiments.error_coverage import Case, error_coverage, shipped_cases
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.refinement.error_control import Round, at_loads, estimate, parse_error, solve_to_error
-from studies.solving.refinement.grids import coarsest
+from studies.solving.refinement.grids import Family, coarsest
 from studies.solving.refinement.records import growth
+from studies.solving.result import Result
 from studies.solving.solve import solve
 
 
@@ -171,6 +174,31 @@ def test_no_round_is_begun_that_the_budget_has_no_room_for() -> None:
     assert enough
     assert len(result.table("refinement")) == 1
     assert "edge_deflection_mm is known to" in result.reason
+
+
+@pytest.mark.parametrize("lacks", ["a path", "the quantity"])
+def test_no_round_is_begun_beyond_the_budget_while_grids_fail(monkeypatch: pytest.MonkeyPatch, lacks: str) -> None:
+    solved = []
+
+    def fails(*asked: Any) -> Result:
+        solved.append(solve(*asked))
+        if lacks == "a path":
+            solved[-1].outcome = Outcome.STEP_LIMIT
+        else:
+            solved[-1].quantities.pop("edge_deflection_mm")
+        return solved[-1]
+
+    monkeypatch.setattr("studies.solving.refinement.error_control.solve", fails)
+    result, enough = solve_to_error(*coarsest("scordelis-lo", {}), 0.01, "edge_deflection_mm", budget=1e-3)
+    assert (result, enough) == (solved[0], False)
+    assert len(solved) == 1
+
+
+def test_elements_that_are_too_long_are_said_where_the_budget_leaves_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Family, "shortened", lambda family, scene, result: replace(family))
+    result, enough = solve_to_error(*coarsest("scordelis-lo", {}), 0.01, "edge_deflection_mm", budget=1e-3)
+    assert not enough
+    assert "too long" in result.reason
 
 
 @pytest.mark.slow
