@@ -24,14 +24,15 @@ ENDS = 2  # of a step: both its problems are needed repeatedly, to solve and to 
 class Visited:
     """A requested point of a stage, or the end of its path before it.
 
-    before: the state that the path came from, in the stage's unknowns.  trace: of a curve by arc length, of which
-    ``point`` is the end.
+    before: the state that the path came from, in the stage's unknowns.  index: of the point among the targets of the
+    stage, which may repeat a value.  trace: of a curve by arc length, of which ``point`` is the end.
     """
 
     stage: Stage
     problem_at: Callable[[float], ContactProblem]
     before: ContactSolution
     point: PathPoint
+    index: int
     trace: Trace | None = None
 
     @cached_property
@@ -68,7 +69,7 @@ class Visited:
     @property
     def ends_stage(self) -> bool:
         """Whether this is the last point of its stage."""
-        return self.point.requested == self.stage.targets[-1]
+        return self.index == len(self.stage.targets) - 1
 
     @property
     def said(self) -> str:
@@ -131,29 +132,19 @@ def walk(
             last, count = trace.points[-1], len(trace.points) - 1
             end = replace(last.state, counters=trace.counters, history=tuple(trace.history))
             point = PathPoint(stage.targets[-1], last.factor, trace.outcome, end, count)
-            visited = Visited(stage, problem_at, before, point, trace)
+            visited = Visited(stage, problem_at, before, point, len(stage.targets) - 1, trace)
             yield visited
         else:
             first = problem_at(stage.targets[0])
             refused = first.unfit_for_friction or algorithm.supports(first)
             if refused is not None:
                 unchanged = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
-                yield Visited(
-                    stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, unchanged, 0)
-                )
+                point = PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, unchanged, 0)
+                yield Visited(stage, problem_at, before, point, 0)
                 return
-            for point in follow(
-                problem_at,
-                0.0,
-                stage.targets,
-                algorithm,
-                before,
-                steps,
-                partial(tell, stage.name),
-                smallest,
-                starts(stage),
-            ):
-                visited = Visited(stage, problem_at, before, point)
+            how = steps, partial(tell, stage.name), smallest, starts(stage)
+            for index, point in enumerate(follow(problem_at, 0.0, stage.targets, algorithm, before, *how)):
+                visited = Visited(stage, problem_at, before, point, index)
                 yield visited
                 before = point.solution
         if not visited.converged:

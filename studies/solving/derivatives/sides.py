@@ -122,7 +122,7 @@ def _states(visited: Visited, epsilon: float) -> Iterator[Passed]:
     rubs = visited.problem.coulomb is not None
     if not (rubs or visited.ends_stage):
         return
-    index, substeps = targets.index(visited.point.requested), visited.point.way
+    index, substeps = visited.index, visited.point.way
     begun, end = targets[index - 1] if index else 0.0, targets[index]
     pairs = list(pairwise(substeps)) or [(substeps[0], substeps[0])]
     for (t0, before), (t, state) in pairs if rubs else pairs[-1:]:

@@ -1,5 +1,6 @@
 """The walk over stages and requested points: what it visits, in which unknowns, and where it ends."""
 
+from dataclasses import replace
 from unittest.mock import patch
 
 import numpy as np
@@ -35,6 +36,13 @@ def test_every_requested_point_of_every_stage_is_visited() -> None:
     assert all(each.state.u.shape == (model.n_unknowns,) for each in visited)
     np.testing.assert_array_equal(visited[2].before.u, visited[1].point.solution.u)
     assert stated == [("inflation", 0.5), ("inflation", 1.0), *(("press", float(at)) for at in (1, 2, 3, 4))]
+
+
+def test_a_stage_that_comes_back_to_its_last_value_ends_once() -> None:
+    inflation, press = tyre().stages()
+    visited = list(walk([inflation, replace(press, targets=(2.0, 1.0, 2.0))], Semismooth()))
+    assert [each.index for each in visited] == [0, 0, 1, 2]
+    assert [each.ends_stage for each in visited] == [True, False, False, True]
 
 
 def test_a_walk_goes_on_from_a_state() -> None:

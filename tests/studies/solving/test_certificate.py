@@ -144,7 +144,7 @@ def test_a_limit_of_iterations_is_no_cause_where_the_path_ends(outcome, end, ver
     _, request = complete("cantilever", {}, "4x2")
     rest = ContactSolution.at_rest(1, 0)
     point = PathPoint(20.0, 7.4, outcome, rest, 3, Outcome.ITERATION_LIMIT, end)
-    visited = Visited(Stage("press", lambda before: (None, before), (20.0,), None), lambda t: None, rest, point)
+    visited = Visited(Stage("press", lambda before: (None, before), (20.0,), None), lambda t: None, rest, point, 0)
     actual = Result(request, outcome=outcome, cause=Outcome.ITERATION_LIMIT, visits=[visited])
     assert actual.verdict == verdict
     at = {} if end is None or end.limit is None else {"parameter": end.limit}

@@ -149,6 +149,21 @@ def test_a_quantity_that_two_stages_read_is_that_of_the_last_load() -> None:
     assert "force_N" not in result.gradients  # beside that of the press it would be of another load
 
 
+def test_a_drag_that_comes_back_to_a_stop_by_differences() -> None:
+    """Each leg begins where the one before has ended: steps inside of it move with both of its stops."""
+
+    def dragged(by: float) -> tuple[Any, Result]:
+        stops = tuple(stop + by for stop in (0.1, -0.1, 0.1))
+        given = {"shape": "plate", "mu": 0.4, "delta_mm": 0.5, "drag_mm": stops, "tolerance": 1e-12}
+        scene, request = complete("panel", given, "4x4", steps=2)
+        return scene, solve(scene, request)
+
+    scene, result = dragged(0.0)
+    (force,) = (each for each in gradient.gradients(scene, result, ("drag_mm",)) if each.quantity == "force_N")
+    low, high = (dragged(by)[1].loads[-1].quantities["force_N"] for by in (-1e-4, 1e-4))
+    assert force.above == pytest.approx((high - low) / 2e-4, rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("pairing", "faces"),
     [("nodes", "facets"), *(pytest.param("mortar", faces, marks=pytest.mark.slow) for faces in ("facets", "curved"))],
