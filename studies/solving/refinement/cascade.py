@@ -3,7 +3,7 @@
 A grid that is foreseen to be enough has no more unknowns than that takes. It ends with the first grid whose interval is
 narrow enough, or with the last that a budget of seconds allows. A cascade that is foreseen to need more than MOST
 unknowns is left to grids that are cut where the error is (:mod:`studies.solving.refinement.error_control`), which pay
-where something singular decides.
+where something singular decides; where a scene leaves nothing to those, it ends before the grid of so many.
 """
 
 from __future__ import annotations
@@ -171,7 +171,8 @@ def answer(
             if widths:
                 more = _more(widths, error, ways(request), SLOW if touching else 2.0)
                 finer = float(np.clip(more ** (1 / ways(request)), CLOSEST, FINER))
-            if math.isinf(budget) and cascade.last.unknowns * max(more, least) > MOST:
+            growth = finer ** ways(request) if isinstance(scene, RefinedScene) else max(more, least)
+            if math.isinf(budget) and cascade.last.unknowns * growth > MOST:
                 break
             late = spent + DEARER * cascade.last.seconds > budget or cascade.last.unknowns > MOST
         grid = near(scene, grid, finer)

@@ -115,6 +115,15 @@ def test_what_a_cascade_does_not_get_at_is_left_to_cuts(monkeypatch: pytest.Monk
     assert "finer_unknowns" in result.table("refinement").columns
 
 
+def test_a_cascade_that_nothing_takes_over_from_goes_on_to_the_largest_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cascade, "MOST", most := 6_000)
+    result, enough = answer(*first_grid("tyre", {"delta_mm": "5"}), 1e-4)
+    last = result.counters["dofs"]
+    assert not enough
+    assert "force_N is known to" in result.reason
+    assert last <= most < last * cascade.FINER**2
+
+
 def test_nothing_is_known_to_be_nothing() -> None:
     result, enough = answer(*first_grid("strip-contact", {"load_fraction": "1"}), 0.01, "half_force")
     assert enough
