@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -109,8 +110,8 @@ class Archive:
         """Move a damaged record out of the way, never over another one; returns where it is now."""
         folder = self.root / "aside"
         folder.mkdir(exist_ok=True)
-        count = sum(1 for _ in folder.glob(f"{cell_id}*"))
-        place = folder / (f"{cell_id}.{count}.json" if count else f"{cell_id}.json")
+        names = chain([f"{cell_id}.json"], (f"{cell_id}.{k}.json" for k in count(1)))
+        place = next(path for path in map(folder.joinpath, names) if not path.exists())
         self.record_path(cell_id).rename(place)
         return place
 

@@ -67,3 +67,15 @@ def test_tables_are_files_within_bounds(store: Path, monkeypatch: pytest.MonkeyP
     os.mkfifo(store / "tables" / "u.csv")
     with pytest.raises(UsageError, match="no regular file"):
         check_store(store)
+
+
+def test_a_damaged_record_is_set_aside_over_no_other(tmp_path: Path) -> None:
+    """The first one was looked at and removed: the next two take the names that are free."""
+    kept, held = archive.Archive(tmp_path), tmp_path / "aside" / "a.1.json"
+    for path in (held, kept.record_path("a")):
+        path.parent.mkdir()
+        path.write_text(path.name)
+    assert kept.set_aside("a").name == "a.json"
+    kept.record_path("a").write_text("third")
+    assert kept.set_aside("a").name == "a.2.json"
+    assert held.read_text() == "a.1.json"
