@@ -130,7 +130,7 @@ def run_table(options: argparse.Namespace) -> int:
         if not separator or column not in table:
             raise UsageError(f"--where {pair!r} must be COLUMN=VALUE with one of {', '.join(map(str, table.columns))}")
         try:
-            wanted = float(value) if table[column].dtype.kind == "f" else value
+            wanted = float(value) if table[column].dtype.kind in "iuf" else value
         except ValueError:
             raise UsageError(f"--where {pair!r}: this column has numbers") from None
         table = table[table[column] == wanted]

@@ -10,6 +10,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import UsageError, has_contact
+from studies.cli import main
 from studies.run.campaign import SHIPPED, find, names
 from studies.run.collect import COLUMNS, collect
 from studies.run.lists import LISTS
@@ -140,3 +141,15 @@ def test_modules_out_of_the_folder_are_refused_trusted_or_not(name: str, tmp_pat
     with pytest.raises(UsageError, match=r"must be the name of a module beside it|leads out of the folder"):
         find(str(tmp_path / "own" / "c.toml"), trust=True)
     assert not (tmp_path / "ran").exists()
+
+
+def test_rows_are_selected_by_whole_numbers_too(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def said(where: str) -> str:
+        code = main(["table", "small", "--store", str(solved), "--where", where])
+        printed = capsys.readouterr()
+        return printed.out if code == 0 else printed.err
+
+    assert said("n1=8").endswith("\n2 cells: 2 converged\n")
+    assert said("c.dofs=-1").endswith("\n0 cells: \n")
+    assert "'n1=eight': this column has numbers" in said("n1=eight")
+    assert "'n3=8' must be COLUMN=VALUE with one of label, " in said("n3=8")
