@@ -77,12 +77,13 @@ def run_run(options: argparse.Namespace) -> int:
 
 
 def _limits_of(options: argparse.Namespace, usual: Limits) -> Limits:
-    """Those that are given, and else the usual ones."""
+    """Those that are given, and else the usual ones; raises UsageError."""
+    from studies.commands.limits import LARGEST_MB, LARGEST_S
     from studies.run.task import Limits
 
     time_s = usual.time_s if options.time_limit is None else options.time_limit
     memory_MB = usual.memory_MB if options.memory_limit is None else options.memory_limit
-    return Limits(positive("time-limit", time_s), positive("memory-limit", memory_MB))
+    return Limits(positive("time-limit", time_s, LARGEST_S), positive("memory-limit", memory_MB, LARGEST_MB))
 
 
 def _run_fuzz(options: argparse.Namespace) -> int:

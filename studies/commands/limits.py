@@ -20,6 +20,7 @@ from studies.commands.options import positive
 
 TIME_HELP = "of wall time: refused if it will surely take twice as long, stopped then, its finished loads written"
 MEMORY_HELP = "beyond a process at rest: refused if it will take more, stopped where it does"
+LARGEST_S = 5e5  # a table may take four times as long as a cell, and poll counts ms in 32 bits: to 2.1e6 s
 LARGEST_MB = 1e9
 LARGE = 3000  # elements, from which on a solve is worth a look ahead
 TWICE = 2.0  # factor of the error of foreseen seconds
@@ -48,10 +49,10 @@ def look_ahead(options: argparse.Namespace, scene: Scene, request: Request) -> N
     if options.time_limit is not None and options.error is not None:
         raise UsageError("--budget bounds the time of --error: give no --time-limit")
     time_s, memory_MB = _seconds(options.time_limit, "time-limit"), math.inf
+    if options.time_limit is not None:
+        positive("time-limit", time_s, LARGEST_S)
     if options.memory_limit is not None:
-        memory_MB = positive("memory-limit", options.memory_limit)
-        if memory_MB > LARGEST_MB:
-            raise UsageError(f"memory-limit {memory_MB:g} must be at most {LARGEST_MB:g}")
+        memory_MB = positive("memory-limit", options.memory_limit, LARGEST_MB)
     large = math.prod(request.mesh) >= LARGE
     if options.error is not None or not (large or math.isfinite(time_s) or math.isfinite(memory_MB)):
         return

@@ -84,10 +84,10 @@ def pairs(settings: Sequence[str]) -> dict[str, str]:
     return given
 
 
-def positive(name: str, value: float) -> float:
-    """The value, if it is positive and finite; raises UsageError."""
-    if not 0 < value < float("inf"):
-        raise UsageError(f"{name} = {value} must be a number in (0, inf)")
+def positive(name: str, value: float, most: float = math.inf) -> float:
+    """The value, if it is positive, finite and at most ``most``; raises UsageError."""
+    if not (0 < value <= most and math.isfinite(value)):
+        raise UsageError(f"{name} = {value} must be a number in (0, {most:g}{']' if math.isfinite(most) else ')'}")
     return value
 
 

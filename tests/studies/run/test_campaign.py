@@ -153,3 +153,20 @@ def test_rows_are_selected_by_whole_numbers_too(solved: Path, capsys: pytest.Cap
     assert said("c.dofs=-1").endswith("\n0 cells: \n")
     assert "'n1=eight': this column has numbers" in said("n1=eight")
     assert "'n3=8' must be COLUMN=VALUE with one of label, " in said("n3=8")
+
+
+@pytest.mark.parametrize("campaign", [["nofile.toml"], ["fuzz", "--seeds", "0:1"]])
+@pytest.mark.parametrize(
+    ("limit", "says"),
+    [
+        (["--time-limit", "1e7"], "time-limit = 10000000.0 must be a number in (0, 500000]"),
+        (["--memory-limit", "1e14"], "memory-limit = 100000000000000.0 must be a number in (0, 1e+09]"),
+        (["--memory-limit", "-1"], "memory-limit = -1.0 must be a number in (0, 1e+09]"),
+    ],
+)
+def test_limits_that_no_process_is_held_to_are_one_line(
+    campaign: list[str], limit: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", *campaign, *limit, "--store", str(tmp_path / "store")]) == 2
+    assert capsys.readouterr().err == f"footprint: {says}\n"
+    assert not (tmp_path / "store").exists()

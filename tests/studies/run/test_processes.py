@@ -21,10 +21,11 @@ import pytest
 
 from studies.cli import main
 from studies.commands import FAILED
+from studies.commands.limits import LARGEST_MB, LARGEST_S
 from studies.output.atomic import PART
 from studies.run import archive
 from studies.run.campaign import find
-from studies.run.children import Child
+from studies.run.children import TABLES_TAKE, Child
 from studies.run.collect import collect
 from studies.run.plan import planned
 from studies.run.running import run
@@ -125,6 +126,16 @@ def test_files_that_the_process_of_a_cell_cannot_write_are_no_crash(tmp_path: Pa
             assert child.ask(task, Limits(), folder) == {"class": "disk", "reason": os.strerror(code)}
             assert {path.suffix for path in folder.iterdir()} == {".csv"}
         assert child.ask(task, Limits(), tmp_path / "taken")["class"] == ""
+    finally:
+        child.end()
+
+
+@pytest.mark.slow
+def test_the_largest_limits_are_those_that_a_process_can_be_held_to() -> None:
+    """A table may take longer than a cell."""
+    task, child = replace(planned(Cell("x", "cantilever", {"mesh": "2x1"})), id="x").task(), Child()
+    try:
+        assert child.ask(task, Limits(TABLES_TAKE * LARGEST_S, LARGEST_MB))["class"] == ""
     finally:
         child.end()
 
