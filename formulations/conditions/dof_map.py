@@ -16,6 +16,10 @@ from formulations.strains.quantities import N_V, displacement_index
 MIDWAY = 1e-12  # of the wall, within which a surface lies midway between the faces
 
 
+class AllHeldError(ValueError):
+    """Supports that leave no displacement free."""
+
+
 @dataclass(frozen=True, eq=False)
 class Images:
     """Nodes (k,) that move as the nodes ``of`` (k,) do; signs (k, 3): +-1 on each local component, of both faces.
@@ -64,8 +68,8 @@ class DofMap:
         ``images``: take over the supports of the nodes they follow.  ``order`` (N,): the nodes in the order in which
         their unknowns are numbered, the order of the nodes unless given.  ``carried``: see :class:`DofMap`; whatever
         supports a carried displacement has must be those of what carries it.
-        Raises ValueError when nothing is free, when a hinged component is also held on one face, or when an image
-        follows an image.
+        Raises AllHeldError when nothing is free, ValueError when a hinged component is also held on one face, or when
+        an image follows an image.
         """
         n, m = len(fixed), len(inside)
         flat = np.hstack([np.arange(fixed.size).reshape(n, -1), fixed.size + np.arange(3 * m * n).reshape(n, -1)])
@@ -94,7 +98,7 @@ class DofMap:
         followed, signs = (np.append(each[:, :N_V], each[:, N_V:]) for each in (master, sign))
         own = (followed == np.arange(flat.size)) & (signs != 0)
         if not own.any():
-            raise ValueError("every displacement is held: nothing to solve")
+            raise AllHeldError("every displacement is held: nothing to solve")
         free = (flat if order is None else flat[order]).ravel()
         free = free[own[free]]
         unknown = np.full(flat.size, -1)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from formulations.conditions.boundary import Supports
-from formulations.conditions.dof_map import Images
+from formulations.conditions.dof_map import AllHeldError, Images
 from formulations.discretisation import Discretisation
 from formulations.element.arc_element import refusal
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
@@ -251,7 +251,8 @@ def discretise(
 ) -> Discretisation:
     """The discretisation with the interpolation asked for, its unknowns numbered for elimination.
 
-    Raises UsageError for a measure that leaves gradients out where positions are interpolated.
+    Raises UsageError for a measure that leaves gradients out where positions are interpolated, and for a mesh with
+    folded elements or with no displacement that is free.
     """
     interpolation = request.choice("interpolation")
     if ("distort" in request.settings) != isinstance(grid, QuadGrid):
@@ -267,5 +268,5 @@ def discretise(
     options, surfaces = (kinematics, interpolation, images), check_wall(request, laminate)
     try:
         return Discretisation.build(surface, grid, laminate, fixed, hinged, *options, ordered=True, surfaces=surfaces)
-    except FoldedQuadError as error:
+    except (AllHeldError, FoldedQuadError) as error:
         raise UsageError(f"mesh {request.mesh_text}: {error}") from None

@@ -259,6 +259,10 @@ WRONG = {
     "setting of another algorithm": (["solve", "tyre", "--set", "backend=osqp"], "see footprint show tyre"),
     "unknown backend": (["solve", "tyre", "--contact", "qp", "--set", "backend=magic"], "osqp, clarabel"),
     "unknown method": (["solve", "tyre", "--contact", "lcp", "--set", "method=magic"], "lemke, active-set, nnls"),
+    "nothing free": (
+        ["solve", "pressed-panel", "--mesh", "2x1", "--no-error", "--start", "cold"],
+        "mesh 2x1: every displacement is held: nothing to solve",
+    ),
     "springs of infinite stiffness": (
         ["solve", "tyre", "--mesh", "12x12", "--contact", "regularised", "--set", "epsilon=inf"],
         "finite epsilon",
