@@ -65,7 +65,7 @@ def run_solve(options: argparse.Namespace) -> int:
     """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
     with np.errstate(over="ignore", invalid="ignore"), of_file(options.scene, options.settings) as deck:
         options.measure = options.measure or (Request.measure if deck is None else deck.measure)
-        if deck is not None and options.no_error and options.error is None:
+        if deck is not None and options.no_error:
             options.mesh = options.mesh or "1x1"  # its own, where no error is wanted
         return _run(options)
 
@@ -171,6 +171,10 @@ def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
         if options.budget is not None:
             raise UsageError("--budget bounds the time of --error: give both")
         return *complete(options.scene, given, options.mesh, **how), None
+    if options.start == mesh_error.COLD:
+        raise UsageError("--error follows each grid from the one before: give no --start cold")
+    if options.no_error:
+        raise UsageError("--no-error leaves out what --error asks for: give one of them")
     from studies.solving.refinement.error_control import parse_error
     from studies.solving.refinement.grids import first_grid
 

@@ -259,6 +259,11 @@ WRONG = {
     "setting of another algorithm": (["solve", "tyre", "--set", "backend=osqp"], "see footprint show tyre"),
     "unknown backend": (["solve", "tyre", "--contact", "qp", "--set", "backend=magic"], "osqp, clarabel"),
     "unknown method": (["solve", "tyre", "--contact", "lcp", "--set", "method=magic"], "lemke, active-set, nnls"),
+    "an error from rest": (
+        ["solve", "tyre", "--error", "1%", "--start", "cold"],
+        "--error follows each grid from the one before: give no --start cold",
+    ),
+    "an error that is left out": (["solve", "tyre", "--error", "1%", "--no-error"], "--no-error leaves out"),
     "nothing free": (
         ["solve", "pressed-panel", "--mesh", "2x1", "--no-error", "--start", "cold"],
         "mesh 2x1: every displacement is held: nothing to solve",
