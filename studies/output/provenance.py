@@ -6,6 +6,7 @@ import importlib.metadata
 import os
 import platform
 import subprocess
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -22,6 +23,7 @@ PACKAGES = (
 )
 THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 GIB = 2**30
+UNKNOWN = "not told"
 
 
 def provenance() -> dict[str, Any]:
@@ -30,6 +32,16 @@ def provenance() -> dict[str, Any]:
     Packages that are not installed have no entry. The date is that of the call; all the rest is asked for once.
     """
     return {**_steady(), "date": datetime.now(UTC).isoformat(timespec="seconds")}
+
+
+def machine_of(origin: Mapping[str, Any]) -> str:
+    """What decides a time, of a record's provenance: processor, cores, system, BLAS and its threads."""
+    machine, blas = origin.get("machine") or {}, origin.get("blas") or {}
+    cores = f"{machine['cores']} cores" if machine.get("cores") else ""
+    brought = ", ".join(dict.fromkeys(str(version) for name, version in blas.items() if name != "threads"))
+    threads = f"threads {blas['threads']}" if "threads" in blas else ""
+    names = (machine.get("cpu"), cores, machine.get("system"), machine.get("processor"), brought, threads)
+    return ", ".join(str(name) for name in names if name) or UNKNOWN
 
 
 @cache

@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 
 from studies.ask.request import Request, Settings
+from studies.output.provenance import UNKNOWN, machine_of
 from studies.run.answers import Answers, number
 from studies.run.lists import SHARES, SHEETS
 from studies.run.times import interval, read_times, times_path
@@ -171,19 +172,8 @@ def _is_number(value: object) -> bool:
     return (isinstance(value, int | float) and not isinstance(value, bool)) or value in ("inf", "-inf", None)
 
 
-UNKNOWN = "not told"
 STATUSES = VERIFIED, _, UNVERIFIED = "verified", "solved again", "unverified failure"  # of cells merged now, or once
 COUNTED = ("machine", "cells", *STATUSES, "seconds")
-
-
-def machine_of(origin: Mapping[str, Any]) -> str:
-    """What decides a time, of a record's provenance: processor, cores, system, BLAS and its threads."""
-    machine, blas = origin.get("machine") or {}, origin.get("blas") or {}
-    cores = f"{machine['cores']} cores" if machine.get("cores") else ""
-    brought = ", ".join(dict.fromkeys(str(version) for name, version in blas.items() if name != "threads"))
-    threads = f"threads {blas['threads']}" if "threads" in blas else ""
-    names = (machine.get("cpu"), cores, machine.get("system"), machine.get("processor"), brought, threads)
-    return ", ".join(str(name) for name in names if name) or UNKNOWN
 
 
 def of_record(record: Mapping[str, Any]) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from scipy.sparse.linalg import splu
 
 from studies.ask.scene import UsageError
 from studies.output.atomic import SCHEMA, write_json
-from studies.output.provenance import provenance
+from studies.output.provenance import machine_of, provenance
 from studies.output.stopwatch import timed
 from studies.run.archive import Archive, DamagedError, read_file
 from studies.run.campaign import Campaign
@@ -163,17 +163,20 @@ def time_campaign(
     only: Callable[[str], object] = lambda label: True,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
 ) -> pd.DataFrame:
-    """Time the cells of a campaign that the store knows to be converged, keep all samples, and return the table.
+    """Time the cells of a campaign that the store knows to be converged, keep all samples, and return their table.
 
-    Raises UsageError when there is none, and when a cell does not end as it did.
+    Those of cells that are not selected now stay. Raises UsageError when there is none to time, when a cell does not
+    end as it did, and when the samples that stay are of another machine.
     """
-    archive = Archive(store)
-    selected = [row for row in plan(campaign) if only(row.cell.label)]
+    archive, rows_of_all = Archive(store), plan(campaign)
+    selected = [row for row in rows_of_all if only(row.cell.label)]
     rows = {row.cell.label: (cell_id, row) for cell_id, row in solved_rows(selected)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
     if not right:
         raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time: footprint run comes first")
+    others = len(selected) < len(rows_of_all)
+    canaries_kept, kept = _kept(store, campaign.name, only) if others else ([], [])
     child = Child()
 
     def ask(task: Task) -> dict[str, Any]:
@@ -193,10 +196,28 @@ def time_campaign(
     finally:
         child.end()
     with archive.claimed():
-        header = {"schema": SCHEMA, "campaign": campaign.name, "provenance": provenance(), "canaries": canaries}
+        header = {"schema": SCHEMA, "campaign": campaign.name, "provenance": provenance(), "rounds": ROUNDS}
         cells = [{"label": label, "id": rows[label][0], **samples[label]} for label in right]
-        write_json(times_path(store, campaign.name), {**header, "rounds": ROUNDS, "cells": cells})
-    return summary(store, campaign.name)
+        data = {**header, "canaries": [*canaries_kept, *canaries], "cells": [*kept, *cells]}
+        write_json(times_path(store, campaign.name), data)
+    table = summary(store, campaign.name)
+    return table[table["label"].isin(list(right))]
+
+
+def _kept(store: Path, campaign: str, only: Callable[[str], object]) -> tuple[list[Any], list[Any]]:
+    """Canaries and cells of the samples that are there, without the selected cells; nothing where no other was timed.
+
+    Raises UsageError where they are of another machine, or of blocks of another length.
+    """
+    path = times_path(store, campaign)
+    if not path.exists():
+        return [], []
+    times = read_times(store, campaign)
+    cells = [cell for cell in times["cells"] if not only(cell["label"])]
+    here = machine_of(provenance()), ROUNDS
+    if cells and (machine_of(times["provenance"]), times["rounds"]) != here:
+        raise UsageError(f"{path} has times of another machine, or of other rounds: time all cells, without --only")
+    return (times["canaries"] if cells else []), cells
 
 
 def _spent(record: Mapping[str, Any]) -> float:

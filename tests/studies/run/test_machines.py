@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -13,15 +14,19 @@ from reports.chapters.index import appendix
 from reports.origin import machines as section
 from reports.store import load_store
 from studies.analysis.everything import analyse
+from studies.ask.scene import UsageError
 from studies.gate.merge import merge
+from studies.output.provenance import UNKNOWN, machine_of
+from studies.run import times
 from studies.run.archive import Archive
 from studies.run.campaign import find
-from studies.run.collect import UNKNOWN, collect, machine_of, of_one_machine
+from studies.run.collect import collect, of_one_machine
 from studies.run.running import run
 from studies.run.times import times_path
+from support.stores.campaigns import small
 from support.stores.elsewhere import BEAM, BEAMS, FINE, STRIP, Elsewhere, solved
 
-FAST = "Other CPU"
+FAST, CELLS = "Other CPU", 6
 
 
 def of_another_machine(told: dict) -> None:
@@ -119,3 +124,39 @@ def test_machines_differ_by_what_decides_a_time() -> None:
     assert machine_of(record) == machine_of({**record, "machine": {**record["machine"], "memory_GiB": 23.4}})
     assert machine_of(record) != machine_of({**record, "blas": {"threads": "2"}})
     assert machine_of({}) == UNKNOWN
+
+
+class Steady:
+    """In the place of the process: every solve takes ``seconds``, the canary none that moves."""
+
+    seconds = 1.0
+
+    def ask(self, *_: object) -> dict[str, str]:
+        return {"class": "", "text": json.dumps({"seconds": 1.0, "timing_s": {"cpu": self.seconds}})}
+
+    def end(self) -> None:
+        pass
+
+
+def test_to_time_some_cells_keeps_the_samples_of_the_others(
+    own: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(times, "Child", Steady)
+    campaign, fine = find(str(small(tmp_path))), re.compile("8x1").search
+    assert len(times.time_campaign(campaign, own)) == CELLS
+    before = times.read_times(own, "small")
+    monkeypatch.setattr(Steady, "seconds", 2.0)
+    table = times.time_campaign(campaign, own, fine)
+    assert all(map(fine, table["label"]))
+    after = times.read_times(own, "small")
+    for cell in before["cells"]:
+        (now,) = (each for each in after["cells"] if each["label"] == cell["label"])
+        assert now == cell if not fine(cell["label"]) else set(now["warm"]) == {2.0}
+    assert len(after["cells"]) == CELLS
+    assert after["canaries"][: len(before["canaries"])] == before["canaries"]
+    monkeypatch.setattr(times, "provenance", lambda: {"machine": {"cpu": FAST}})
+    with pytest.raises(UsageError, match="has times of another machine"):
+        times.time_campaign(campaign, own, fine)
+    assert times.read_times(own, "small") == after
+    times.time_campaign(campaign, own)
+    assert times.read_times(own, "small")["provenance"] == {"machine": {"cpu": FAST}}
