@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ from studies.commands.options import (
 from studies.commands.terminal import print_rounds, print_table, references
 from studies.output.atomic import write_by
 from studies.scenes.complete import complete
+from studies.scenes.plugins import blamed
 from studies.solving.refinement import mesh_error
 from studies.solving.result import WRONG, Result
 from studies.solving.solve import Interrupted, word
@@ -74,8 +76,10 @@ def _run(options: argparse.Namespace) -> int:
     scene, request, error = _asked(options)
     _check_places(options, scene)
     derived = _derived(options, scene, request)
+    _check_branches(options, scene, request)
     look_ahead(options, scene, request)
     stop: BaseException | None = None
+    beside, refusals = list[str](), list[str]()  # lines; what is refused late costs no result
     with progress_line(bound_of(options)) as tell, limited(options):
         try:
             result, enough = _solved(options, scene, request, error, tell)
@@ -84,26 +88,32 @@ def _run(options: argparse.Namespace) -> int:
         except KeyboardInterrupt as stopped:
             print(f"footprint: {word(stopped)} before the grid that is asked for; nothing is written", file=sys.stderr)
             return code_of(stopped)
+        more = (
+            partial(_step_error, options, result, tell),
+            partial(_gradients, options, scene, result, derived, tell),
+            partial(_branches, options, result),
+        )
         try:
-            step_lines = [] if stop else _step_error(options, result, tell)
-            step_lines += [] if stop else _gradients(options, scene, result, derived, tell)
+            for ask in () if stop else more:
+                try:
+                    beside += ask()
+                except UsageError as refused:
+                    refusals.append(str(refused))
         except KeyboardInterrupt as stopped:
-            step_lines, stop = [f"{word(stopped)}: no error of load steps, no derivatives"], stopped
+            beside.append(f"{word(stopped)}: no more of load steps, derivatives and branches")
+            stop = stopped
     if result.unsupported:
         raise UsageError(result.unsupported)
     if isinstance(scene, CutScene) and isinstance(result.model, ShellSceneModel):
         count = len(result.model.shell.discretisation.grid.elements)
         result.remarks.insert(0, f"values of mesh {result.request.mesh_text}, {count} elements")
-    asked = options.branch and result.outcome.converged
-    files, branched = _written(options, result, asked)
+    files = _written(options, result)
     if options.freeze is not None:
         if result.frozen is None:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
     print_table(result)
-    for line in (*mesh_error.lines(result), *references(result), *step_lines):
-        print(line)
-    for line in branched:
+    for line in (*mesh_error.lines(result), *references(result), *beside):
         print(line)
     if options.plot:
         result.name(options.out, [*files, *_drawn(options.out)])
@@ -113,19 +123,21 @@ def _run(options: argparse.Namespace) -> int:
         print_rounds(result)
     elif not enough:
         print(result.reason)
+    if refusals:
+        sys.stdout.flush()  # as of why it ends
+        raise UsageError(f"{'; '.join(refusals)}; the result is written")
     if stop is not None:
         return code_of(stop)
     return OK if enough else NOT_CONVERGED
 
 
-def _written(options: argparse.Namespace, result: Result, branches: bool) -> tuple[list[str], list[str]]:
-    """The names of the files of a result, and what there is to print of stable branches, if they are asked for."""
-    if not branches:
-        return result.write(options.out), []
+def _written(options: argparse.Namespace, result: Result) -> list[str]:
+    """The names of the files of a result, with those of its stable branches."""
+    if not result.beside:
+        return result.write(options.out)
     from studies.solving import branching  # loaded with branches alone
 
-    branching.branches_of(result)
-    return result.write(options.out, branching.write(result, options.out)), branching.lines(result)
+    return result.write(options.out, branching.write(result, options.out))
 
 
 def _say_why(result: Result, stop: BaseException | None) -> int:
@@ -205,6 +217,15 @@ def _derived(options: argparse.Namespace, scene: Scene, request: Request) -> lis
     return [gradient.parse_gradient(text, scene, request) for text in options.gradient]
 
 
+def _check_branches(options: argparse.Namespace, scene: Scene, request: Request) -> None:
+    """Raise UsageError where --branch cannot be answered whatever is solved."""
+    if options.branch:
+        from studies.solving import branching  # loaded with branches alone
+
+        with blamed(request.contact, request.measure, scene):
+            branching.check(request, scene.build(request).stages())
+
+
 def _step_error(options: argparse.Namespace, result: Result, tell: Callable[[str], None]) -> list[str]:
     """The error of load steps with friction, into the result; what there is to print of it."""
     if options.no_step_error or not rubbing(result.request.settings):
@@ -237,3 +258,13 @@ def _gradients(
         taylor.record(result, checked)
         text_lines += taylor.lines(checked)
     return text_lines
+
+
+def _branches(options: argparse.Namespace, result: Result) -> list[str]:
+    """The stable branches beside the last state, into the result; what there is to print of them."""
+    if not options.branch or not result.outcome.converged:
+        return []
+    from studies.solving import branching  # loaded with branches alone
+
+    branching.branches_of(result)
+    return branching.lines(result)

@@ -5,20 +5,31 @@ What a branch is, and how it is reached, is the business of :mod:`contact.contin
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from contact.continuation.branches import Branch, stable_branches
 from contact.solvers.sparse import SingularMatrixError
-from studies.ask.request import UsageError
-from studies.ask.scene import moved
+from studies.ask.request import Request, UsageError
+from studies.ask.scene import CurveStage, Stage, moved
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import write_by
 from studies.solving.certificate import certificate
 from studies.solving.result import Result
 
 FORCE = "force_N"
+NO_LOAD = "--branch needs a converged load: a traced curve, and a path that has ended, have none to leave"
+
+
+def check(request: Request, stages: Iterable[Stage]) -> None:
+    """Raise UsageError where the end of these stages has no branches to leave for, whatever its state."""
+    if rubbing(request.settings):
+        raise UsageError("--branch needs a potential: friction has none")
+    *_, last = stages
+    if isinstance(last, CurveStage):
+        raise UsageError(NO_LOAD)
 
 
 def branches_of(result: Result) -> list[dict[str, Any]]:
@@ -30,12 +41,9 @@ def branches_of(result: Result) -> list[dict[str, Any]]:
     Raises UsageError where there is no state to leave.
     """
     visited = result.end
-    if visited is None or not visited.converged or visited.trace is not None:
-        raise UsageError(
-            "--branch needs a converged load: a traced curve, and a path that has ended, have none to leave"
-        )
-    if rubbing(result.request.settings):
-        raise UsageError("--branch needs a potential: friction has none")
+    if visited is None or not visited.converged:
+        raise UsageError(NO_LOAD)
+    check(result.request, [visited.stage])
     algorithm = configured(result.request.contact, result.request.settings)
     try:
         branches = stable_branches(visited.problem, visited.point.solution, algorithm)

@@ -15,6 +15,7 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem
+from contact.solvers.sparse import SingularMatrixError
 from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import Setting, UsageError
 from studies.cli import main
@@ -22,7 +23,9 @@ from studies.output.atomic import write_by, write_json
 from studies.scenes.complete import complete
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.press import asymmetries, half_extent, to_edges
+from studies.solving import branching
 from studies.solving.branching import branches_of
+from studies.solving.refinement import mesh_error
 from studies.solving.solve import solve
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]
@@ -108,10 +111,40 @@ def test_a_stable_state_has_no_branch(tmp_path: Path, capsys) -> None:
     assert "branches" not in json.loads((tmp_path / "result.json").read_text())
 
 
-@pytest.mark.slow
-def test_a_traced_curve_has_no_branch_to_leave(tmp_path: Path, capsys) -> None:
-    assert main(["solve", "roof-b", "--mesh", "4x4", "--branch", "--out", str(tmp_path)]) == 2
-    assert "traced curve" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        (["roof-b", "--mesh", "4x4"], "traced curve"),
+        (["tyre", *SMALL, "--set", "path=arc"], "traced curve"),
+        (["tyre", *SMALL, "--set", "mu=0.3"], "friction has none"),
+    ],
+)
+def test_what_has_no_branch_to_leave_is_refused_before_anything_is_solved(
+    asked: list[str], says: str, tmp_path: Path, capsys, monkeypatch
+) -> None:
+    monkeypatch.setattr(mesh_error, "solve_with_error", lambda *given, **options: pytest.fail("solved"))
+    assert main(["solve", *asked, "--branch", "--out", str(tmp_path / "o")]) == 2
+    assert says in capsys.readouterr().err
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize(("stopped", "code"), [(SingularMatrixError("no pivot"), 2), (KeyboardInterrupt(), 130)])
+def test_a_result_is_written_whatever_becomes_of_its_branches(
+    stopped: BaseException, code: int, tmp_path: Path, capsys, monkeypatch
+) -> None:
+    def stable_branches(*_: object) -> None:
+        raise stopped
+
+    monkeypatch.setattr(branching, "stable_branches", stable_branches)
+    assert main(["solve", "cantilever", "--mesh", "4x1", "--no-error", "--branch", "--out", str(tmp_path)]) == code
+    said = capsys.readouterr()
+    assert "tip_deflection_mm" in said.out
+    if code == 2:
+        why = "--branch: the tangent does not tell its modes: no pivot; the result is written"
+        assert said.err == f"footprint: {why}\n"
+    written = json.loads((tmp_path / "result.json").read_text())
+    assert written["outcome"] == "converged"
+    assert all((tmp_path / name).is_file() for name in written["files"])
 
 
 def test_an_unstable_equilibrium_has_converged_and_is_called_unstable(tmp_path: Path, capsys) -> None:
