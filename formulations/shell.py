@@ -241,7 +241,7 @@ class ShellModel(ShellReadings):
         mode_gradient: np.ndarray | None = None,
         slopes: list[Stiffness] | None = None,
     ) -> tuple[np.ndarray, np.ndarray | None]:
-        """Resultants (E, 22), external forces that follow (or None); the rest is written, see MixedElement."""
+        """Resultants (E, 22), external forces that follow (or None); the rest: see ModalElement.integrate."""
         geometry = self.discretisation.geometry
         predicted = memory if isinstance(memory, np.ndarray) else None
         resultants = self._element.integrate(geometry, v, predicted, force, tangent, mode_gradient, slopes)

@@ -31,6 +31,7 @@ Step = Callable[[Point, Laws], tuple[Stepped, Laws, Event | None]]  # from a poi
 def newton(run: FrictionalRun, at: Point, step: Step, most: int, *, programmed: bool = False) -> tuple[Point, Outcome]:
     """From a point until the states repeat and the forces balance.
 
+    In turn: laws that are ``expected``, ``linear`` of them, states settled on that, ``advance``, ``ended``.
     step: may raise one of FAILURES.  programmed: states are what the step says, and the end is where they balance.
     Where a gap has a kink, as on the edge of two patches of a face that is folded along it, forces may balance on
     neither side: on the same states the iterate is the one two steps before it then, and so are all that follow.

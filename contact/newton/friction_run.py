@@ -1,6 +1,7 @@
 """One solve of a problem with friction: the tests of convergence of contact alone, with friction in the balance.
 
-Which states there are next is the algorithm's business and must not enter here.
+What the law expects of the next step is asked here; which states are taken is the algorithm's business and must not
+enter.
 """
 
 from __future__ import annotations

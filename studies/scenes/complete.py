@@ -53,7 +53,7 @@ class Cell:
 
     @property
     def command(self) -> str:
-        """The command that reproduces the cell."""
+        """The command with the answer of the cell; it starts from coarser grids, so that its iterations differ."""
         arguments = [f"--{key} {value}" for key, value in self.options.items()]
         arguments += [f"--set {key}={value}" for key, value in self.settings.items()]
         return " ".join(["footprint solve", self.scene, *arguments, "--out DIR"])

@@ -1,4 +1,4 @@
-"""Scenes without contact: a shell under loads that grow with a load fraction; how loads are made and states read."""
+"""A shell under loads that grow with a load fraction: how loads are made and states read, with contact and without."""
 
 from __future__ import annotations
 

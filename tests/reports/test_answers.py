@@ -30,7 +30,7 @@ TEN = {  # question: name of the sentence that answers it, and words that it mus
     ),
     "Which contact algorithm, and when not?": (
         "which-algorithm",
-        r"Take `[\w-]+`: it converges on [0-9.]+ % of \d+ requests",
+        r"Take `[\w-]+`: it converges on [0-9.]+ % of \d+ problems",
     ),
     "How far is the force of the tyre known?": ("force-known", r"in the limit of its grids, known to [\d.]+ %"),
     'Does "solved" of OSQP mean solved?': (

@@ -88,7 +88,7 @@ def nodal(choices: pd.DataFrame) -> Iterator[Values]:
 
 
 def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[Values]:
-    """Which algorithm, and when not: those that solve all and refuse nothing, by their seconds where 1 % is reached."""
+    """The default algorithm: how often it converges, and seconds of the others over its own on grids for 1 %."""
     trials = finest_trials(choices)
     default = contact_summary["default"].iloc[0] if len(contact_summary) else ""
     own = contact_summary.set_index("algorithm")
