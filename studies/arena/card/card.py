@@ -117,26 +117,30 @@ class Card:
         """Its rank among ours in every figure: figure, rank, of, value, best, who is best, problems.
 
         On the problems that it does not refuse.  solved share: of those that are not refused.  operations, seconds:
-        share of the problems solved with at most TWICE the least cost; a failure is never within it.
+        share of the problems solved with at most TWICE the least cost; a failure is never within it. A solution that
+        counts none has a cost that is not known: where it is its own, the problem is left out.
         """
         put = self.own.loc[self.own["ended"] != REFUSED, ["group", "problem"]]
         rows = self.tries.merge(put, on=["group", "problem"])
         rows = rows[rows["ended"] != REFUSED]
         places = []
         for figure, cost in FIGURES.items():
+            known = len(put)
             if cost:
-                costs = rows[cost].where(rows["ended"] == SOLVED)
-                if not (costs[rows["who"] == self.subject.name] > 0).any():
+                solved = rows["ended"] == SOLVED
+                costs = rows[cost].where(rows[cost] > 0).where(solved, np.inf)
+                if not np.isfinite(costs[rows["who"] == self.subject.name]).any():
                     continue  # it counts no operations, or solves nothing
-                matrix = rows.assign(cost=costs.fillna(np.inf)).pivot_table(
+                matrix = rows.assign(cost=costs).pivot_table(
                     index=["group", "problem"], columns="who", values="cost", sort=False
                 )
-                shares = _cheap(matrix)
+                matrix = matrix[matrix[self.subject.name].notna()]
+                known, shares = len(matrix), _cheap(matrix)
             else:
                 shares = (rows["ended"] == SOLVED).groupby(rows["who"]).mean()
             mine = float(shares[self.subject.name])
             rank = 1 + int((shares > mine + 1e-12).sum())
-            places.append((figure, rank, len(shares), mine, float(shares.max()), str(shares.idxmax()), len(put)))
+            places.append((figure, rank, len(shares), mine, float(shares.max()), str(shares.idxmax()), known))
         return pd.DataFrame(places, columns=["figure", "rank", "of", "value", "best", "who", "problems"])
 
     def hard(self) -> pd.DataFrame:
@@ -179,7 +183,7 @@ def _listed(names: Sequence[str], most: int = 5) -> str:
 
 
 def _cheap(matrix: pd.DataFrame) -> pd.Series:
-    """Share of its problems that each solves at TWICE the least cost; NaN: not put to it."""
+    """Share of its problems that each solves at TWICE the least cost; NaN: not put to it, or not known."""
     finite = matrix[np.isfinite(matrix.min(axis=1))]
     return within(finite, (TWICE,)).iloc[0] * len(finite) / finite.notna().sum().clip(lower=1)
 

@@ -163,6 +163,17 @@ def test_failures_lower_the_place_and_refusals_do_not() -> None:
     assert refusing.loc["solved share", "problems"] == 1
 
 
+def test_operations_that_are_not_counted_are_not_known_and_no_lowest_price() -> None:
+    """A solution by scipy counts none: of such problems nobody is the cheapest."""
+    card = made_up(SOLVED, SOLVED, FAILED)
+    card.tries.loc[(card.tries["who"] == "new") & (card.tries["problem"] == "problem 0"), "operations"] = 0.0
+    place = card.place().set_index("figure")
+    assert place.loc["operations", "value"] == 0.0  # three times the least, and unsolved
+    assert place.loc["operations", "rank"] == 2
+    assert place["problems"].to_dict() == {"solved share": 3, "operations": 2, "seconds": 3}
+    assert "| operations | 2 of 2 | 2 |" in card_page([card.told], "footprint card new.py", "1")
+
+
 def test_ratios_are_of_problems_that_both_solve_and_of_another_part_of_ours() -> None:
     card = made_up(SOLVED, FALSE, REFUSED)
     ratios = card.ratios()
