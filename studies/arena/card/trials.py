@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from types import FrameType, MappingProxyType
@@ -30,7 +30,7 @@ from studies.fuzz.comparing import MARGIN, Answer, compared, difference, error_o
 from studies.output.stopwatch import timed
 from studies.scenes.complete import complete
 from studies.scenes.walk import walk
-from studies.solving.certificate import certificate
+from studies.solving.certificate import certificate, refusal
 from studies.solving.solve import counted
 
 ENDS = ("solved", "false claim", "not solved", "refused", "raised", "over the limit")
@@ -154,7 +154,7 @@ def followed(scene: Scene, request: Request, limit_s: float) -> Ended:
                 verdict = certificate(visited.problem, solution, metered.epsilon, tolerance, visited.passed)
                 if verdict["failures"]:
                     at = f"{visited.stage.name} at {visited.point.requested:g}"
-                    return Ended(FALSE, f"{at}: {_listed(verdict['failures'], verdict['kkt'])}", metered.spent)
+                    return Ended(FALSE, f"{at}: {refusal(verdict)}", metered.spent)
         return Ended(SOLVED, "", metered.spent, answer)
 
     return guarded(solve, limit_s)
@@ -240,15 +240,11 @@ def _judged(
         return Ended(FAILED, _last(solution) or solution.outcome.value, cost)
     verdict = judge(problem, solution.u, solution.pressure, epsilon=algorithm.epsilon)
     tolerance = float(getattr(algorithm, "tolerance", RESIDUAL_TOLERANCE))
-    failures = verdict.failures(**claim(tolerance, len(solution.u)))
-    if failures:
-        return Ended(FALSE, _listed(failures, {**verdict.kkt, **verdict.balances}), cost)
+    exceeded = verdict.exceeded(**claim(tolerance, len(solution.u)))
+    if exceeded:
+        return Ended(FALSE, refusal({"failures": list(exceeded), "exceeded": exceeded, "diagnosis": ()}), cost)
     return Ended(SOLVED, "", cost, Answer(problem, solution, algorithm))
 
 
 def _last(solution: ContactSolution) -> str:
     return str(solution.history[-1].get("event") or "") if solution.history else ""
-
-
-def _listed(failures: Sequence[str], residuals: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} {residuals[name]:.1e}" if name in residuals else name for name in failures)

@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -24,7 +25,7 @@ from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, laws_of
 from studies.arena.card.problems import sample
 from studies.arena.card.runs import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
-from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, within
+from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, asked, within
 from studies.arena.card.trials import OvertimeError as Overtime
 from studies.cli import main
 from studies.experiments.conformance import Check
@@ -234,6 +235,22 @@ def test_an_exception_and_a_loop_without_end_are_ends() -> None:
     ALGORITHMS["raising"], ALGORITHMS["endless"] = Raising, Endless
     assert alone("raising", case, 5.0).ended == RAISED
     assert alone("endless", case, 0.2).ended == LATE
+
+
+def test_a_false_claim_is_told_with_the_bound_that_it_breaks() -> None:
+    class Off(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            solution = super().solve(problem, start)
+            return replace(solution, u=solution.u * (1 + 1e-6))
+
+    ALGORITHMS["off"] = Off
+    bounded = r"equilibrium \d\S* above 1e-08\b"
+    for result in (
+        alone("off", next(iter(problems.made(math.inf))), 5.0),
+        asked(problems.Asked("scene", "heavy-strip", "4x1"), 5.0, contact="off"),
+    ):
+        assert result.ended == FALSE
+        assert re.search(bounded, result.reason), result.reason
 
 
 def test_the_clock_is_put_back_and_no_except_keeps_it() -> None:
