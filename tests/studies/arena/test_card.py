@@ -30,6 +30,7 @@ from studies.arena.card.trials import OvertimeError as Overtime
 from studies.cli import main
 from studies.experiments.conformance import Check
 from support.kinds import FILES
+from support.sources import file_of
 
 PARTS = Path(__file__).parent / "parts"
 
@@ -44,7 +45,7 @@ def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     for catalogue, before in zip(every, known, strict=True):
         catalogue.clear()
         catalogue.update(before)
-    own = {path.stem for path in (*PARTS.glob("*.py"), *FILES.values())} | {"my_algorithm", "nothing"}
+    own = {path.stem for path in (*PARTS.glob("*.py"), *FILES.values())} | {"my_algorithm", "nothing", "saddle"}
     for name in own & (set(sys.modules) - loaded):
         del sys.modules[name]
 
@@ -350,6 +351,13 @@ def test_the_entries_of_the_arena_have_cards(name: str, few: None) -> None:
     (subject,) = subjects(str(FILES[name]))
     card = card_of(beside(subject, "semismooth"))
     assert card.passes, card.verdict
+
+
+def test_the_algorithm_of_the_manual_keeps_every_law(tmp_path: Path) -> None:
+    file = tmp_path / "saddle.py"
+    file.write_text(file_of("algorithm", file.name), encoding="utf-8")
+    (subject,) = subjects(str(file))
+    assert [law for law in laws_of(subject.name) if not law.passed] == []
 
 
 @pytest.mark.slow
