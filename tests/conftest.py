@@ -43,6 +43,12 @@ def curved_patch(request: pytest.FixtureRequest) -> Patch:
     return PATCHES[request.param]
 
 
+@pytest.fixture(autouse=True)
+def no_files_in_use(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files that another test in this process has used are in no command that is printed here."""
+    monkeypatch.setattr(plugins, "_used", [])
+
+
 @pytest.fixture
 def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """What is run in this process leaves catalogues and modules as they were."""

@@ -17,6 +17,7 @@ from studies.commands.options import STORE, add_settings, pairs, reading
 from studies.run.archive import Archive
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
+from studies.scenes.plugins import use_options
 from studies.solving.refinement.error_control import parse_error
 
 SHIPPED = "standard"
@@ -84,7 +85,7 @@ def _beyond(options: argparse.Namespace, question: Question, given: dict[str, st
 
 def _choose(options: argparse.Namespace, given: dict[str, str]) -> str:
     """The command line that answers for the reader's own settings."""
-    words = [f"--set {shlex.quote(f'{key}={text}')}" for key, text in given.items()]
+    words = [f"--set {shlex.quote(f'{key}={text}')}" for key, text in given.items()] + use_options()
     return " ".join(["footprint choose", options.scene, f"--error {options.error}", *words, "--out DIR"])
 
 

@@ -24,6 +24,7 @@ from studies.ask.settings import configured
 from studies.experiments import Row, tabulated
 from studies.experiments.bisection import Located, distance, locate
 from studies.scenes.complete import Cell, complete
+from studies.scenes.plugins import use_options
 from studies.scenes.walk import walk
 from studies.solving.certificate import certificate
 from studies.solving.result import UNSTABLE as NOT_STABLE
@@ -109,7 +110,8 @@ class Chart:
 
     def command(self, i: int, j: int) -> str:
         """The command that solves one point as the map did."""
-        return f"footprint extremes {self.name} --at {self.x.values[j]},{self.y.values[i]}"
+        at = f"{self.x.values[j]},{self.y.values[i]}"
+        return " ".join([f"footprint extremes {self.name} --at {at}", *use_options()])
 
     def located(self, at: Callable[[Cell], Found], *, whole: bool = False) -> tuple[Located, dict[Point, Found]]:
         """The map, and what the points that were asked for gave; whole: all of them, without a search."""

@@ -26,6 +26,7 @@ from studies.run.children import keeping_what_is_finished
 from studies.run.running import engine_of
 from studies.run.source_hash import sources_hash
 from studies.run.task import Limits, Task
+from studies.scenes.plugins import use_options
 from studies.solving.result import CONVERGED, CRASH, MEMORY, TIME, WRONG
 
 NAME = "fuzz"  # how the names of cases in a store begin
@@ -63,7 +64,7 @@ class Report:
 
 def command_of(seed: int, kind: str) -> str:
     """The command that replays a case."""
-    return f"footprint fuzz --seed {seed} --kind {kind}"
+    return " ".join([f"footprint fuzz --seed {seed} --kind {kind}", *use_options()])
 
 
 def examine(seed: int, kind: str = "", *, smaller: bool = False) -> Report:

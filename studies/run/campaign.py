@@ -40,7 +40,7 @@ from studies.run.lists import LISTS
 from studies.run.schema import KINDS, fault
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
-from studies.scenes.plugins import load_file
+from studies.scenes.plugins import load, used
 
 SHIPPED = Path(__file__).parent / "shipped"
 OPTIONS = {"measures": "measure", "contacts": "contact", "newtons": "newton", "models": "model", "meshes": "mesh"}
@@ -59,14 +59,13 @@ MOST_CELLS, MOST_KEYS, LONGEST_LABEL = 100_000, 100, 1000
 
 @dataclass(frozen=True)
 class Campaign:
-    """Cells by unique labels, tables of the whole store; ``use``: the files of its modules, imported before all."""
+    """Cells by unique labels, tables of the whole store."""
 
     name: str
     title: str
     cells: tuple[Cell, ...]
     tables: tuple[str, ...] = ()
     pages: str = ""
-    use: tuple[str, ...] = ()
 
 
 def find(name: str, *, trust: bool = False) -> Campaign:
@@ -101,18 +100,18 @@ def read(path: Path, *, trust: bool = False) -> Campaign:
     _known(path, data, "file_of_a_campaign")
     if wrong := fault(data, KINDS["file_of_a_campaign"]):
         raise UsageError(f"campaign {path}: {wrong}")
-    use = _modules(path, data.get("modules", []), trust=trust)
+    _load_modules(path, data.get("modules", []), trust=trust)
     lists = [LISTS[name] for name in _listed(path, data, "lists", LISTS)]
     cells = [cell for listed in lists for cell in listed.cells()]
     for cross in data.get("cross", []):
         cells += _crossed(path, cross, MOST_CELLS - len(cells))
     unique = _without_repeats(path, cells)
     tables = tuple(dict.fromkeys(table for listed in lists for table in listed.tables))
-    return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), use)
+    return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""))
 
 
-def _modules(path: Path, names: Sequence[str], *, trust: bool) -> tuple[str, ...]:
-    """The files of a user's own modules, in the folder of the campaign, imported; raises UsageError."""
+def _load_modules(path: Path, names: Sequence[str], *, trust: bool) -> None:
+    """Import a user's own modules, in the folder of the campaign, beside those in use; raises UsageError."""
     folder, files = path.parent.resolve(), []
     for name in names:
         if not name.isidentifier():
@@ -124,9 +123,8 @@ def _modules(path: Path, names: Sequence[str], *, trust: bool) -> tuple[str, ...
     if files and not trust:
         ran = ", ".join(file.name for file in files)
         raise UsageError(f"campaign {path} runs {ran} beside it: allow it by footprint run --trust")
-    for file in files:
-        load_file(file)
-    return tuple(map(str, files))
+    if files:
+        load((*used(), *files))
 
 
 def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:

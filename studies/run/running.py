@@ -108,7 +108,7 @@ def _begun(
     archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
 ) -> list[Task]:
     """Write the plan; what is left to do of it. Raises StoreFullError."""
-    use = (*used(), *campaign.use)
+    use = used()
     try:
         write_plan(archive, campaign, rows)
         tables = [Task("table", name, f"table {name}", use=use) for name in campaign.tables]

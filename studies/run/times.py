@@ -186,7 +186,7 @@ def time_campaign(
         return dict(json.loads(answer["text"]))
 
     def cell(label: str) -> float:
-        record = ask(rows[label][1].task((*used(), *campaign.use)))
+        record = ask(rows[label][1].task(used()))
         return float(record["timing_s"]["cpu"])
 
     try:

@@ -26,6 +26,7 @@ from studies.ask.scene import (
 )
 from studies.ask.settings import completed, parameters_of, rubbing, settings_of, without_friction
 from studies.scenes import SCENES
+from studies.scenes.plugins import use_options
 
 MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
@@ -56,7 +57,7 @@ class Cell:
         """The command with the answer of the cell; it starts from coarser grids, so that its iterations differ."""
         arguments = [f"--{key} {value}" for key, value in self.options.items()]
         arguments += [f"--set {key}={value}" for key, value in self.settings.items()]
-        return " ".join(["footprint solve", self.scene, *arguments, "--out DIR"])
+        return " ".join(["footprint solve", self.scene, *arguments, *use_options(), "--out DIR"])
 
 
 def complete(
@@ -76,7 +77,7 @@ def complete(
         known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
     for key in given:
         if key not in known:
-            has = names_for(key, known, f"footprint show {scene_name}")
+            has = names_for(key, known, " ".join(["footprint show", scene_name, *use_options()]))
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {has}")
     chosen = completed({key: known[key].parse(value) for key, value in given.items()})
     if rubbing(chosen):

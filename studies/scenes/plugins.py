@@ -5,6 +5,7 @@ names one part; its name is that of the part. What a part computes does not ente
 """
 
 import importlib
+import shlex
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, MutableMapping
@@ -76,7 +77,7 @@ NEEDED = {  # of a part, beside its name
     "footprint.scenes": ("title", "default_mesh", "settings", "references", "build"),
     "footprint.laws": ("__call__",),
 }
-_used: list[str] = []  # the files of --use, which worker processes need, too
+_used: list[str] = []  # the files of --use and of campaigns, which worker processes and printed commands need, too
 _module_of: dict[tuple[str, str], str] = {}  # the module that a part came with, by group and name
 _entered: set[EntryPoint] = set()
 
@@ -103,6 +104,13 @@ def load_entry_points() -> None:
 def used() -> tuple[str, ...]:
     """The files that :func:`load` was last given."""
     return tuple(_used)
+
+
+def use_options() -> list[str]:
+    """The words of a printed command by which it finds these files: by their paths from here, if they are below."""
+    here = Path.cwd()
+    paths = (path.relative_to(here) if path.is_relative_to(here) else path for path in map(Path, _used))
+    return [f"--use {shlex.quote(str(path))}" for path in paths]
 
 
 def load_file(path: Path) -> None:

@@ -16,6 +16,7 @@ from contact.catalogue import ALGORITHMS
 from studies.ask.request import PartError, Request, UsageError, text_of
 from studies.ask.scene import EPSILON, Scene
 from studies.scenes.complete import complete
+from studies.scenes.plugins import use_options
 from studies.solving.result import SOLVED, Result
 from studies.solving.solve import Interrupted, solve
 from studies.solving.variants import REFERENCE
@@ -116,7 +117,7 @@ class Question:
         """That command line."""
         arguments = [f"--{key} {value}" for key, value in self._options(options).items() if DEFAULTS.get(key) != value]
         arguments += [f"--set {key}={text_of(value)}" for key, value in {**self.given, **settings}.items()]
-        return " ".join(["footprint solve", self.name, f"--mesh {mesh}", *arguments, "--out DIR"])
+        return " ".join(["footprint solve", self.name, f"--mesh {mesh}", *arguments, *use_options(), "--out DIR"])
 
     def _options(self, changed: Mapping[str, Any]) -> dict[str, Any]:
         return {"measure": REFERENCE, **self.options, **changed}

@@ -23,6 +23,7 @@ from studies.output.atomic import as_text, plain, write_json
 from studies.output.provenance import provenance
 from studies.run.plan import identity
 from studies.scenes import SCENES
+from studies.scenes.plugins import use_options
 from studies.solving.result import CLASSES, SOLVED
 
 FEWEST, LONGEST, MOST = 2, 1000, 10_000  # values of a range, and members
@@ -76,7 +77,7 @@ def ranges_of(
         known = {setting.key: setting for setting in (*entry.settings, *settings_beside(entry), *of_contact)}
     for key in over:
         if key not in known:
-            has = names_for(key, known, f"footprint show {scene}")
+            has = names_for(key, known, " ".join(["footprint show", scene, *use_options()]))
             raise UsageError(f"{scene} has no setting {key!r}; it has {has}")
         if key in given:
             raise UsageError(f"{key} = {given[key]} is given, and swept over: it can be one of both")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -14,8 +16,14 @@ import pytest
 
 from studies.ask.request import UsageError
 from studies.cli import main
-from studies.scenes.complete import complete
+from studies.experiments.extremes import CHARTS
+from studies.fuzz.examine import command_of
+from studies.run.campaign import find
+from studies.run.plan import plan
+from studies.scenes import SCENES
+from studies.scenes.complete import Cell, complete
 from studies.solving.solve import solve
+from studies.solving.trials import Question
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = ROOT / "tests" / "plugin"
@@ -131,6 +139,42 @@ def test_list_and_show_take_it_in(capsys: pytest.CaptureFixture[str]) -> None:
         assert " ".join(line.split()) in " ".join(said.split())
     assert main(["show", "stiffening", *USE]) == 0
     assert "times that it grows tenfold" in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("put_back")
+def test_a_printed_command_names_the_files_of_its_parts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file below where one is by its path from there, so that the line does not depend on the machine."""
+    monkeypatch.chdir(tmp_path)
+    cell = Cell("", "pressed-arch", {"contact": "stiffening", "mesh": "1x8"}, {"rounds": "2"})
+    assert "--use" not in cell.command
+    (tmp_path / "my parts").mkdir()
+    shutil.copy(PLUGIN / "stranger.py", tmp_path / "my parts")
+    use = "--use 'my parts/stranger.py'"
+    assert main(["show", "pressed-arch", *shlex.split(use)]) == 0
+    assert cell.command.endswith(f"--set rounds=2 {use} --out DIR")
+    question = Question("pressed-arch", SCENES["pressed-arch"], {}, {"contact": "stiffening"}, 0.01)
+    assert question.command("1x8", {}, {}).endswith(f"--contact stiffening {use} --out DIR")
+    assert CHARTS[0].command(0, 1).endswith(f"--at 0.0165482,1e-06 {use}")
+    assert command_of(3, "panel").endswith(f"--kind panel {use}")
+    assert main(["advise", "pressed-arch", "--error", "1%", *shlex.split(use)]) == 2
+    assert f"footprint choose pressed-arch --error 1% {use} --out DIR" in capsys.readouterr().err
+    for words in (["solve"], ["sweep", "--over", "none=1:2:3"]):
+        more = ["--set", "none=1"] if words == ["solve"] else []
+        assert main([words[0], "pressed-arch", *words[1:], *more, *shlex.split(use), "--out", "out"]) == 2
+        assert f"footprint show pressed-arch {use}" in capsys.readouterr().err
+    words = shlex.split(cell.command)[1:-1]
+    assert main([*words, "out", "--no-error"]) == 0
+
+
+@pytest.mark.usefixtures("put_back")
+def test_commands_of_a_campaign_name_the_modules_beside_it(tmp_path: Path) -> None:
+    shutil.copy(PLUGIN / "stranger.py", tmp_path)
+    path = tmp_path / "ours.toml"
+    path.write_text(f'modules = ["stranger"]\n{CAMPAIGN}')
+    rows = plan(find(str(path), trust=True))
+    assert all(f" --use {tmp_path / 'stranger.py'} --out DIR" in row.as_json()["command"] for row in rows)
 
 
 @pytest.mark.slow

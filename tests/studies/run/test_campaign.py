@@ -17,6 +17,7 @@ from studies.run.lists import LISTS
 from studies.run.plan import plan
 from studies.run.running import run
 from studies.scenes import SCENES
+from studies.scenes.plugins import used
 
 
 def test_standard_crosses_what_was_promised() -> None:
@@ -128,7 +129,8 @@ def test_modules_are_imported_when_they_are_trusted_and_not_otherwise(tmp_path: 
     with pytest.raises(UsageError, match=r"runs beside_it\.py beside it: allow it by footprint run --trust"):
         find(str(path))
     assert not (tmp_path / "ran").exists()
-    assert find(str(path), trust=True).use == (str(tmp_path / "beside_it.py"),)
+    find(str(path), trust=True)
+    assert used() == (str(tmp_path / "beside_it.py"),)
     assert (tmp_path / "ran").exists()
 
 

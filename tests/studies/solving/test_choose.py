@@ -202,7 +202,10 @@ def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
     words = ["choose", "pressed-arch", "--error", "3%", "--use", str(PLUGIN), "--out", str(tmp_path)]
     assert main(words) == OK
     lines = capsys.readouterr().out.splitlines()
-    assert any(line.startswith("  footprint solve pressed-arch --mesh 1x") for line in lines)
+    command = told(tmp_path)["recommended"]["command"]
+    assert command.startswith("footprint solve pressed-arch --mesh 1x")
+    assert f"  {command}" in lines
+    assert main([*shlex.split(command)[1:-1], str(tmp_path / "solved")]) == OK
     names = [row["name"] for row in told(tmp_path)["variants"]]
     assert "no-drilling" in names
 
