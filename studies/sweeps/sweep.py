@@ -230,10 +230,12 @@ def _member(swept: Sweep, place: Place, request: Request | str, grids: Sequence[
 def _followed(swept: Sweep, place: Place, request: Request, grids: Sequence[Neighbours]) -> tuple[Result, str]:
     """The result on all grids, and what it was started from."""
     paths, coarser = list[Sketch](), [replace(request, mesh=mesh) for mesh in reversed(swept.coarser)]
+    lost = dict[str, str]()
     for each, known in zip(coarser, grids, strict=False):
         near = known.of(place, each)
         path = sketch(swept.scene, each, starts=predicted(near, each)) if near else None
-        path = path or sketch(swept.scene, each, paths[-1] if paths else None)
+        tell = partial(lost.__setitem__, each.mesh_text)
+        path = path or sketch(swept.scene, each, paths[-1] if paths else None, lost=tell)
         if path is not None:
             paths.append(path)
             known.add(Followed.of(place, path.request, path.visits))
@@ -248,5 +250,5 @@ def _followed(swept: Sweep, place: Place, request: Request, grids: Sequence[Neig
     if result.verdict == CONVERGED:
         grids[-1].add(Followed.of(place, request, result.visits))
     if swept.error is not None:
-        state_error(swept.scene, result, coarser[::-1], paths)
+        state_error(swept.scene, result, coarser[::-1], paths, lost)
     return result, whence

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -76,17 +77,17 @@ def solve_with_error(
         return solve_from(scene, request, None, progress)
     scene = on_one_grid(scene, request)
     requests = coarser_grids(scene, request)
-    grids = list[Sketch]()
+    grids, lost = list[Sketch](), dict[str, str]()
     for number, each in enumerate(reversed(requests), 1):
         progress(round_of(number, each, grids))
-        path = sketch(scene, each, grids[-1] if grids else None)
+        path = sketch(scene, each, grids[-1] if grids else None, lost=partial(lost.__setitem__, each.mesh_text))
         if path is not None:
             grids.append(path)
     known = grids[-1] if grids and start == NESTED else None
     last = round_of(len(requests) + 1, request, grids)
     result = solve_from(scene, request, known, headed(progress, last))
     if error:
-        state_error(scene, result, requests, grids)
+        state_error(scene, result, requests, grids, lost)
         if result.verdict in SOLVED and isinstance(scene, CutScene) and grids and max(grids[0].request.mesh) == 1:
             result.remarks.append(_as_it_stands(grids[0]))
     return result
@@ -106,10 +107,15 @@ def headed(progress: Callable[[str], None], head: str) -> Callable[[str], None]:
     return lambda text: progress(f"{head}: {text}")
 
 
-def state_error(scene: Scene, result: Result, asked: Sequence[Request], grids: Sequence[Sketch]) -> None:
-    """What the paths on coarser grids, coarse to fine, of those asked for, say of the error; into a solved result."""
+def state_error(
+    scene: Scene, result: Result, asked: Sequence[Request], grids: Sequence[Sketch], lost: Mapping[str, str]
+) -> None:
+    """What the paths on coarser grids, coarse to fine, of those asked for, say of the error; into a solved result.
+
+    lost: by mesh why a path does not reach its end.
+    """
     if result.verdict in SOLVED:
-        too_few = _too_few(scene, asked, grids)
+        too_few = _too_few(scene, asked, grids, lost)
         unknowns = [*(each.unknowns for each in grids), result.counters["dofs"]]
         if not too_few and any(fine <= coarse for coarse, fine in pairwise(unknowns)):
             too_few = SAME
@@ -143,12 +149,12 @@ def enough(scene: Scene) -> tuple[int, int]:
     return 1 if n1 == 1 else q1, 1 if n2 == 1 else q2
 
 
-def _too_few(scene: Scene, requests: Sequence[Request], grids: Sequence[Sketch]) -> str:
+def _too_few(scene: Scene, requests: Sequence[Request], grids: Sequence[Sketch], lost: Mapping[str, str]) -> str:
     """Why the error is not known; empty where it may be."""
     if len(requests) < TWICE:
         return NO_GRIDS.format("{}x{}".format(*enough(scene)))
-    missing = [each for each in requests if each not in [grid.request for grid in grids]]
-    return FAILED.format(" and ".join(each.mesh_text for each in reversed(missing))) if missing else ""
+    missing = [each.mesh_text for each in reversed(requests) if each not in [grid.request for grid in grids]]
+    return FAILED.format(" and ".join(f"{mesh} ({lost[mesh]})" for mesh in missing)) if missing else ""
 
 
 def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:

@@ -128,35 +128,42 @@ def sketch(
     coarser: Sketch | None = None,
     loose: float = LOOSE,
     starts: StartsOf | None = None,
+    lost: Callable[[str], None] = lambda why: None,
 ) -> Sketch | None:
     """The path of a request to forces in balance to ``loose``; None where it does not reach its end.
 
-    starts: where the steps of a model set out from; by default the path on the ``coarser`` grid.
+    An algorithm that does not get there to ``loose`` has another go to the tolerance asked for.
+    starts: where the steps of a model set out from; by default the path on the ``coarser`` grid.  lost: told why not.
     Raises PartError where a part from outside breaks.
     """
     if starts is None and coarser is not None:
         starts = partial(starts_of, coarser)
     wall, start = time.perf_counter(), time.process_time()
     with counted() as work, blamed(request.contact, request.measure, scene):
-        path = _sketched(scene, request, starts, loose)
+        model, asked = scene.build(request), request.number("tolerance")
+        given = Given(no_starts if starts is None else starts(model))
+        smallest = CUT if isinstance(model, ShellSceneModel) and loose > asked else SMALLEST
+        path = _sketched(request, model, given, max(loose, asked), smallest)
+        if isinstance(path, str) and loose > asked:
+            path = _sketched(request, model, given, asked, smallest)
+    if isinstance(path, str):
+        lost(path)
+        return None
     clocks = {"total": time.perf_counter() - wall, "cpu": time.process_time() - start}
-    return None if path is None else replace(path, clocks=clocks, work=work)
+    return replace(path, clocks=clocks, work=work)
 
 
-def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: float) -> Sketch | None:
-    model = scene.build(request)
-    tolerance = max(loose, request.number("tolerance"))
+def _sketched(request: Request, model: SceneModel, given: Given, tolerance: float, smallest: float) -> Sketch | str:
+    """The path, or why it does not reach its end.  smallest: fraction of a step below which it is not cut."""
     visits, loads, quantities = list[Visited](), list[dict[str, Any]](), dict[str, float]()
     try:
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
-    except ValueError:  # an invalid parameter: the solve reports it
-        return None
-    given = Given(no_starts if starts is None else starts(model))
-    answers = tolerance <= request.number("tolerance")
-    smallest = CUT if isinstance(model, ShellSceneModel) and not answers else SMALLEST
+    except ValueError as error:  # an invalid parameter: the solve reports it
+        return str(error)
     for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=smallest, starts=given.to):
         if not visited.converged:
-            return None
+            why = visited.said or visited.point.outcome.value
+            return f"{visited.stage.name} at {visited.point.requested:g}: {why}"
         visits.append(visited)
         at = visited.point.reached  # a curve has what is asked for before its last target
         observation = visited.stage.observe(visited.problem_at(at), visited.point.solution, at)
@@ -166,7 +173,7 @@ def _sketched(scene: Scene, request: Request, starts: StartsOf | None, loose: fl
         if observation.step is not None:
             loads.append(observation.step)
     if not loads:
-        return None
+        return "nothing is read off it"
     strayed = dict[str, float]()
     for visited in visits:
         strayed[visited.stage.name] = max(strayed.get(visited.stage.name, 0.0), given.strayed(visited))
