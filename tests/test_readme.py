@@ -13,7 +13,9 @@ import pytest
 from scipy.integrate import quad_vec
 
 import studies.footprint
+from contact.balances import BALANCE
 from contact.catalogue import ALGORITHMS
+from contact.verify import EQUILIBRIUM, GAP, PAIR, POSITION, SLIGHT
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 from reports.chapter import listed
@@ -25,7 +27,7 @@ from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.solving.result import SOLVED
 from studies.solving.solve import solve
-from support.sources import PAGES, README, ROOT, blocks, commands, file_of
+from support.sources import MANUAL, PAGES, README, ROOT, blocks, commands, file_of
 
 PAGES_WITH_LINKS = [*PAGES, *sorted((ROOT / ".github").glob("*.md"))]
 
@@ -41,6 +43,12 @@ def test_the_readme_is_short_and_lists_the_pages() -> None:
 def test_links_lead_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
     assert [link for link in links if "://" not in link and not (page.parent / link).exists()] == []
+
+
+def test_the_bounds_of_the_judge_are_those_of_the_theory() -> None:
+    text = (MANUAL / "theory.md").read_text(encoding="utf-8").partition("### The judge")[2].partition("\n### ")[0]
+    for bound in (EQUILIBRIUM, BALANCE, SLIGHT, GAP, POSITION, PAIR):
+        assert f"{bound:.2g}".replace("e-0", "e-") in text
 
 
 @pytest.mark.slow
