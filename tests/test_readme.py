@@ -6,6 +6,7 @@ import math
 import re
 import sys
 import types
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ import studies.footprint
 from contact.balances import BALANCE
 from contact.catalogue import ALGORITHMS
 from contact.verify import EQUILIBRIUM, GAP, PAIR, POSITION, SLIGHT
+from formulations.conditions.boundary import EDGES
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 from reports.chapter import listed
@@ -25,6 +27,7 @@ from studies.experiments.conformance import conformance
 from studies.run.campaign import names as campaigns
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
+from studies.scenes.contact.base import ContactModel, Touch
 from studies.solving.result import SOLVED
 from studies.solving.solve import solve
 from support.sources import MANUAL, PAGES, README, ROOT, blocks, commands, file_of
@@ -49,6 +52,16 @@ def test_the_bounds_of_the_judge_are_those_of_the_theory() -> None:
     text = (MANUAL / "theory.md").read_text(encoding="utf-8").partition("### The judge")[2].partition("\n### ")[0]
     for bound in (EQUILIBRIUM, BALANCE, SLIGHT, GAP, POSITION, PAIR):
         assert f"{bound:.2g}".replace("e-0", "e-") in text
+
+
+def test_the_page_of_scenes_has_every_edge_and_all_that_a_scene_with_contact_gives_and_reads() -> None:
+    text = (MANUAL / "scene.md").read_text(encoding="utf-8")
+    of_model = {field.name: field.default for field in fields(ContactModel)}
+    for word in (*EDGES, *of_model, *(field.name for field in fields(Touch))):
+        assert f"`{word}`" in text, word
+    for name in ("key", "body_at", "lying", "face"):
+        (line,) = (each for each in text.splitlines() if each.startswith(f"| `{name}` |"))
+        assert f"| `{of_model[name]!r}` |".replace("'", '"') in line
 
 
 @pytest.mark.slow
