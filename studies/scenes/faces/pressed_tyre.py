@@ -164,7 +164,11 @@ def pressed(
     def bodies(delta: float) -> Bodies:
         return Bodies((Placed(tyre.shell), ground(np.array([tyre.crown + foremost - delta, 0.0, 0.0]))))
 
-    candidates = (tyre.nodes(side), facing[1])[slave_index]
+    points = tyre.nodes(side), facing[1]
+    if not all(map(len, points)):
+        where = "leaves no node where tyre and ground may touch: take more elements"
+        raise UsageError(f"mesh {request.mesh_text} {where}")
+    candidates = points[slave_index]
     rest = bodies(0.0).parts[slave_index].face(1)[0][candidates]
     along, across = (_line(rest, axis) for axis in (1, 2))
     middle = np.linalg.norm(rest[:, 1:], axis=1)

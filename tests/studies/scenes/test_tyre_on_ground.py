@@ -100,6 +100,13 @@ def test_bad_input_is_refused_in_one_line(scene: str, model: str, settings: dict
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("slave", ["first", "second"])
+def test_a_mesh_without_a_node_that_may_touch_is_refused(slave: str) -> None:
+    scene, request = complete("tyre-on-drum", {"delta_mm": "2.22", "slave": slave}, "6x6")
+    with pytest.raises(UsageError, match="mesh 6x6 leaves no node where tyre and ground may touch"):
+        scene.build(request)
+
+
 def test_a_stiff_coat_is_the_rigid_drum_but_for_the_facets() -> None:
     """Whose chords lie inside the circle: of the second order in their length."""
     drum = force("tyre", "28x28", foundation="drum", **PRESSED)
