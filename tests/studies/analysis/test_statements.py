@@ -40,6 +40,7 @@ def readings() -> pd.DataFrame:
     rows = [
         ("as stated", 20.0, 1500.0, 0.2, 60, False, "model"),
         ("as stated", 23.0, 1900.0, 0.05, 10, True, "model"),
+        ("as stated", 25.0, 2100.0, 0.07, 10, False, "model"),
         ("sanders", 20.0, 1500.0, 0.15, 50, False, "model"),
         ("sanders", 22.0, 1700.0, 0.055, 12, True, "model"),
         ("linear strains", 20.0, 2010.0, 0.4, 70, False, "model"),
@@ -67,7 +68,7 @@ def test_the_printed_table_is_told_with_the_numbers_of_its_table(tmp_path: Path)
     assert "2 of 3 readings about equally, at 22 to 23 mm" in said
     assert "5.0 % to 5.5 % (rms)" in said
     assert "10 to 12 nodes" in said
-    assert said.endswith("only one of the two: as stated; sanders.")
+    assert said.endswith("only one of the two: as stated; sanders. The longest travel tried fits best for: sanders.")
     opening = [each for each in statements(store) if each.role == OPENING]
     assert [(each.page, each.name) for each in opening] == [("tyre", "printed-table"), ("tyre", "printed-excluded")]
     assert of_page(store, "tyre").startswith(said)
