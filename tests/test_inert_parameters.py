@@ -27,6 +27,8 @@ KNOWN = {  # test: parameter, and why it changes no request
     "tests/studies/scenes/test_loads.py::test_an_edge_load_is_uniform_on_lines_of_any_spacing: cut": (
         "the request is changed afterwards"
     ),
+    "tests/studies/solving/refinement/test_error_control.py::"
+    "test_no_round_is_begun_beyond_the_budget_while_grids_fail: lacks": "its result is spoilt afterwards",
     "tests/studies/test_cli.py::test_a_refusal_is_an_outcome_and_one_line_of_a_solve: at": "another algorithm",
 }
 
