@@ -7,7 +7,7 @@ that is for the judge (:mod:`contact.verify`), who sees NaN, too.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
@@ -22,6 +22,8 @@ from contact.solvers.sparse import AUTO
 
 if TYPE_CHECKING:
     from contact.newton.friction_run import FrictionalRun
+
+FEW = 10  # iterations and updates of a step that is to be easy
 
 
 @dataclass(frozen=True)
@@ -146,3 +148,11 @@ def _named(value: object) -> str:
     if isinstance(value, np.ndarray):
         return f"{value.dtype} of shape {value.shape}"
     return "None" if value is None else type(value).__name__
+
+
+def hasty(algorithm: ContactAlgorithm, most: int = FEW) -> ContactAlgorithm:
+    """The algorithm that gives up after so many iterations and updates of the set, as far as it has such limits."""
+    if not is_dataclass(algorithm):
+        return algorithm
+    known = {each.name for each in fields(algorithm)} & {"max_iterations", "max_updates"}
+    return replace(algorithm, **dict.fromkeys(known, most))

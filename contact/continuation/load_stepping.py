@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import norm
 
+from contact.algorithms.base import hasty
 from contact.continuation.candidates import (
     EASY_ITERATIONS,
     Attempt,
@@ -23,8 +24,6 @@ from contact.continuation.candidates import (
     why,
 )
 from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
-from contact.continuation.pressed_curve import hasty
-from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import crossings
@@ -248,6 +247,8 @@ class Stepper:
 
     def _by_arc_length(self, attempt: Attempt, failure: Event) -> Stepper:
         """At the target or at the limit point before it, after the last failure that is put up with."""
+        from contact.continuation.turning_points import by_arc_length  # no path without a turn loads it
+
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: by arc length from {self.reached:.6g} on")
         begun = self._spent(attempt, event)
         first = FIRST_ARC * (attempt.parameter - self.reached)

@@ -12,12 +12,12 @@ Source: Keller (1977); with contact, Wriggers, Computational Contact Mechanics (
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, is_dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
 
-from contact.algorithms.base import answered
+from contact.algorithms.base import answered, hasty
 from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.events import Event, EventKind
@@ -26,7 +26,6 @@ from contact.newton.step import NewtonRun
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.swept import crossings
 
-FEW = 10  # iterations and updates: what a point may take: a step that is not easy is cut
 ProblemAt = Callable[[float], ContactProblem]
 
 
@@ -170,11 +169,3 @@ class PressedCurve:
 def _size(K: sparse.csc_matrix) -> float:
     """Mean size of the diagonal of the body."""
     return float(np.mean(np.abs(K.diagonal()[:-1])))
-
-
-def hasty(algorithm: ContactAlgorithm, most: int = FEW) -> ContactAlgorithm:
-    """The algorithm that gives up after so many iterations and updates of the set, as far as it has such limits."""
-    if not is_dataclass(algorithm):
-        return algorithm
-    known = {each.name for each in fields(algorithm)} & {"max_iterations", "max_updates"}
-    return replace(algorithm, **dict.fromkeys(known, most))

@@ -8,14 +8,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from formulations.shell import ShellModel
-from formulations.solid import SolidDiscretisation
-from formulations.solid_mesh import SolidMesh
 from formulations.strains.quantities import STRAINS
 from studies.output.vtu import CORNERS_8, PLACES_27, Data, write_vtu
+
+if TYPE_CHECKING:  # loaded with a solid
+    from formulations.solid import SolidDiscretisation
+    from formulations.solid_mesh import SolidMesh
 
 
 def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndarray, face: int = 1) -> None:

@@ -9,17 +9,19 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from contact.continuation.arc_length import ArcLength, Trace
-from contact.continuation.equilibrium_curve import ArcPoint
-from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from formulations.shell import ShellModel
 from studies.ask.layers import write_fields
 from studies.output.atomic import Table
+
+if TYPE_CHECKING:  # loaded with a scene that traces a curve
+    from contact.continuation.arc_length import ArcLength, Trace
+    from contact.continuation.equilibrium_curve import ArcPoint
+    from contact.continuation.series_path import PowerSeries
 
 
 @dataclass(frozen=True, eq=False)

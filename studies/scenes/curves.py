@@ -100,6 +100,11 @@ class CurveModel(StaticModel):
         static = StaticModel.of(request, discretisation, measure_at, **loads)
         return cls(**vars(static), continuation=_continuation(request, static.shell), rises=rises)
 
+    @property
+    def without_rise(self) -> tuple[str, ...]:
+        """Those of ``rises``, named as they are reported."""
+        return tuple(map(_even, self.rises))
+
     def stages(self) -> Iterator[Stage]:
         """The curve from rest."""
         assert self.shell.forces is not None
@@ -110,10 +115,7 @@ class CurveModel(StaticModel):
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         displacements = self.measure_at(self.shell, u)
-        even = {
-            key.replace("_mm", "_even_mm"): displacements[key] - fraction * rise for key, rise in self.rises.items()
-        }
-        return displacements | even
+        return displacements | {_even(key): displacements[key] - fraction * rise for key, rise in self.rises.items()}
 
     def _summarise(self, points: Sequence[ArcPoint]) -> dict[str, float]:
         """Number of limit points, load and displacements of the first."""
@@ -124,6 +126,10 @@ class CurveModel(StaticModel):
             at_limit = self._displacements(limits[0].u, limits[0].factor)
             summary |= {f"limit_{key}": value for key, value in at_limit.items()}
         return summary
+
+
+def _even(key: str) -> str:
+    return key.replace("_mm", "_even_mm")
 
 
 def _continuation(request: Request, shell: ShellModel) -> ArcLength | PowerSeries:

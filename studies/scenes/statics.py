@@ -151,6 +151,11 @@ class StaticModel(ShellSceneModel):
         """The load path from rest."""
         yield Stage("load", self._begin, tuple(self.fractions), self._observe)
 
+    @property
+    def without_rise(self) -> tuple[str, ...]:
+        """Names of displacements under point loads less what grows there with every finer mesh."""
+        return ()
+
     def _begin(self, previous: ContactSolution | None) -> Begun:
         return self.problem_at, ContactSolution.at_rest(self.shell.discretisation.n_free, 0)
 

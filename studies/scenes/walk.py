@@ -3,19 +3,24 @@
 What is recorded of a point, judged or concluded does not enter here.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contact.continuation.arc_length import Trace
 from contact.continuation.candidates import Starts, none_known
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import Crossing, crossings_along
 from studies.ask.scene import CurveStage, SceneModel, Stage, moved
+
+if TYPE_CHECKING:
+    from contact.continuation.arc_length import Trace
 
 ENDS = 2  # of a step: both its problems are needed repeatedly, to solve and to observe
 

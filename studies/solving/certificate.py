@@ -16,7 +16,6 @@ from contact.continuation.stability import Stability, stability
 from contact.diagnosis import diagnose
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised
-from contact.slip import anchors_left
 from contact.swept import Crossing
 from contact.verify import claim, gap_residuals, judge
 
@@ -48,6 +47,8 @@ def certificate(
     if before is None:
         problem, friction, since, forces = _linearised_once(problem, state.u), None, None, state.pressure
     else:  # the anchors of the slip are recomputed, not taken from the answer
+        from contact.slip import anchors_left  # no solve without friction loads it
+
         problem = problem.since(anchors_left(problem, *before, epsilon))
         friction = np.zeros((len(state.pressure), 2)) if state.friction is None else state.friction.force
         since, forces = before[1].u, problem.nodal_forces(state.pressure)

@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 
-from formulations.solid.body import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
 from studies.ask.scene import PointedModel, SceneModel, ShellSceneModel, candidates_at
 from studies.output.atomic import Table, write_by, write_text
@@ -140,6 +139,10 @@ def _candidates(model: SceneModel) -> tuple[np.ndarray, np.ndarray] | None:
     if isinstance(model, PointedModel):
         return model.candidate_of_point
     body = getattr(getattr(model, "body", None), "discretisation", None)
+    if body is None:
+        return None
+    from formulations.solid.body import SolidDiscretisation  # no shell loads it
+
     if not isinstance(body, SolidDiscretisation):
         return None
     n = len(body.mesh.x)

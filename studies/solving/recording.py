@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
-from contact.continuation.arc_length import Trace
 from contact.continuation.critical_points import PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.slip import anchors_left
 from contact.swept import Crossing, crossings
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageError
@@ -18,6 +17,9 @@ from studies.output.atomic import Table, plain
 from studies.scenes.walk import Seen, Visited
 from studies.solving.certificate import certificate, refusal
 from studies.solving.result import UNSTABLE, Frozen, Result, Step
+
+if TYPE_CHECKING:
+    from contact.continuation.arc_length import Trace
 
 DRAWN = 8  # points of a curve that every piece of it has in its table
 ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
@@ -161,6 +163,8 @@ def _freeze(visited: Visited, result: Result) -> Frozen:
     commit = {key: record["provenance"][key] for key in ("version", "commit")}
     meta = plain({**origin, **commit})
     if problem.coulomb is not None:
+        from contact.slip import anchors_left  # no solve without friction loads it
+
         # at a solution the slip is that of its own step, else that which the failed step begins with
         before = visited.last_accepted if visited.converged else (visited.problem_at(point.reached), state)
         problem = problem.since(anchors_left(problem, *before, result.epsilon))

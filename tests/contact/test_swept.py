@@ -7,11 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from contact.algorithms.base import hasty
 from contact.catalogue import ALGORITHMS
 from contact.continuation import load_stepping
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.load_stepping import PathPoint, follow
-from contact.continuation.pressed_curve import PressedCurve, hasty
+from contact.continuation.pressed_curve import PressedCurve
 from contact.events import EventKind, events
 from contact.obstacles.cleat import Profile, cleat
 from contact.obstacles.drum_sphere import Drum, Sphere

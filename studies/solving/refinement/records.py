@@ -22,7 +22,6 @@ from formulations.strains.quantities import E33
 from studies.ask.request import Request
 from studies.ask.scene import Scene, ShellSceneModel
 from studies.output.atomic import Table
-from studies.scenes.curves import CurveModel
 from studies.scenes.statics import StaticModel
 from studies.solving.refinement.limits import Estimate
 from studies.solving.refinement.nested import Sketch
@@ -88,8 +87,8 @@ def growth(result: Result | Sketch, quantity: str) -> float:
         return 0.0
     if unit_of(quantity) == FORCE:  # which is what the loads are
         return 0.0
-    if isinstance(model, CurveModel) and name in (key.replace("_mm", "_even_mm") for key in model.rises):
-        return 0.0  # it is what is left without the growth
+    if name in model.without_rise:
+        return 0.0
     state = end.point.solution
     step = STEP * float(np.max(np.abs(state.u), initial=0.0))
 
