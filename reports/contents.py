@@ -1,7 +1,6 @@
 """The table of contents: all chapters in groups, in the order of the report.
 
-A page from outside is one file and one line, ``from reports.contents import CHAPTERS; CHAPTERS.append(Chapter(...))``,
-and stands in the group that it names.
+A page from outside puts itself into CHAPTERS, and stands in the group that it names: reports/manual/page.md.
 """
 
 from __future__ import annotations

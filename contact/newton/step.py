@@ -4,6 +4,7 @@ Which nodes belong to the set is the algorithm's business and must not enter her
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import norm
@@ -56,6 +57,11 @@ class Iterate:
     updates: int = 0
     short: int = 0
 
+    @cached_property
+    def rounding(self) -> float:
+        """What rounding alone may leave of the residual."""
+        return rounding_floor(self.lin, self.u) / self.scale if self.scale > 0 else 0.0
+
 
 def gap_rounding(problem: ContactProblem, large: float) -> float:
     """Largest gap [mm] that counts as closed where one of the size ``large`` [mm] is a large one."""
@@ -101,12 +107,12 @@ class NewtonRun(LinearSolves):
         """
         if at.residual <= self.tolerance:
             share = at.push / at.scale if at.scale > 0 else 0.0
-            return at.residual <= met(self.tolerance, share, _rounding(at)) or at.moved > 0.5 * at.moved_before
+            return at.residual <= met(self.tolerance, share, at.rounding) or at.moved > 0.5 * at.moved_before
         size = float(norm(at.u, check_finite=False))
         summed = np.sqrt(len(at.u)) * at.residual  # of nodes, at most
         if summed > ROUNDING_ALONE and at.stepped is not None and at.moved > SETTLED * size and not self.stuck(at):
             return False
-        return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
+        return excused(at.residual, at.rounding, at.moved / size if size > 0 else np.inf)
 
     def known(self, at: Iterate, last: Iterate | None) -> Iterate | None:
         """Of a balanced iterate and the ``last`` one on its set, the first whose rounding moves nothing, if any.
@@ -115,7 +121,7 @@ class NewtonRun(LinearSolves):
         without the memory of the way there, of which the judge knows nothing: one linearisation and one factorisation
         more.
         """
-        if last is None or at.residual <= max(self.tolerance, min(ROUNDING_ALONE, _rounding(at))):
+        if last is None or at.residual <= max(self.tolerance, min(ROUNDING_ALONE, at.rounding)):
             return at
         same = np.array_equal(last.active, at.active) and self.closed(last)
         return next((each for each in ((at, last) if same else (at,)) if self._moves_nothing(each)), None)
@@ -123,7 +129,7 @@ class NewtonRun(LinearSolves):
     def _moves_nothing(self, at: Iterate) -> bool:
         pressure = np.maximum(at.pressure, 0.0)
         anew = self.at(self.linearise(at.u, None), at.u, pressure, at.active)
-        rounding, asked = _rounding(anew), np.inf
+        rounding, asked = anew.rounding, np.inf
         if decides(anew.residual, rounding):
             asked = self._asked(anew)
         return anew.residual <= self.tolerance or excused(anew.residual, rounding, asked)
@@ -140,7 +146,7 @@ class NewtonRun(LinearSolves):
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
-        return at.residual <= _rounding(at) and at.moved > 0.5 * at.moved_before
+        return at.moved > 0.5 * at.moved_before and at.residual <= at.rounding
 
     def closed(self, at: Iterate) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
@@ -180,8 +186,11 @@ class NewtonRun(LinearSolves):
         return self.linear(lin, u, pressure, active).step(active)
 
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
-        """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
-        if holdable(self.problem):
+        """The linearised problem, factorised on the set ``active``; raises SingularMatrixError.
+
+        Without candidates there is nothing to condense, which costs a small beam as much again as its steps.
+        """
+        if len(self.problem.weights) and holdable(self.problem):
             return Condensed(self, Linear.at(self, lin, u, pressure), active)
         return Substituted(self, lin, u, pressure)
 
@@ -204,7 +213,3 @@ class NewtonRun(LinearSolves):
         """The solution record of this run; pressures of a converged set that rounding made negative become zero."""
         pressure = np.maximum(at.pressure, 0.0) if outcome.converged else at.pressure
         return ContactSolution(at.u, pressure, at.active, outcome, dict(self.tally.counters), tuple(self.tally.history))
-
-
-def _rounding(at: Iterate) -> float:
-    return rounding_floor(at.lin, at.u) / at.scale if at.scale > 0 else 0.0

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from contact.catalogue import ALGORITHMS
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
@@ -28,6 +29,9 @@ from studies.ask.request import text_of
 from studies.ask.scene import ladders_of, sheet_of
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LADDER_LABEL = "convergence {ladder} {mesh} {element}"
 CLIMBED = tomllib.loads(Path(__file__).with_name("ladders.toml").read_text(encoding="utf-8"))
@@ -234,3 +238,15 @@ MAKERS = {table: maker for each in LISTS.values() for table, maker in each.table
 LISTS["report"] = replace(
     LISTS["report"], tables={name: maker for name, maker in MAKERS.items() if name not in LISTS["statements"].tables}
 )
+
+
+def add_tables(name: str, title: str, *makers: Callable[..., pd.DataFrame]) -> None:
+    """Put a list of tables of one's own beside these; a table is named like the function that makes it.
+
+    Raises ValueError for a name that is taken.
+    """
+    tables = {make.__name__: f"{make.__module__}:{make.__name__}" for make in makers}
+    for taken in sorted(LISTS.keys() & {name} | MAKERS.keys() & tables.keys()):
+        raise ValueError(f"{taken!r} is the name of a list or a table already")
+    LISTS[name] = CellList(title, tuple, tables)
+    MAKERS.update(tables)

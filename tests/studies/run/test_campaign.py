@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from contact.catalogue import ALGORITHMS
@@ -13,7 +14,7 @@ from studies.ask.scene import UsageError, has_contact
 from studies.cli import main
 from studies.run.campaign import SHIPPED, find, names
 from studies.run.collect import COLUMNS, collect
-from studies.run.lists import LISTS
+from studies.run.lists import LISTS, MAKERS, add_tables
 from studies.run.plan import plan
 from studies.run.running import run
 from studies.scenes import SCENES
@@ -172,3 +173,19 @@ def test_limits_that_no_process_is_held_to_are_one_line(
     assert main(["run", *campaign, *limit, "--store", str(tmp_path / "store")]) == 2
     assert capsys.readouterr().err == f"footprint: {says}\n"
     assert not (tmp_path / "store").exists()
+
+
+def test_tables_of_ones_own_have_names_of_their_own() -> None:
+    """A list, or a table, that is there already is refused, and leaves no trace."""
+
+    def epsilon() -> pd.DataFrame:
+        return pd.DataFrame()
+
+    def nowhere() -> pd.DataFrame:
+        return pd.DataFrame()
+
+    for name, make, taken in (("own", epsilon, "epsilon"), ("faults", nowhere, "faults")):
+        with pytest.raises(ValueError, match=f"'{taken}' is the name of a list or a table already"):
+            add_tables(name, "of one's own", make)
+    assert "own" not in LISTS
+    assert "nowhere" not in MAKERS
