@@ -99,6 +99,10 @@ class Overlooked(Protocol):
     def stiffness(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
         """(n, n) of it, for motions along the first and the second coordinate: symmetric, no eigenvalue negative."""
 
+    @property
+    def order(self) -> np.ndarray | None:
+        """Unknowns (n,) in an order of elimination of the tangent with that stiffness; None: as they are."""
+
     def alternating(self, modes: np.ndarray) -> int:
         """How many of the motions that the modes (n, k) span alternate from element to element, as they do."""
 

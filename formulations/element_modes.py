@@ -32,7 +32,8 @@ from scipy import sparse
 from formulations.element.mixed import N_M
 from formulations.element.quad_sampling import mid_lines
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS
-from formulations.geometry.grid import CORNERS, Grid
+from formulations.geometry.grid import CORNERS, Grid, QuadGrid, TensorGrid
+from formulations.geometry.nested_dissection import dissection, each_last
 from formulations.geometry.surfaces import NodalSurface
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E, N_Q, N_V, STRAINS
@@ -55,6 +56,26 @@ class ElementModes:
         """(n, n) of the alternating shear that motions along a1 and along a2 lack [N/mm]."""
         first, second = (sparse.csc_matrix(gamma.T @ (D @ gamma)) for gamma, _, D in self._shear)
         return first, second
+
+    @property
+    def order(self) -> np.ndarray | None:
+        """Unknowns (n,) in an order in which the tangent with all of that fills in least; None where none is known.
+
+        The shear couples neighbours: no single line of nodes separates them.
+        """
+        grid, dof_map = self.shell.discretisation.grid, self.shell.discretisation.map
+        shape = grid.node_shape if isinstance(grid, TensorGrid | QuadGrid) else None
+        if shape is None or not self.shell.ordered:
+            return None
+        parts = np.split(dof_map.number, [dof_map.n_faces])
+        number = np.hstack([each.reshape(grid.n_nodes, -1) for each in parts])
+        first = np.full(dof_map.n + 1, grid.n_nodes)  # node of each unknown; the last one is none
+        np.minimum.at(first, number, np.arange(grid.n_nodes)[:, None])
+        follows = (first[number] != np.arange(grid.n_nodes)[:, None]) & (number >= 0)
+        tied = np.union1d(np.flatnonzero(follows.any(axis=1)), first[number[follows]])  # they share unknowns
+        nodes = dissection(shape, periodic=grid.periodic, last=tied, lines=2)
+        unknowns = number[nodes].ravel()
+        return each_last(unknowns[unknowns >= 0])
 
     def alternating(self, modes: np.ndarray) -> int:
         """How many of the motions that the modes (n, k) span alternate."""

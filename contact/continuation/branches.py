@@ -21,7 +21,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.base import answered
-from contact.continuation.critical_points import spectrum
+from contact.continuation.critical_points import lowest, spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, Stability, stability
 from contact.newton.solves import Tally
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation
@@ -94,8 +94,8 @@ def _descended(
 
 def _most_negative(problem: ContactProblem, state: ContactSolution, epsilon: float, judged: Stability) -> np.ndarray:
     """The mode (n,) of the most negative eigenvalue among the softest of those that the verdict has counted."""
-    lowest = spectrum(problem, state, epsilon, negative=judged.negative or 0)
-    return np.asarray(lowest.modes[:, int(np.argmin(lowest.eigenvalues))])
+    below = lowest(problem, state, epsilon, judged.negative or 0, spectrum(problem, state, epsilon))
+    return np.asarray(below.modes[:, int(np.argmin(below.eigenvalues))])
 
 
 def _down(

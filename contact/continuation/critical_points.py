@@ -34,7 +34,15 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 from contact.newton.pivots import Pivots
 from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution
-from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, solution, symmetric
+from contact.solvers.sparse import (
+    SingularMatrixError,
+    added,
+    factorise,
+    negative_pivots,
+    row_norm,
+    solution,
+    symmetric,
+)
 
 NEAR = 0.1  # of the way from the first state: a limit point further ahead is not why the path ends
 NEARLY_SINGULAR = 0.3  # of the eigenvalue at the first state: what is left at NEAR by the law of a limit point
@@ -42,8 +50,8 @@ ALONG = 0.1  # cosine of path and mode below which the path has no part in it
 SAME_MODE = 0.7  # cosine of two modes that are one
 FOLD_LAW = 0.5  # half-way between the exponents of the speed along the mode at a bifurcation, 0, and at a fold, 1
 MODES = 8
-PRECISE, ROUGH = 1e-9, 1e-4  # of an eigenvalue; of one whose sign and mode are wanted
-BASIS = 40  # vectors for those: on 96x96 elements of the hemisphere 575 products, by 20 to PRECISE 1323
+PRECISE = 1e-9  # of an eigenvalue
+FURTHER = 10.0  # from shift to shift, until one is beyond the lowest eigenvalue
 ROUNDING = 1e-12  # of the largest compliance: less is that of a motion which the foundation holds
 DENSE = 20  # unknowns up to which all eigenvalues are cheap
 State = tuple[float, ContactSolution]
@@ -198,30 +206,64 @@ def _turned_at_a_change(
     )
 
 
-def spectrum(
-    problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf, *, negative: int = 0
-) -> Spectrum:
+def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf) -> Spectrum:
     """The softest motions that the contact set of a converged state leaves free.
 
-    negative: how many of the negative eigenvalues of a symmetric tangent are wanted instead, of those that it has: they
-    may be far from the softest.  Raises SingularMatrixError, and ValueError when two candidates share an unknown.
+    Raises SingularMatrixError, and ValueError when two candidates share an unknown.
     """
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
-    energetic = problem.coupling is None and symmetric(K)
+    nodes, energetic = np.flatnonzero(state.active), problem.coupling is None and symmetric(K)
+    compliances, modes = _largest(_compliance(problem, state, K, epsilon), K.shape[0], symmetric=energetic)
+    return Spectrum(1.0 / compliances, modes, _negative(problem, state.u, K, nodes, epsilon) if energetic else None)
+
+
+def lowest(
+    problem: ContactProblem, state: ContactSolution, epsilon: float, negative: int, softest: Spectrum
+) -> Spectrum:
+    """So many of the negative eigenvalues that a symmetric tangent has, MODES at the most, and their unit modes.
+
+    softest: its spectrum, which may not show them all; of an unsymmetric tangent there is no other. A shift by more
+    than the lowest eigenvalue leaves a definite tangent, of which they are the softest: the compliance itself has them
+    behind all soft motions, and on 96x96 elements of the hemisphere it took 575 to 1727 products to see one, for 31
+    after a shift.  Raises as :func:`spectrum`.
+    """
+    if softest.negative is None:
+        return softest
+    below = softest.eigenvalues < 0
+    near, modes = softest.eigenvalues[below], softest.modes[:, below]
+    missing = min(negative, MODES) - len(near)
+    if missing <= 0 or len(state.u) <= DENSE:
+        wanted = slice(0, negative)
+        return Spectrum(near[wanted], modes[:, wanted], softest.negative)
+    K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+    nodes, most = np.flatnonzero(state.active), row_norm(K)
+    shift = float(np.max(np.abs(softest.eigenvalues)))
+    while True:
+        shifted = added(K, sparse.csc_matrix(shift * sparse.eye_array(K.shape[0])))
+        if shift > most or not _negative(problem, state.u, shifted, nodes, epsilon):
+            break
+        shift *= FURTHER
+    comply = _compliance(problem, state, shifted, epsilon)
+    compliances, others = _largest(comply, K.shape[0], symmetric=True, count=missing)
+    return Spectrum(np.append(near, 1.0 / compliances - shift), np.hstack([modes, others]), softest.negative)
+
+
+def _compliance(
+    problem: ContactProblem, state: ContactSolution, K: sparse.csc_matrix, epsilon: float
+) -> Callable[[np.ndarray], np.ndarray]:
+    """What forces (n,) move on the motions that the set leaves free; raises as :func:`spectrum` does."""
     nodes, pivots, A = np.flatnonzero(state.active), None, K
     if len(nodes):
         pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).opened(np.zeros(len(nodes)))
         A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
     factor = factorise(A, ordered=problem.ordered)
-
     moves = np.arange(K.shape[0]) < K.shape[0] - problem.multipliers
 
     def comply(b: np.ndarray) -> np.ndarray:
         x = solution(factor, b * moves)
         return (x if pivots is None else pivots.resolve(x)[0]) * moves
 
-    compliances, modes = _largest(comply, K.shape[0], symmetric=energetic, negative=negative)
-    return Spectrum(1.0 / compliances, modes, _negative(problem, state.u, K, nodes, epsilon) if energetic else None)
+    return comply
 
 
 def branches_passed(problem_at: Callable[[float], ContactProblem], before: State, after: State, epsilon: float) -> int:
@@ -245,11 +287,9 @@ def negative_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilo
 
 
 def _largest(
-    comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool, negative: int = 0
+    comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool, count: int = MODES
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of largest size of a compliance (n, n), given by its products, and unit vectors (n, k).
-
-    negative: the so many most negative ones of a symmetric compliance instead.
+    """Eigenvalues (count,) of largest size of a compliance (n, n), given by its products, and unit vectors (n, k).
 
     Of a complex pair of an unsymmetric one: the size with the sign of the real part, and the real part of its vector.
     """
@@ -258,11 +298,7 @@ def _largest(
     else:
         C, start = LinearOperator((n, n), matvec=comply, dtype=float), np.random.default_rng(0).normal(size=n)
         try:
-            if symmetric and negative:
-                k, basis = min(negative, MODES), min(n, BASIS)
-                values, vectors = eigsh(C, k=k, which="SA", v0=start, tol=ROUGH, ncv=basis)
-            else:
-                values, vectors = (eigsh if symmetric else eigs)(C, k=MODES, which="LM", v0=start, tol=PRECISE)
+            values, vectors = (eigsh if symmetric else eigs)(C, k=count, which="LM", v0=start, tol=PRECISE)
         except ArpackNoConvergence as error:
             raise SingularMatrixError(f"its lowest eigenvalues were not found: {error}") from error
     size = np.abs(values)

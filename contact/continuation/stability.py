@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.continuation.critical_points import MODES, spectrum
+from contact.continuation.critical_points import MODES, lowest, spectrum
 from contact.newton.held import holdable
 from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised, Overlooked
@@ -109,12 +109,20 @@ def stability(problem: ContactProblem, state: ContactSolution, epsilon: float = 
     )
 
 
-def _counted(problem: ContactProblem, state: ContactSolution, K: sparse.csc_matrix, epsilon: float) -> Stability:
-    """By the symmetric part of a tangent K (n, n)."""
+def _counted(
+    problem: ContactProblem,
+    state: ContactSolution,
+    K: sparse.csc_matrix,
+    epsilon: float,
+    order: np.ndarray | None = None,
+) -> Stability:
+    """By the symmetric part of a tangent K (n, n); order (n,): of its elimination, where the unknowns have another."""
     held = bound(problem, state.u, np.flatnonzero(state.active), K, epsilon)
     M, multipliers = held.matrix, problem.multipliers + held.multipliers
     conservative = symmetric(K)
     part = M if conservative else sparse.csc_matrix((M + M.T) / 2)
+    if order is not None and not multipliers:
+        part = sparse.csc_matrix(part[order][:, order])
     negative, unsigned, spent = _signs(part, multipliers, ordered=problem.ordered or held.multipliers > 0)
     return Stability(negative, unsigned, conservative, factorisations=spent)
 
@@ -130,8 +138,8 @@ def _apart(
     """What is ``found``, the modes of elements apart, by the coordinate along which they move."""
     first, second = overlooked.stiffness
     stiffened = added(K, first)
-    one = _counted(problem, state, stiffened, epsilon)
-    both = _counted(problem, state, added(stiffened, second), epsilon)
+    one = _counted(problem, state, stiffened, epsilon, overlooked.order)
+    both = _counted(problem, state, added(stiffened, second), epsilon, overlooked.order)
     spent = whole.factorisations + one.factorisations + both.factorisations
     counts = [count.negative or 0 for count in (whole, one, both)]
     alone = [max(before - after, 0) for before, after in pairwise(counts)]
@@ -158,12 +166,13 @@ def _alternating(
 ) -> int:
     """How many of the negative eigenvalues have modes that alternate; at a critical point the body's has no size."""
     try:
-        lowest = spectrum(problem, state, epsilon, negative=negative)
-        softest = spectrum(problem, state, epsilon).eigenvalues
+        soft = spectrum(problem, state, epsilon)
+        below = lowest(problem, state, epsilon, negative, soft)
     except SingularMatrixError:
         return 0
-    critical = CRITICAL * float(np.min(softest[softest > 0], initial=np.inf)) if np.any(softest > 0) else 0.0
-    return overlooked.alternating(lowest.modes[:, lowest.eigenvalues < -critical])
+    positive = soft.eigenvalues[soft.eigenvalues > 0]
+    critical = CRITICAL * float(np.min(positive)) if len(positive) else 0.0
+    return overlooked.alternating(below.modes[:, below.eigenvalues < -critical])
 
 
 def _divergent(

@@ -28,14 +28,14 @@ def elimination_order(grid: Grid, last: np.ndarray | None = None, positions: np.
     if isinstance(grid, QuadGrid):
         positions = grid.nodes if positions is None else positions
         blocks = _bisected(grid.elements, positions[grid.elements].mean(axis=1))
-        return _each_last(np.concatenate([*blocks, cut]))
+        return each_last(np.concatenate([*blocks, cut]))
     if grid.periodic:
         cut = np.union1d(cut, grid.on_line(1, float(grid.nodes[:, 1].min())))
     boxes = np.stack([grid.centre - grid.half, grid.centre + grid.half], axis=-1)
-    return _each_last(np.concatenate([*_separated(grid, np.arange(len(boxes)), boxes), cut]))
+    return each_last(np.concatenate([*_separated(grid, np.arange(len(boxes)), boxes), cut]))
 
 
-def _each_last(order: np.ndarray) -> np.ndarray:
+def each_last(order: np.ndarray) -> np.ndarray:
     """Every node once, where it comes last."""
     _, back = np.unique(order[::-1], return_index=True)
     return order[np.sort(len(order) - 1 - back)]
@@ -103,28 +103,32 @@ def _line(boxes: np.ndarray) -> tuple[int, float] | None:
     return min(lines)[1:] if lines else None
 
 
-def dissection(shape: tuple[int, int], *, periodic: bool = False, last: np.ndarray | None = None) -> np.ndarray:
+def dissection(
+    shape: tuple[int, int], *, periodic: bool = False, last: np.ndarray | None = None, lines: int = 1
+) -> np.ndarray:
     """Nodes (N,) of a grid of ``shape`` (the second axis fastest) in the order of their elimination.
 
     periodic: the second axis is closed; its first line is cut out of the ring before all others.  last: nodes that are
-    tied to nodes elsewhere on the grid, which no line separates; they are cut out, too.
+    tied to nodes elsewhere on the grid, which no line separates; they are cut out, too.  lines: how many side by side
+    it takes to separate the rest: 2 where neighbours of elements are coupled, too.
     """
     number = np.arange(shape[0] * shape[1]).reshape(shape)
-    cut = number[:, 0] if periodic else np.zeros(0, np.intp)
+    cut = number[:, :lines].ravel() if periodic else np.zeros(0, np.intp)
     if last is not None:
         cut = np.union1d(cut, last)
-    order = np.concatenate([block.ravel() for block in _blocks(number[:, 1:] if periodic else number)])
+    order = np.concatenate([block.ravel() for block in _blocks(number[:, lines:] if periodic else number, lines)])
     return np.append(order[~np.isin(order, cut)], cut)
 
 
-def _blocks(number: np.ndarray) -> Iterator[np.ndarray]:
+def _blocks(number: np.ndarray, lines: int) -> Iterator[np.ndarray]:
     """Pieces of a block of node numbers (n1, n2), its separators after what they separate."""
     if number.shape[0] < number.shape[1]:
         number = number.T
     middle = len(number) // 2
-    if len(number) < 3:
+    if len(number) < 2 + lines:
         yield number
         return
-    yield from _blocks(number[:middle])
-    yield from _blocks(number[middle + 1 :])
-    yield number[middle]
+    first = middle - lines // 2
+    yield from _blocks(number[:first], lines)
+    yield from _blocks(number[first + lines :], lines)
+    yield number[first : first + lines]

@@ -150,7 +150,7 @@ def test_an_element_with_a_mode_is_cut_in_two_at_the_least() -> None:
 
     class One:
         stiffness = (sparse.csc_matrix(np.diag([2.0, 0.0])), sparse.csc_matrix((2, 2)))
-        cuts, aspect = (1, 1), 1.0
+        cuts, aspect, order = (1, 1), 1.0, None
 
         def alternating(self, modes: np.ndarray) -> int:
             return 1
