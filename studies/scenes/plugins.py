@@ -8,7 +8,7 @@ import importlib
 import shlex
 import sys
 import traceback
-from collections.abc import Iterable, Iterator, MutableMapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -77,6 +77,7 @@ NEEDED = {  # of a part, beside its name
     "footprint.scenes": ("title", "default_mesh", "settings", "references", "build"),
     "footprint.laws": ("__call__",),
 }
+TAKEN = "there is another part of this name; give it another one"
 _used: list[str] = []  # the files of --use and of campaigns, which worker processes and printed commands need, too
 _module_of: dict[tuple[str, str], str] = {}  # the module that a part came with, by group and name
 _entered: set[EntryPoint] = set()
@@ -128,10 +129,30 @@ def load_file(path: Path) -> None:
         raise UsageError(f"plug-in {path}: {_line(error)}") from error
     if Path(str(module.__file__)).resolve() != path:
         raise UsageError(f"plug-in {path}: the name {name!r} is taken by {module.__file__}; rename the file")
-    for group, catalogue in GROUPS.items():
-        for part in catalogue.keys() - {key for key, known in before[group].items() if catalogue.get(key) is known}:
-            _check(f"plug-in {path}: {part!r} of {group}", group, catalogue[part])
-            _module_of[group, part] = name
+    added = [
+        (group, part)
+        for group, catalogue in GROUPS.items()
+        for part in catalogue.keys() - {key for key, known in before[group].items() if catalogue.get(key) is known}
+    ]
+    try:
+        for group, part in added:
+            _check_named(f"plug-in {path}: {part!r} of {group}", group, part, before[group])
+    except UsageError:  # the next file, or the next try with this one, finds all as it was
+        for group, part in added:
+            GROUPS[group].pop(part)
+            GROUPS[group].update({part: before[group][part]} if part in before[group] else {})
+        sys.modules.pop(name, None)
+        raise
+    _module_of.update(dict.fromkeys(added, name))
+
+
+def _check_named(label: str, group: str, name: str, before: Mapping[str, Any]) -> None:
+    part = GROUPS[group][name]
+    if name in before:
+        raise UsageError(f"{label}: {TAKEN}")
+    if getattr(part, "name", name) != name:
+        raise UsageError(f"{label}: the name of the part is {part.name!r}")
+    _check(label, group, part)
 
 
 def modules_of(measure: str, contact: str, scene: str, law: str = "") -> set[str]:
@@ -156,14 +177,17 @@ def _enter(entry: EntryPoint, group: str, catalogue: MutableMapping[str, Any]) -
     if name != entry.name:
         raise UsageError(f"{label}: the name of the part is {name!r}")
     if before is not None and before is not part:
-        raise UsageError(f"{label}: there is another part of this name")
+        raise UsageError(f"{label}: {TAKEN}")
     _check(label, group, part)
     catalogue[entry.name] = part
     _module_of[group, entry.name] = entry.module
 
 
 def _check(label: str, group: str, part: object) -> None:
-    """Raises UsageError for a part that is not complete; an algorithm is a class, and each parameter a field of it."""
+    """Raises UsageError for a part that is not complete.
+
+    An algorithm is a class, and each parameter a field of it; a measure and a scene are instances.
+    """
     missing = [name for name in NEEDED[group] if not hasattr(part, name)]
     if missing:
         raise UsageError(f"{label}: the part has no {', '.join(missing)}")
@@ -172,6 +196,8 @@ def _check(label: str, group: str, part: object) -> None:
         if missing or not isinstance(part, type):
             what = f"no default for {', '.join(missing)}" if missing else "to be a class, not an instance"
             raise UsageError(f"{label}: the part has {what}")
+    elif group in ("footprint.measures", "footprint.scenes") and isinstance(part, type):
+        raise UsageError(f"{label}: the part has to be an instance, not a class")
 
 
 def _line(error: BaseException) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from formulations.strains.catalogue import MEASURES
 from studies.ask.request import UsageError
 from studies.cli import main
 from studies.experiments.extremes import CHARTS
@@ -256,6 +257,39 @@ def test_an_incomplete_part_is_one_line(group: str, tmp_path: Path, refused: Cal
     path = tmp_path / "half.py"
     path.write_text(f"{catalogue}\n{HALF}\nparts['half'] = Half\n")
     assert refused("--use", path) == f"{path}: 'half' of {group}: the part has no {missing}"
+
+
+OF_MEASURES = "from formulations.strains.catalogue import MEASURES\n"
+MISNAMED = {
+    "taken": (
+        f"{OF_MEASURES}MEASURES['exact'] = MEASURES['linear']",
+        "'exact' of footprint.measures: there is another part of this name",
+    ),
+    "another name": (
+        f"{OF_MEASURES}MEASURES['mine'] = MEASURES['linear']",
+        "'mine' of footprint.measures: the name of the part is 'linear'",
+    ),
+    "a class": (
+        "from studies.scenes import SCENES\n"
+        "class Whole:\n    name, title, default_mesh, settings, references, build = 'whole', '', (1, 1), (), (), None\n"
+        "SCENES['whole'] = Whole",
+        "'whole' of footprint.scenes: the part has to be an instance, not a class",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", MISNAMED)
+def test_a_part_under_a_wrong_name_is_one_line_and_leaves_all_as_it_was(
+    what: str, tmp_path: Path, refused: Callable[..., str]
+) -> None:
+    """Nothing of ours is replaced; the same file is refused again."""
+    before = MEASURES["exact"], set(MEASURES), set(SCENES)
+    path = tmp_path / "misnamed.py"
+    source, says = MISNAMED[what]
+    path.write_text(source)
+    for _ in range(2):
+        assert refused("--use", path).startswith(f"{path}: {says}")
+        assert (MEASURES["exact"], set(MEASURES), set(SCENES)) == before
 
 
 @pytest.mark.parametrize(
