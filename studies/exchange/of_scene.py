@@ -23,6 +23,7 @@ from studies.scenes.complete import complete
 from studies.scenes.contact import crushed_ring
 from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
+from studies.scenes.plugins import built
 from studies.scenes.statics import StaticModel
 from studies.scenes.tyre.model import InflatedTyre, TyreModel, checked_wall
 from studies.scenes.tyre.parts import mirrored
@@ -54,7 +55,7 @@ def problem_of(
     if request.model == "axisymmetric":
         part = "quarter" if mirrored(request.settings) else "full"
         request = replace(request, model=part, model_reason="a column between two planes does not stay between them")
-    model = scene.build(request)
+    model = built(scene, request)
     if isinstance(model, SolidTyreModel | SolidRingModel) and through != 1:
         raise UsageError(f"through = {through} does not apply to {name}, a solid has bricks of its own: set per_ply")
     if isinstance(model, StaticModel):

@@ -18,8 +18,8 @@ from contact.algorithms.base import ContractError
 from contact.catalogue import ALGORITHMS
 from formulations.section.laws import LAWS
 from formulations.strains.catalogue import MEASURES
-from studies.ask.request import PartError, UsageError
-from studies.ask.scene import Scene
+from studies.ask.request import PartError, Request, UsageError
+from studies.ask.scene import Scene, SceneModel
 from studies.scenes import SCENES
 
 OURS = ("contact", "formulations", "reports", "studies")
@@ -42,6 +42,12 @@ def blamed(contact: str, measure: str = "exact", scene: Scene | None = None) -> 
         if message is None:
             raise
         raise PartError(message) from error
+
+
+def built(scene: Scene, request: Request) -> SceneModel:
+    """What the scene builds of a request; raises UsageError, and PartError where a scene from outside breaks."""
+    with blamed(request.contact, request.measure, scene):
+        return scene.build(request)
 
 
 def _from_outside(contact: str, measure: str, scene: Scene | None) -> dict[str, str]:

@@ -12,6 +12,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.cli import main
+from studies.scenes import SCENES as CATALOGUE
 
 ALGORITHM = """import math
 from dataclasses import dataclass, replace
@@ -232,3 +233,49 @@ def test_a_measure_that_breaks_is_one_line_that_names_it(
     assert code == 1
     assert errors.startswith(f"footprint: {says}")
     assert errors.count("\n") == 1
+
+
+SCENE = """from studies.scenes import SCENES
+
+
+class Odd:
+    name = "odd"
+
+    def __getattr__(self, key):
+        return getattr(SCENES["cantilever"], key)
+
+    def build(self, request):
+        return 1 / 0
+
+
+SCENES["odd"] = Odd()
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["solve", "--out", "{out}"],
+        ["solve", "--no-error", "--out", "{out}"],
+        ["solve", "--error", "5%", "--out", "{out}"],
+        ["solve", "--error", "5%", "--mesh", "4x1", "--out", "{out}"],
+        ["solve", "--memory-limit", "1000", "--out", "{out}"],
+        ["choose", "--error", "5%", "--budget", "5s", "--out", "{out}"],
+        ["export", "--format", "inp", "--out", "{out}.inp"],
+    ],
+    ids=" ".join,
+)
+def test_a_scene_that_cannot_be_built_is_one_line_that_names_it(
+    words: list[str], put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = tmp_path / "odd.py", str(tmp_path / "out")
+    path.write_text(SCENE)
+    command, *options = (word.replace("{out}", out) for word in words)
+    try:
+        code = main([command, "odd", "--use", str(path), *options])
+    finally:
+        CATALOGUE.pop("odd", None)
+        sys.modules.pop("odd", None)
+    errors = capsys.readouterr().err
+    assert code == 1
+    assert errors == "footprint: scene 'odd': odd.py:11: ZeroDivisionError: division by zero\n"

@@ -24,6 +24,7 @@ from studies.ask.scene import CutScene, RefinedScene, Scene, SettlingScene, Usag
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
 from studies.scenes.element import tree_over
+from studies.scenes.plugins import built
 from studies.solving.result import Result
 
 COARSER = 4  # the default mesh over the coarsest one
@@ -67,7 +68,7 @@ class Family:
     @classmethod
     def of(cls, scene: Scene, request: Request) -> Family:
         """The coarsest grid."""
-        shell = getattr(scene.build(request), "shell", None)
+        shell = getattr(built(scene, request), "shell", None)
         if not isinstance(shell, ShellModel) or not isinstance(shell.discretisation.grid, TensorGrid):
             return cls(request, None)
         if isinstance(shell.discretisation.geometry, QuadGeometry) or shell.discretisation.wall is not None:
@@ -76,7 +77,7 @@ class Family:
         tree = tree_over(request, *grid.lines, periodic=grid.periodic)
         mirrored = bool(np.any(shell.discretisation.map.sign < 0)) and grid.lines[0][0] < 0
         family = cls(request, tree, mirrored, shell=shell)
-        finer = getattr(scene.build(family.everywhere().asked), "shell", None)
+        finer = getattr(built(scene, family.everywhere().asked), "shell", None)
         taken = isinstance(finer, ShellModel) and len(finer.discretisation.grid.elements) > len(grid.elements)
         return family if taken else cls(request, None)
 
@@ -230,7 +231,7 @@ def near(scene: Scene, request: Request, times: float) -> Request | None:
     ):
         candidate = replace(request, mesh=(mesh[0], mesh[1]))
         try:
-            scene.build(candidate)
+            built(scene, candidate)
         except UsageError:
             continue
         return candidate if mesh != request.mesh else None
@@ -293,7 +294,7 @@ def first_grid(
         return complete(name, given, mesh, **options)
     completed = complete(name, given, quarter(scene), **options)
     try:
-        scene.build(completed[1])
+        built(scene, completed[1])
     except UsageError:  # a scene may take no such mesh
         return coarsest(name, given, mesh, **options)
     return completed
