@@ -204,6 +204,12 @@ def _check(label: str, group: str, part: object) -> None:
             raise UsageError(f"{label}: the part has {what}")
     elif group in ("footprint.measures", "footprint.scenes") and isinstance(part, type):
         raise UsageError(f"{label}: the part has to be an instance, not a class")
+    elif group == "footprint.scenes" and not _is_mesh(mesh := getattr(part, "default_mesh", None)):
+        raise UsageError(f"{label}: default_mesh has to be two whole numbers from 1, not {mesh!r}")
+
+
+def _is_mesh(mesh: object) -> bool:
+    return isinstance(mesh, tuple | list) and len(mesh) == 2 and all(isinstance(n, int) and n > 0 for n in mesh)
 
 
 def _line(error: BaseException) -> str:

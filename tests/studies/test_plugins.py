@@ -260,7 +260,12 @@ def test_an_incomplete_part_is_one_line(group: str, tmp_path: Path, refused: Cal
 
 
 OF_MEASURES = "from formulations.strains.catalogue import MEASURES\n"
-MISNAMED = {
+OF_SCENES = """from studies.scenes import SCENES
+class Whole:
+    name, title, default_mesh, settings, references, build = 'whole', '', {mesh}, (), (), None
+SCENES['whole'] = Whole{call}
+"""
+MISTAKEN = {
     "taken": (
         f"{OF_MEASURES}MEASURES['exact'] = MEASURES['linear']",
         "'exact' of footprint.measures: there is another part of this name",
@@ -270,22 +275,24 @@ MISNAMED = {
         "'mine' of footprint.measures: the name of the part is 'linear'",
     ),
     "a class": (
-        "from studies.scenes import SCENES\n"
-        "class Whole:\n    name, title, default_mesh, settings, references, build = 'whole', '', (1, 1), (), (), None\n"
-        "SCENES['whole'] = Whole",
+        OF_SCENES.format(mesh=(1, 1), call=""),
         "'whole' of footprint.scenes: the part has to be an instance, not a class",
+    ),
+    "half a mesh": (
+        OF_SCENES.format(mesh=8, call="()"),
+        "'whole' of footprint.scenes: default_mesh has to be two whole numbers from 1, not 8",
     ),
 }
 
 
-@pytest.mark.parametrize("what", MISNAMED)
-def test_a_part_under_a_wrong_name_is_one_line_and_leaves_all_as_it_was(
+@pytest.mark.parametrize("what", MISTAKEN)
+def test_a_part_that_cannot_be_taken_is_one_line_and_leaves_all_as_it_was(
     what: str, tmp_path: Path, refused: Callable[..., str]
 ) -> None:
     """Nothing of ours is replaced; the same file is refused again."""
     before = MEASURES["exact"], set(MEASURES), set(SCENES)
-    path = tmp_path / "misnamed.py"
-    source, says = MISNAMED[what]
+    path = tmp_path / "mistaken.py"
+    source, says = MISTAKEN[what]
     path.write_text(source)
     for _ in range(2):
         assert refused("--use", path).startswith(f"{path}: {says}")
