@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
-from studies.commands.options import add_store, add_trust, positive, progress_bar, reading
+from studies.commands.options import STORE, add_store, add_trust, positive, progress_bar, reading
 from studies.output.atomic import write_table
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ def run_run(options: argparse.Namespace) -> int:
     """Solve the missing cells and print a summary line."""
     from studies.fuzz.examine import NAME as FUZZ
     from studies.run.campaign import find
+    from studies.run.running import FAILURES
     from studies.run.running import run as run_campaign
     from studies.run.task import Limits
 
@@ -72,7 +74,11 @@ def run_run(options: argparse.Namespace) -> int:
         return OK
     sys.stdout.flush()
     failed = ", ".join(summary.failed)
-    print(f"footprint: failed: {failed}; footprint table {campaign.name} names the cells", file=sys.stderr)
+    store = "" if options.store == STORE else f" --store {shlex.quote(str(options.store))}"
+    where = (
+        f"; footprint table {campaign.name}{store} names the cells" if any(map(summary.classes.get, FAILURES)) else ""
+    )
+    print(f"footprint: failed: {failed}{where}", file=sys.stderr)
     return FAILED
 
 

@@ -37,10 +37,11 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass
 class Summary:
-    """How a run has ended: cells planned, solved now, their classes; tables that were not made."""
+    """How a run has ended: cells planned, solved now, their classes; tables asked for, and those that were not made."""
 
     planned: int
     solved: int = 0
+    asked: int = 0
     classes: Counter[str] = field(default_factory=Counter)
     tables: list[str] = field(default_factory=list)
 
@@ -55,6 +56,8 @@ class Summary:
         """One line."""
         counts = ", ".join(f"{self.classes[name]} {name}" for name in CLASSES if self.classes[name])
         summary = f"{self.planned} cells: {counts or 'none'}; {self.solved} solved now"
+        if self.asked and not self.planned:
+            summary = f"{self.asked - len(self.tables)} of {self.asked} tables"
         return summary + (f"; tables not made: {', '.join(self.tables)}" if self.tables else "")
 
 
@@ -80,12 +83,14 @@ def run(
     rows = plan(campaign)
     with archive.claimed(), keeping_what_is_finished(store):
         tasks = _begun(archive, campaign, rows, say, fields=fields)
-        done, summary = len(rows) - len(tasks), Summary(len(rows))
+        done, summary = len(rows) - len(tasks), Summary(len(rows), asked=len(campaign.tables))
         progress(done, len(rows), "")
         for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
             summary.solved += task.kind == "cell"
             if task.kind == "table" and ended:
                 summary.tables.append(f"{task.label} ({ended})")
+                failure = archive.failure(task.id)
+                say(f"{task.label}: {failure['reason'] if failure else ended}")
             progress(min(count + 1, len(rows)), len(rows), task.label)
     summary.classes = classes(archive, rows)
     progress(len(rows), len(rows), "done")

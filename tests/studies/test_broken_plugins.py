@@ -12,6 +12,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.cli import main
+from studies.run.lists import LISTS, MAKERS
 from studies.scenes import SCENES as CATALOGUE
 
 ALGORITHM = """import math
@@ -188,7 +189,43 @@ def test_a_campaign_with_cells_that_fail_says_how_many(
     said = capsys.readouterr()
     assert code == 1
     assert f"1 converged, 1 {ended}" in said.out
-    assert said.err == f"footprint: failed: 1 {ended}; footprint table small names the cells\n"
+    assert (
+        said.err
+        == f"footprint: failed: 1 {ended}; footprint table small --store {tmp_path / 'store'} names the cells\n"
+    )
+
+
+PAGE = """from studies.experiments import tabulated
+from studies.run.lists import add_tables
+
+
+@tabulated
+def odd_table():
+    yield {"a": 1}
+    yield {"a": 1 / 0}
+
+
+add_tables("oddities", "A table that cannot be made", odd_table)
+"""
+
+
+def test_a_table_that_cannot_be_made_says_why(
+    put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "odd.py"
+    path.write_text(PAGE)
+    try:
+        code = main(["run", "oddities", "--store", str(tmp_path / "store"), "--use", str(path)])
+    finally:
+        for names in (LISTS, MAKERS):
+            names.pop("oddities", None)
+            names.pop("odd_table", None)
+        sys.modules.pop("odd", None)
+    said = capsys.readouterr()
+    assert code == 1
+    assert said.out == "oddities: 0 of 1 tables; tables not made: table odd_table (crash)\n"
+    reason = "ZeroDivisionError at odd.py:8: division by zero"
+    assert said.err == f"footprint: table odd_table: {reason}\nfootprint: failed: 1 tables not made\n"
 
 
 MEASURE = """from formulations.strains.catalogue import MEASURES
