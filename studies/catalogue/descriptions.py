@@ -79,7 +79,8 @@ def meaning_of(name: str) -> str:
         return SCENES[name].title
     if name in MEASURES:
         measure = MEASURES[name]
-        return getattr(measure, "meaning", "") or paragraphs(measure)[0]
+        said = getattr(measure, "meaning", None)  # a table has one, or its source; else the docstring of a class
+        return paragraphs(measure)[0] if said is None else said or measure.reference
     return paragraphs(ALGORITHMS[name]())[0]
 
 
@@ -148,10 +149,10 @@ def law_text(laws: RigidBodyLaw, motion: str) -> str:
 
 
 def _of_algorithm(algorithm: ContactAlgorithm) -> Iterator[str]:
-    yield ""
     for paragraph in paragraphs(algorithm)[1:]:
-        yield from paragraph.splitlines()
-    yield from ("", f"when: {inspect.getdoc(algorithm.supports)}")
+        yield from ("", *paragraph.splitlines())
+    if when := inspect.getdoc(algorithm.supports):
+        yield from ("", f"when: {when}")
 
 
 def paragraphs(part: object) -> list[str]:

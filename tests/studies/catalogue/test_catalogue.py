@@ -198,6 +198,24 @@ def test_a_name_means_one_thing() -> None:
     assert len(set(NAMES)) == len(NAMES)
 
 
+def test_what_a_part_of_others_leaves_unsaid_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table without a meaning is known by its source; an algorithm need not say when it applies."""
+
+    class Terse:
+        """Guesses."""
+
+        parameters = ()
+
+        def supports(self, problem: object) -> None:
+            pass
+
+    table = quadratic_measure("terse", {}, reference="a letter", rigid_body_law=EXACT_LAW)
+    monkeypatch.setitem(MEASURES, "terse", table)
+    monkeypatch.setitem(ALGORITHMS, "guess", Terse)
+    assert describe("terse").text.startswith("terse (measure): a letter\n\nstrains of a face")
+    assert describe("guess").text == "guess (algorithm): Guesses."
+
+
 def test_nothing_is_without_a_meaning(capsys: pytest.CaptureFixture[str]) -> None:
     for name in NAMES:
         actual = describe(name)
