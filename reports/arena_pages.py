@@ -33,7 +33,12 @@ def _card(record: Mapping[str, Any], picture: str) -> Part:
     nothing = {f"none_{name}": "" if len(rows) else TEXT(f"none-{name}") for name, rows in ended.items()}
     compared = own[own["agreement"] != ""]
     same, away = compared["agreement"] == SAME, own.dropna(subset=["away"])
-    alike = {"same": same.sum(), "compared": len(compared), "alike": record["alike"]}
+    alike = {
+        "same": same.sum(),
+        "compared": len(compared),
+        "alike": record["alike"],
+        "held_against": record["held_against"],
+    }
     parts = {
         "agreement": TEXT("agreement", **alike) if len(compared) else TEXT("nothing-compared"),
         "beside": TEXT("beside", reference=reference) if len(away) else "",

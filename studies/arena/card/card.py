@@ -18,7 +18,7 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
 from studies.arena.card.laws import laws_of, solver_laws
 from studies.arena.card.problems import GROUPS, HARD
-from studies.arena.card.runs import ALGORITHM, MEASURE, REFERENCE, SOLVER, Subject, element, trials
+from studies.arena.card.runs import ALGORITHM, EXACT, MEASURE, REFERENCE, SOLVER, Subject, element, trials
 from studies.arena.card.trials import ALIKE, DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
 from studies.arena.solver_summaries import within
 from studies.experiments.conformance import LINES1, LINES2, TORUS, Check, conformance
@@ -86,9 +86,14 @@ class Card:
         sentence += "".join(f", {word} on {count}" for word, count in counts.items() if count)
         sentence += "" if counts[FALSE] else ", no claim is false"
         sentence += f"; {len(self.laws) - len(self.broken)} of {len(self.laws)} laws are kept"
-        sentence += f", {len(self.different)} of {len(self.compared)} answers differ from the exact ones"
+        sentence += f", {len(self.different)} of {len(self.compared)} answers differ from {self.held_against}"
         sentence += "".join(f"; {what} {_listed(names)}" for what, names in self.failed.items())
         return f"`{self.subject.name}` {'passes' if self.passes else 'FAILS'}: it {sentence}."
+
+    @property
+    def held_against(self) -> str:
+        """What its answers should be: of an algorithm or a solver the exact ones, else what another algorithm finds."""
+        return "the exact ones" if self.subject.kind in (ALGORITHM, SOLVER) else f"those of `{EXACT[1]}` with it"
 
     @property
     def reference(self) -> str:
@@ -170,6 +175,7 @@ class Card:
         ]
         return {
             **{"kind": self.subject.kind, "name": self.subject.name, "verdict": self.verdict, "alike": ALIKE},
+            "held_against": self.held_against,
             **{"origin": f"`{self.subject.file}`" if self.subject.file else "the suite", "reference": self.reference},
             **{"groups": counts.rename(GROUPS).rename_axis("group").reset_index(), "laws": laws, "twice": TWICE},
             **{"own": ratios[ratios["who"] == self.subject.name], "place": self.place()},
@@ -216,7 +222,9 @@ def _kit(subject: Subject) -> Iterator[Check]:
     by_law: dict[str, list[Check]] = {}
     for each in suited:
         for check in conformance(measure, each):
-            by_law.setdefault(check.law, []).append(replace(check, said=" ".join(vars(each).values())))
+            by_law.setdefault(check.law, []).append(
+                replace(check, said=": ".join([" ".join(vars(each).values()), *filter(None, [check.said])]))
+            )
     for laws in by_law.values():
         worst = max(laws, key=lambda law: (not law.passed, law.found))
         broken = sum(not law.passed for law in laws)

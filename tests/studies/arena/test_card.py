@@ -150,6 +150,10 @@ def test_what_fails_a_card() -> None:
         assert card.verdict.startswith(f"`new` {'passes' if passes else 'FAILS'}: it solves ")
         assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in card.verdict
     assert not made_up(SOLVED, agreement=DIFFERS).passes
+    for kind, right in ((ALGORITHM, "the exact ones"), (MEASURE, "those of `lcp` with it")):
+        card = made_up(SOLVED, agreement=DIFFERS)
+        said = replace(card, subject=replace(card.subject, kind=kind)).verdict
+        assert f", 1 of 1 answers differ from {right}; " in said
     assert made_up(SOLVED, agreement="within what the tolerance leaves").passes
     assert not made_up(SOLVED, laws=(Check("a law", 1.0),)).passes
     assert not made_up(SOLVED, laws=(Check("a law", math.nan),)).passes

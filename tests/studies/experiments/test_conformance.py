@@ -5,6 +5,7 @@ deformation, the order and limit of a ring, and a manufactured solution, for eve
 suits it.
 """
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
@@ -99,7 +100,10 @@ def test_a_false_claim_is_found() -> None:
 
 def test_a_false_confession_is_found() -> None:
     """A measure that passes where it says it fails is as wrong."""
-    assert failed(replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)) == {RIGID, TURN}
+    confessed = replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)
+    assert failed(confessed) == {RIGID, TURN}
+    (worst,) = (check.said for check in conformance(confessed) if check.law == RIGID)
+    assert re.fullmatch(r"plate out of plane by 3\.14 leaves \S+e-1\d, declared -2", worst)
 
 
 @pytest.mark.slow
