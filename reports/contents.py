@@ -32,3 +32,4 @@ GROUPS = {
     "Catalogue": (gallery.CHAPTER, index.APPENDIX),
 }
 CHAPTERS: list[Chapter] = [replace(each, group=group) for group, chapters in GROUPS.items() for each in chapters]
+OURS = frozenset(each.file for each in CHAPTERS)

@@ -9,6 +9,8 @@ numbers that are both below ROUNDING count as equal, for they are residuals. Mac
 from __future__ import annotations
 
 import re
+import sys
+import traceback
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from difflib import SequenceMatcher
 from itertools import zip_longest
@@ -17,7 +19,7 @@ from pathlib import Path
 from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, conclusions, grouped, link_line, listed, of_page, relative
 from reports.chapters.gallery import sheets, with_appearances
 from reports.chapters.index import DATA, campaign_page, data_files, index_page
-from reports.contents import CHAPTERS
+from reports.contents import CHAPTERS, OURS
 from reports.files import StoreError, write_texts
 from reports.html import REPORT, report_html
 from reports.markdown import END_MACHINE, MACHINE, Part, joined
@@ -122,12 +124,30 @@ def files_of(path: Path, campaign: str | None = None, *, draw: bool = True) -> d
     except StoreError:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        said = " ".join(f"{_place(error)}{type(error).__name__}: {error}".split())[:300]
         raise StoreError(f"{store.path}: campaign {store.campaign!r} cannot be put on pages: {said}") from error
     for name in files:
         if name.startswith("/") or ".." in name.split("/"):
             raise StoreError(f"{store.path}: the page {name!r} leads out of its folder")
     return files
+
+
+def _place(error: BaseException) -> str:
+    """The line of a page from outside that it was raised in, or that called what raised it; else nothing."""
+    sources = {getattr(sys.modules.get(each.render.__module__), "__file__", "") for each in CHAPTERS if _outside(each)}
+    frames = reversed(traceback.extract_tb(error.__traceback__))
+    return next((f"{Path(at.filename).name}:{at.lineno}: " for at in frames if at.filename in sources), "")
+
+
+def _outside(chapter: Chapter) -> bool:
+    return chapter.file not in OURS
+
+
+def left_out(path: Path, campaign: str | None = None) -> list[str]:
+    """A line for each page from outside that the store has not all tables for; raises StoreError."""
+    store = load_store(path, campaign)
+    missing = {each.file: [name for name in each.needs if not store.has(name)] for each in CHAPTERS if _outside(each)}
+    return [f"{file} is left out: {path} has no table {', '.join(names)}" for file, names in missing.items() if names]
 
 
 def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:

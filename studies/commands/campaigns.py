@@ -226,14 +226,16 @@ def add_report(parser: argparse.ArgumentParser) -> None:
 def run_report(options: argparse.Namespace) -> int:
     """Write the pages and print their paths, or print how they differ."""
     from reports.files import StoreError
-    from reports.site import check_pages, place_of, write_pages
+    from reports.site import check_pages, left_out, place_of, write_pages
     from studies.run.archive import check_store
 
     check_store(options.store, options.campaign)
     try:
         folder, line = place_of(options.store, options.campaign)
         out = options.out or PAGES / folder
-        print(line)
+        print(line, flush=True)
+        for note in left_out(options.store, options.campaign):
+            print(f"footprint: {note}", file=sys.stderr)
         if not options.check:
             for path in write_pages(options.store, out, options.campaign):
                 print(path)

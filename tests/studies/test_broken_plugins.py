@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
+from reports.contents import CHAPTERS
 from studies.cli import main
 from studies.run.lists import LISTS, MAKERS
 from studies.scenes import SCENES as CATALOGUE
@@ -195,37 +196,65 @@ def test_a_campaign_with_cells_that_fail_says_how_many(
     )
 
 
-PAGE = """from studies.experiments import tabulated
+PAGE = """from reports.chapter import Chapter
+from reports.contents import CHAPTERS
+from reports.markdown import Part
+from studies.experiments import tabulated
 from studies.run.lists import add_tables
 
 
 @tabulated
 def odd_table():
     yield {"a": 1}
-    yield {"a": 1 / 0}
+    yield {"a": {second}}
 
 
-add_tables("oddities", "A table that cannot be made", odd_table)
+def page(store):
+    return Part("# Odd" + store.table("odd_table").a.missing)
+
+
+add_tables("oddities", "A table", odd_table)
+CHAPTERS.append(Chapter("odd", "Odd", "Why?", page, ("odd_table",)))
+CHAPTERS.append(Chapter("needy", "Needy", "What?", page, ("odd_table", "nothing")))
 """
 
 
-def test_a_table_that_cannot_be_made_says_why(
+@pytest.fixture
+def of_page(
     put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "odd.py"
-    path.write_text(PAGE)
-    try:
-        code = main(["run", "oddities", "--store", str(tmp_path / "store"), "--use", str(path)])
-    finally:
-        for names in (LISTS, MAKERS):
-            names.pop("oddities", None)
-            names.pop("odd_table", None)
-        sys.modules.pop("odd", None)
-    said = capsys.readouterr()
-    assert code == 1
-    assert said.out == "oddities: 0 of 1 tables; tables not made: table odd_table (crash)\n"
-    reason = "ZeroDivisionError at odd.py:8: division by zero"
-    assert said.err == f"footprint: table odd_table: {reason}\nfootprint: failed: 1 tables not made\n"
+) -> Iterator[Callable[[str, str], tuple[int, str, str]]]:
+    """Exit code, output and errors of a command on two pages with this second value in their table."""
+    before = list(CHAPTERS)
+
+    def answered(command: str, second: str) -> tuple[int, str, str]:
+        (tmp_path / "odd.py").write_text(PAGE.replace("{second}", second))
+        code = main([*command.split(), "--store", str(tmp_path / "store"), "--use", str(tmp_path / "odd.py")])
+        return code, *capsys.readouterr()
+
+    yield answered
+    CHAPTERS[:] = before
+    for names in (LISTS, MAKERS):
+        names.pop("oddities", None)
+        names.pop("odd_table", None)
+    sys.modules.pop("odd", None)
+
+
+def test_a_table_that_cannot_be_made_says_why(of_page: Callable[..., tuple[int, str, str]]) -> None:
+    reason = "ZeroDivisionError at odd.py:11: division by zero"
+    assert of_page("run oddities", "1 / 0") == (
+        1,
+        "oddities: 0 of 1 tables; tables not made: table odd_table (crash)\n",
+        f"footprint: table odd_table: {reason}\nfootprint: failed: 1 tables not made\n",
+    )
+
+
+def test_a_page_that_cannot_be_made_says_why(of_page: Callable[..., tuple[int, str, str]], tmp_path: Path) -> None:
+    assert of_page("run oddities", "2")[:2] == (0, "oddities: 1 of 1 tables\n")
+    code, _, errors = of_page(f"report --out {tmp_path / 'pages'}", "2")
+    needy, odd = errors.splitlines()
+    assert code == 2
+    assert needy == f"footprint: needy.md is left out: {tmp_path / 'store'} has no table nothing"
+    assert "campaign 'oddities' cannot be put on pages: odd.py:15: AttributeError: 'Series' object" in odd
 
 
 MEASURE = """from formulations.strains.catalogue import MEASURES
