@@ -22,6 +22,7 @@ from contact.problem import ContactAlgorithm
 from studies.ask.request import UsageError, Value, text_of
 
 UNITS = ("mm", "MPa", "deg", "N")  # a key ends in its unit; all others count
+KINDS = ("float", "int", "choice", "floats", "path")
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,8 @@ class Setting:
     otherwise: str = ""
 
     def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"setting {self.key!r}: kind {self.kind!r} must be one of {', '.join(KINDS)}")
         ending = self.key.rpartition("_")[2]
         by_key = ending if ending in UNITS else "-" if self.kind == "choice" else "1"
         object.__setattr__(self, "unit", self.unit or by_key)

@@ -59,6 +59,13 @@ def test_lists_grow_and_hold_numbers_alone() -> None:
             Setting("key", None, "", kind).parse(wrong)
 
 
+def test_a_kind_of_setting_that_is_none_is_refused_where_it_is_written() -> None:
+    with pytest.raises(
+        ValueError, match="setting 'delta_mm': kind 'numbers' must be one of float, int, choice, floats"
+    ):
+        Setting("delta_mm", (1.0,), "travels", "numbers")
+
+
 def test_leaves_are_asked_for() -> None:
     request = complete("tyre", {})[1]
     assert request.key() != replace(request, leaves=((1, 0, 0),)).key()
