@@ -13,7 +13,7 @@ Where they fall faster and all differences have one sign, as with elements that 
 little. The first term is then no more than what the correction of the order 1 differs from c by, or FAST of the
 difference before the last one.
 guard: where differences change their sign, the last one; where they grow, SAFETY times the larger one. Where they grow
-and are large there is no statement.
+and are large there is no statement, in contact or not.
 
 The rim of a patch of contact jumps from node to node: errors scatter about an order of 1 to 2. There L is the mean of
 two limits by least squares on the last four or five grids, J = L_p + c h^p for p = 1 and 2, and ::
@@ -110,15 +110,15 @@ def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | 
 
     touching: the quantity depends on the rim of a patch of contact.
     """
-    if touching and len(grids) >= min(FITTED):
-        return _fitted(grids[-max(FITTED) :])
-    last_three = three_of(grids)
+    last_three, fitted = three_of(grids), touching and len(grids) >= min(FITTED)
     if last_three is None:
-        return FEW
+        return _fitted(grids[-max(FITTED) :]) if fitted else FEW
     first, middle, last = last_three
     before, now = middle.value - first.value, last.value - middle.value
     if not (math.isfinite(before) and math.isfinite(now)) or abs(now) > max(abs(before), LARGE * abs(last.value)):
         return GROWING
+    if fitted:
+        return _fitted(grids[-max(FITTED) :])
     corrections = [
         correction((coarse.size, fine.size), (coarse.value, fine.value))
         for coarse, fine in ((first, middle), (middle, last))

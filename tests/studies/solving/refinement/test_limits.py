@@ -75,6 +75,14 @@ def test_large_differences_that_grow_and_gaps_say_nothing() -> None:
     assert estimate_of([Seen(2, 1.0), Seen(1, 1.0)]) == FEW
 
 
+@pytest.mark.parametrize("count", [4, 5])
+def test_large_differences_that_grow_say_nothing_of_contact_on_any_number_of_grids(count: int) -> None:
+    """The force on the clamped panel, pressed by a plane: it grows on, to twice and four times as much."""
+    force = {7: 81.95, 10: 147.23, 14: 273.51, 20: 504.11, 28: 851.51}
+    grids = [Seen(1 / n, value) for n, value in force.items()]
+    assert estimate_of(grids[-count:], touching=True) == GROWING
+
+
 def test_three_grids_are_each_about_twice_as_coarse_as_the_next() -> None:
     sizes = [math.sqrt(2) ** -k for k in range(6)]
     actual = three_of([Seen(h, 0.0) for h in sizes])
