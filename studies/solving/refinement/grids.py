@@ -209,11 +209,27 @@ def _several(request: Request) -> tuple[bool, bool]:
     return (n1 > 1, n2 > 1) if max(n1, n2) > 1 else (True, True)
 
 
+def several(scene: Scene) -> tuple[bool, bool]:
+    """Along which coordinates answers vary: its own mesh, or the coarsest one that it names, has several elements."""
+    coarse = scene.coarsest_mesh if isinstance(scene, RefinedScene) else scene.default_mesh
+    n1, n2 = map(max, scene.default_mesh, coarse)
+    return n1 > 1, n2 > 1
+
+
+def alone(scene: Scene, mesh: tuple[int, int]) -> str:
+    """The coordinate with one element, which no finer grid cuts, though answers vary along it; empty without one."""
+    if isinstance(scene, CutScene) or max(mesh) == 1:
+        return ""
+    short = [n == 1 and many for n, many in zip(mesh, several(scene), strict=True)]
+    return f"a{short.index(True) + 1}" if any(short) else ""
+
+
 def quarter(scene: Scene) -> tuple[int, int]:
-    """A quarter of the default mesh both ways; of a scene on a mesh of its own that."""
+    """A quarter of the default mesh both ways, two at the least where answers vary; of a mesh of its own that."""
     if isinstance(scene, CutScene):
         return 1, 1
-    n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
+    cut = zip(scene.default_mesh, several(scene), strict=True)
+    n1, n2 = (max(2, n // COARSER) if many else 1 for n, many in cut)
     return n1, n2
 
 
@@ -280,7 +296,8 @@ def first_grid(
     """The scene and its request on the first grid of a cascade, as :func:`studies.scenes.complete.complete`.
 
     mesh: by default a quarter of that of the scene both ways. Lines that may follow an estimate of the error do, unless
-    their grading is given: errors of contact scatter less on them.
+    their grading is given: errors of contact scatter less on them. Raises UsageError for a mesh with one element along
+    a coordinate along which answers vary.
     """
     scene = SCENES.get(name)
     if isinstance(scene, AdaptedScene) and "grading" not in given:
@@ -289,12 +306,20 @@ def first_grid(
             _, request = complete(
                 name, {**given, "grading": "adapted"}, mesh or (n1 // 2 & ~1, n2 // 2 & ~1), **options
             )
-            return scene.adapted(request), request
+            return scene.adapted(request), _cut_as_it_varies(scene, request)
     if scene is None or mesh is not None:
-        return complete(name, given, mesh, **options)
+        asked, request = complete(name, given, mesh, **options)
+        return asked, _cut_as_it_varies(asked, request)
     completed = complete(name, given, quarter(scene), **options)
     try:
         built(scene, completed[1])
     except UsageError:  # a scene may take no such mesh
         return coarsest(name, given, mesh, **options)
     return completed
+
+
+def _cut_as_it_varies(scene: Scene, request: Request) -> Request:
+    """The request; raises UsageError where finer grids of it leave out a coordinate along which answers vary."""
+    if axis := alone(scene, request.mesh):
+        raise UsageError(f"mesh {request.mesh_text} has one element along {axis}, which finer grids keep: give several")
+    return request

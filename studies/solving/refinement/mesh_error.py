@@ -17,7 +17,7 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
-from studies.solving.refinement.grids import FEWEST, element_size, near, on_one_grid, quarter, ways
+from studies.solving.refinement.grids import FEWEST, alone, element_size, near, on_one_grid, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
@@ -123,10 +123,13 @@ def state_error(
 
 
 def coarser_grids(scene: Scene, request: Request) -> list[Request]:
-    """Of half the elements and of half those, as far as there are such grids of that shape; fine to coarse."""
+    """Of half the elements and of half those, as far as there are such grids of that shape; fine to coarse.
+
+    None where one element stands along a coordinate along which answers vary: their limit would be another.
+    """
     coarser = list[Request]()
     least = [min(n, q) for n, q in zip(request.mesh, quarter(scene), strict=True)]
-    while len(coarser) < TWICE and not request.leaves:
+    while len(coarser) < TWICE and not request.leaves and not alone(scene, request.mesh):
         half = near(scene, coarser[-1] if coarser else request, 0.5)
         if half is None or any(n < m for n, m in zip(half.mesh, least, strict=True)):
             break
@@ -144,9 +147,8 @@ def enough(scene: Scene) -> tuple[int, int]:
     """The coarsest mesh that has grids of half and of a quarter of its elements; the finer ones have them, too."""
     if isinstance(scene, CutScene):
         return 2**TWICE, 2**TWICE
-    n1, n2 = scene.default_mesh
-    q1, q2 = (max(q, FEWEST) * 2**TWICE for q in quarter(scene))
-    return 1 if n1 == 1 else q1, 1 if n2 == 1 else q2
+    n1, n2 = (n if n == 1 else max(n, FEWEST) * 2**TWICE for n in quarter(scene))
+    return n1, n2
 
 
 def _too_few(scene: Scene, requests: Sequence[Request], grids: Sequence[Sketch], lost: Mapping[str, str]) -> str:

@@ -20,6 +20,7 @@ from studies.solving.solve import solve
 
 STATED = [
     ("ring", {"delta_mm": "30"}, 0.01, "P_R2_over_EI", "1x256"),
+    ("slender-beam", {}, 0.03, "tip_deflection_mm", "96x16"),
     ("cantilever", {"load_fraction": "0.5"}, 0.001, "tip_shortening_mm", "256x1"),
     ("strip-contact", {"load_fraction": "5"}, 0.01, "half_force", "256x1"),
     ("pagano", {"S": "20"}, 0.002, "w_bar", "48x48"),
@@ -31,7 +32,7 @@ STATED = [
 
 @pytest.mark.parametrize(
     ("scene", "settings", "error", "quantity", "finer"),
-    [*STATED[:2], *(pytest.param(*each, marks=pytest.mark.slow) for each in STATED[2:])],
+    [*STATED[:3], *(pytest.param(*each, marks=pytest.mark.slow) for each in STATED[3:])],
 )
 def test_what_is_stated_holds_against_a_grid_that_is_finer(scene, settings, error, quantity, finer) -> None:
     result, enough = answer(*first_grid(scene, settings), error, quantity)
@@ -44,6 +45,12 @@ def test_what_is_stated_holds_against_a_grid_that_is_finer(scene, settings, erro
     grids = result.table("refinement").frame()
     assert grids["unknowns"].is_monotonic_increasing
     assert grids["unknowns"].iloc[-1] == result.counters["dofs"] < fine.counters["dofs"]
+
+
+@pytest.mark.parametrize(("scene", "mesh", "axis"), [("scordelis-lo", "2x1", "a2"), ("tyre", "1x20", "a1")])
+def test_one_element_is_not_kept_where_answers_vary_along_it(scene: str, mesh: str, axis: str) -> None:
+    with pytest.raises(UsageError, match=f"^mesh {mesh} has one element along {axis}, which finer grids keep"):
+        first_grid(scene, {}, mesh)
 
 
 @pytest.mark.slow

@@ -92,6 +92,8 @@ def test_coarser_grids_are_no_coarser_than_a_quarter_of_the_mesh_of_the_scene() 
         ("tyre", "20x20", [(10, 10)]),
         ("tyre", "10x10", []),
         ("ring", "1x64", [(1, 32), (1, 16)]),
+        ("scordelis-lo", "64x1", []),  # their limit would be that of one element along a2
+        ("slender-beam", "64x1", []),
     ):
         assert [each.mesh for each in coarser_grids(*complete(scene, {}, mesh))] == coarser
 
@@ -259,6 +261,6 @@ def test_the_command_starts_cold(tmp_path) -> None:
 
 
 def test_the_mesh_that_is_named_has_two_coarser_ones() -> None:
-    for scene in ("panel", "tyre", "ring", "plate-contact"):
+    for scene in ("panel", "tyre", "ring", "plate-contact", "slender-beam"):
         named = mesh_error.enough(complete(scene, {})[0])
         assert len(coarser_grids(*complete(scene, {}, named))) == 2
