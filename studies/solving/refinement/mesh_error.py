@@ -18,7 +18,7 @@ from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
 from studies.solving.refinement.grids import FEWEST, alone, element_size, near, on_one_grid, quarter, ways
-from studies.solving.refinement.limits import Estimate, Seen, estimate_of
+from studies.solving.refinement.limits import Estimate, Seen, estimate_of, three_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
 from studies.solving.refinement.richardson import order_of
@@ -115,7 +115,7 @@ def state_error(
     lost: by mesh why a path does not reach its end.
     """
     if result.verdict in SOLVED:
-        too_few = _too_few(scene, asked, grids, lost)
+        too_few = _too_few(scene, result.request, asked, grids, lost)
         unknowns = [*(each.unknowns for each in grids), result.counters["dofs"]]
         if not too_few and any(fine <= coarse for coarse, fine in pairwise(unknowns)):
             too_few = SAME
@@ -151,9 +151,15 @@ def enough(scene: Scene) -> tuple[int, int]:
     return n1, n2
 
 
-def _too_few(scene: Scene, requests: Sequence[Request], grids: Sequence[Sketch], lost: Mapping[str, str]) -> str:
-    """Why the error is not known; empty where it may be."""
-    if len(requests) < TWICE:
+def _too_few(
+    scene: Scene, last: Request, requests: Sequence[Request], grids: Sequence[Sketch], lost: Mapping[str, str]
+) -> str:
+    """Why the error is not known; empty where it may be.
+
+    Grids that keep what few elements they have along a coordinate are not of half and a quarter of the elements.
+    """
+    sizes = [*(element_size(each) for each in reversed(requests)), element_size(last)]
+    if three_of([Seen(size, 0.0) for size in sizes]) is None:
         return NO_GRIDS.format("{}x{}".format(*enough(scene)))
     missing = [each.mesh_text for each in reversed(requests) if each not in [grid.request for grid in grids]]
     return FAILED.format(" and ".join(f"{mesh} ({lost[mesh]})" for mesh in missing)) if missing else ""

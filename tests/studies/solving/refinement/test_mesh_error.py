@@ -105,6 +105,8 @@ def test_fewer_grids_state_nothing_and_say_which_do() -> None:
     assert result.notes[-1] == (
         "the error of the mesh is not known: grids of half and a quarter of the elements need 40x40 or more"
     )
+    kept = stated("shallow-cap", "32x4", {"load_fraction": "0.05"})  # 16x4 and 8x4
+    assert kept.notes[-1] == result.notes[-1].replace("40x40", "32x16")
 
 
 class Picky(Semismooth):
