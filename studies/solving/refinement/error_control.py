@@ -167,15 +167,22 @@ def solve_to_error(
         if len(rounds) >= FEWEST and limit.uncertainty <= error:
             return fine, True
         if time.process_time() - begun + GROWTH * rounds[-1].seconds > budget:
-            sure = f"not to {100 * error:g} %" if limit.uncertainty > error else "by two grids alone"
-            fine.reason = f"{quantity} is known to {100 * limit.uncertainty:.2g} %, {sure}"
+            fine.reason = _known(quantity, limit, error)
             return fine, True
         if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
             break
         family = following
         known = fine if family.asked == finer.asked else None
     fine.reason = f"no grid of up to {most} unknowns has a {quantity} that is surely within {100 * error:g} %"
+    if len(rounds) < FEWEST and limit.uncertainty <= error:
+        fine.reason += f": {_known(quantity, limit, error)}"
     return fine, False
+
+
+def _known(quantity: str, limit: Estimate, error: float) -> str:
+    """How well, where that is not enough."""
+    sure = f"not to {100 * error:g} %" if limit.uncertainty > error else "by two grids alone"
+    return f"{quantity} is known to {100 * limit.uncertainty:.2g} %, {sure}"
 
 
 def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> tuple[Family, float]:

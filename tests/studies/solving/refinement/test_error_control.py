@@ -210,6 +210,14 @@ def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFi
     assert "no grid of up to 200 unknowns" in capsys.readouterr().out
 
 
+def test_one_round_that_is_within_the_error_is_not_enough_and_says_so() -> None:
+    result, enough = solve_to_error(*coarsest("scordelis-lo", {}), 0.5, most=600)
+    assert not enough
+    assert result.quantities["uncertainty"] < 0.5
+    assert result.reason.startswith("no grid of up to 600 unknowns has")
+    assert result.reason.endswith("%, by two grids alone")
+
+
 @pytest.mark.slow
 def test_what_has_no_limit_ends_at_the_deepest_level() -> None:
     """The pressure at the rim of a strip without shear is a line force: refined there, it only grows."""
