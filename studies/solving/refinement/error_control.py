@@ -166,8 +166,9 @@ def solve_to_error(
         record_loads(fine, quantity, of_rounds(seen_at))
         if len(rounds) >= FEWEST and limit.uncertainty <= error:
             return fine, True
+        how_well = _known(quantity, limit, error)
         if time.process_time() - begun + GROWTH * rounds[-1].seconds > budget:
-            fine.reason = _known(quantity, limit, error)
+            fine.reason = how_well
             return fine, True
         if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
             break
@@ -175,7 +176,7 @@ def solve_to_error(
         known = fine if family.asked == finer.asked else None
     fine.reason = f"no grid of up to {most} unknowns has a {quantity} that is surely within {100 * error:g} %"
     if len(rounds) < FEWEST and limit.uncertainty <= error:
-        fine.reason += f": {_known(quantity, limit, error)}"
+        fine.reason += f": {how_well}"
     return fine, False
 
 
