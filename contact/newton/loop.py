@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.events import Event, EventKind
-from contact.newton.condensed import Condensed, LinearStep
+from contact.newton.condensed import Condensed, LinearStep, Substituted
 from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import ContactSolution, Linearised, Outcome
@@ -66,7 +66,9 @@ def iterate(
 
     Iterations that only release nodes, and none that an earlier one has released, do not count against
     ``max_iterations``. Between two others there are no more of them than candidates.  lin: of the start, where known.
+    Without candidates there is no set to choose, and nothing to condense: ``solve_step`` is not asked.
     """
+    solve_step = solve_step if len(run.problem.weights) else _alone
     at = run.at(lin or run.linearise(start.u, None), start.u, start.pressure, start.active)
     noted, counted, updates, short, begun = at.active, 0, 0, 0, set[bytes]()
     released: np.ndarray | None = None  # what is left of the set since the last iteration that counts
@@ -100,6 +102,11 @@ def iterate(
             return run.finish(at, error.outcome if isinstance(error, StepError) else Outcome.SINGULAR)
         last, at = at, run.advance(at, step.du, step.pressure, step.active)
         event, updates, short = step.event, updates + step.updates, short + 1 if step.left else 0
+
+
+def _alone(run: NewtonRun, at: Iterate) -> Step:
+    """Of a body without candidates: to condense none costs a small beam as much again as its steps."""
+    return Step(*Substituted(run, at.lin, at.u, at.pressure).step(at.active), at.active)
 
 
 def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most: int = MOST_UPDATES) -> Step:

@@ -186,11 +186,8 @@ class NewtonRun(LinearSolves):
         return self.linear(lin, u, pressure, active).step(active)
 
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
-        """The linearised problem, factorised on the set ``active``; raises SingularMatrixError.
-
-        Without candidates there is nothing to condense, which costs a small beam as much again as its steps.
-        """
-        if len(self.problem.weights) and holdable(self.problem):
+        """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
+        if holdable(self.problem):
             return Condensed(self, Linear.at(self, lin, u, pressure), active)
         return Substituted(self, lin, u, pressure)
 

@@ -7,7 +7,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from contact.newton.step import ROUNDING_MARGIN, NewtonRun
+from contact.newton.loop import Step, iterate
+from contact.newton.step import ROUNDING_MARGIN, Iterate, NewtonRun
+from contact.problem import ContactSolution, Outcome
 from contact.rounding import rounding_floor
 from contact.solvers.sparse import SingularMatrixError
 from support.problems.contact_problems import Quadratic, dense_step, random_quadratic
@@ -154,3 +156,16 @@ def test_a_pressure_of_rounding_is_one_of_forces_over_the_area() -> None:
     rounding = ROUNDING_MARGIN * rounding_floor(lin, u, known.scale) / 1e-6
     wrong = [run.misplaced(replace(known, pressure=np.array([-k * rounding])), solved=True)[0] for k in (0.9, 10.0)]
     assert wrong == [False, True]
+
+
+def test_a_body_without_candidates_asks_no_algorithm_for_its_step(rng) -> None:
+    """One of anybody's may take it for granted that there is a set to choose, as the entries of the arena do."""
+
+    def never(run: NewtonRun, at: Iterate) -> Step:
+        raise AssertionError
+
+    K = np.diag(1 + rng.random(5))
+    data = Quadratic(K, rng.random(5), np.zeros((0, 5)), np.zeros(0), np.zeros(0))
+    solution = iterate(NewtonRun(data.problem()), ContactSolution.at_rest(5, 0), never, 10)
+    assert solution.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(K @ solution.u, data.f, rtol=1e-12)
