@@ -21,7 +21,7 @@ from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
 from studies.solving.refinement.error_control import TOO_LONG, solve_to_error
 from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
-from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estimate_of
+from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estimate_of, of_judged
 from studies.solving.refinement.mesh_error import round_of
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
@@ -90,12 +90,19 @@ class Cascade:
             has = ", ".join(self.last.quantities)
             raise UsageError(f"{self.scene.name} has no quantity {self.name!r}; it has {has}")
 
-    def at_loads(self) -> list[Estimate | str]:
-        """The same at every requested load; empty where loads do not have the quantity."""
-        rows = [[step.get(self.name) for step in each.loads] for each in self.grids]
-        if any(value is None for row in rows for value in row):
+    def at_loads(self, judged: Sequence[float]) -> list[Estimate | str]:
+        """The same at every requested load, of which the last grid has these values once it is judged.
+
+        Empty where loads do not have the quantity.
+        """
+        if any(step.get(self.name) is None for each in self.grids for step in each.loads):
             return []
-        return [self._limit(values) for values in zip(*rows, strict=True)]
+        rows = [[float(step[self.name]) for step in each.loads] for each in self.grids]
+        limits = [self._limit(values) for values in zip(*rows, strict=True)]
+        return [
+            of_judged(limit, sketched, value) if isinstance(limit, Estimate) else limit
+            for limit, sketched, value in zip(limits, rows[-1], judged, strict=False)
+        ]
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a grid: its unknowns, the value and the CPU seconds of its path."""
@@ -221,8 +228,9 @@ def _stated(result: Result, cascade: Cascade, estimate: Estimate | str) -> bool:
     if abs(value - sketched) > max(estimate.uncertainty, TIGHT * error) * max(abs(value), abs(sketched)):
         result.reason = f"from rest {name} is another than from coarser grids: there are two branches"
         return False
+    estimate = of_judged(estimate, sketched, value)
     record_estimate(result, name, estimate, error)
-    record_loads(result, name, cascade.at_loads())
+    record_loads(result, name, cascade.at_loads([step.seen.get(name, math.nan) for step in result.loads]))
     if estimate.uncertainty > error:
         result.reason = f"{name} is known to {100 * estimate.uncertainty:.2g} %, not to {100 * error:g} %"
     return True

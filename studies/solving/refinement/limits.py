@@ -146,6 +146,17 @@ def _one_way(grids: Sequence[Seen]) -> bool:
     return all(step > 0 for step in steps) or all(step < 0 for step in steps)
 
 
+def of_judged(known: Estimate, sketched: float, value: float) -> Estimate:
+    """The same once the last grid is solved to the end, not to forces that are nearly in balance, as all have been.
+
+    That moves its value. It would move those of the other grids, and the limit, by about as much.
+    """
+    if value == sketched:
+        return known
+    within = max(known.uncertainty * abs(known.limit), abs(value - sketched))
+    return _estimate(value, known.limit + value - sketched, within)
+
+
 def _fitted(grids: Sequence[Seen]) -> Estimate | str:
     sizes, values = (np.array(each, float) for each in zip(*((g.size, g.value) for g in grids), strict=True))
     if not np.isfinite(values).all():

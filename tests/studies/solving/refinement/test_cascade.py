@@ -47,6 +47,20 @@ def test_what_is_stated_holds_against_a_grid_that_is_finer(scene, settings, erro
     assert grids["unknowns"].iloc[-1] == result.counters["dofs"] < fine.counters["dofs"]
 
 
+def test_what_the_iteration_leaves_on_all_grids_is_no_error_of_the_mesh() -> None:
+    """Any mesh has the exact answer; grids whose forces are nearly in balance alone are off, all by as much."""
+    settings = {"h_over_R": "0.15"}
+    result, enough = answer(*first_grid("rubber-sphere", settings), 0.02)
+    assert enough
+    true = solve(*complete("rubber-sphere", settings, "8x8")).loads
+    seen, table = result.quantities, result.table("loads").frame()
+    limit = seen["extrapolated_pressure_MPa"]
+    assert seen["error_estimate"] == pytest.approx(abs(seen["pressure_MPa"] - limit) / limit)
+    assert len(true) == len(table) == 3
+    for step, (_, stated) in zip(true, table.iterrows(), strict=True):
+        assert stated["limit"] == pytest.approx(step.seen["pressure_MPa"], rel=stated["uncertainty"])
+
+
 @pytest.mark.parametrize(("scene", "mesh", "axis"), [("scordelis-lo", "2x1", "a2"), ("tyre", "1x20", "a1")])
 def test_one_element_is_not_kept_where_answers_vary_along_it(scene: str, mesh: str, axis: str) -> None:
     with pytest.raises(UsageError, match=f"^mesh {mesh} has one element along {axis}, which finer grids keep"):
