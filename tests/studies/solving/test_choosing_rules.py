@@ -177,12 +177,15 @@ def test_nothing_is_off_from_nothing_by_nothing() -> None:
 
 
 def test_coarse_grids_are_trusted_as_far_as_the_reference_shows() -> None:
-    """Measured on the cantilever: novozhilov is 25.9 % below in the limit; four grids say 23.9 +- 1.1 %."""
+    """Measured on the cantilever: novozhilov is 25.9 % below in the limit; four grids alone say 23.9 +- 4 %.
+
+    What the exact measure misses on the same grids counts as well: a ratio of limits may not be surer than that.
+    """
     sizes = [1 / n for n in (4, 6, 8, 11, 16, 23, 33, 47)]
     exact = list(map(Seen, sizes, (2.327, 2.963, 3.161, 3.251, 3.281, 3.288, 3.290, 3.290)))
     classical = list(map(Seen, sizes, (1.732, 2.169, 2.327, 2.404)))
     limit, alone = known(exact), known(classical)
-    assert abs(alone.limit / limit.limit - (1 - 0.259)) > alone.uncertainty + limit.uncertainty
+    assert 0.01 < abs(alone.limit / limit.limit - (1 - 0.259)) < alone.uncertainty + limit.uncertainty
     apart = difference(classical, exact[:4], limit)
     assert isinstance(apart, Difference)
     assert apart.value == pytest.approx(-0.259, abs=apart.within)
