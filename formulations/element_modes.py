@@ -57,7 +57,7 @@ class ElementModes:
         first, second = (sparse.csc_matrix(gamma.T @ (D @ gamma)) for gamma, _, D in self._shear)
         return first, second
 
-    @property
+    @cached_property
     def order(self) -> np.ndarray | None:
         """Unknowns (n,) in an order in which the tangent with all of that fills in least; None where none is known.
 

@@ -237,9 +237,9 @@ def lowest(
         return Spectrum(near[wanted], modes[:, wanted], softest.negative)
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     nodes, most = np.flatnonzero(state.active), row_norm(K)
-    shift = float(np.max(np.abs(softest.eigenvalues)))
+    shift, moves = float(np.max(np.abs(softest.eigenvalues))), _moves(problem, K)
     while True:
-        shifted = added(K, sparse.csc_matrix(shift * sparse.eye_array(K.shape[0])))
+        shifted = added(K, sparse.csc_matrix(sparse.diags_array(shift * moves)))
         if shift > most or not _negative(problem, state.u, shifted, nodes, epsilon):
             break
         shift *= FURTHER
@@ -257,13 +257,18 @@ def _compliance(
         pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).opened(np.zeros(len(nodes)))
         A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
     factor = factorise(A, ordered=problem.ordered)
-    moves = np.arange(K.shape[0]) < K.shape[0] - problem.multipliers
+    moves = _moves(problem, K)
 
     def comply(b: np.ndarray) -> np.ndarray:
         x = solution(factor, b * moves)
         return (x if pivots is None else pivots.resolve(x)[0]) * moves
 
     return comply
+
+
+def _moves(problem: ContactProblem, K: sparse.csc_matrix) -> np.ndarray:
+    """Which unknowns (n,) bool of a tangent are motions; the others are multipliers."""
+    return np.arange(K.shape[0]) < K.shape[0] - problem.multipliers
 
 
 def branches_passed(problem_at: Callable[[float], ContactProblem], before: State, after: State, epsilon: float) -> int:
