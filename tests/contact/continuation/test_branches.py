@@ -141,3 +141,19 @@ def test_the_unstable_mode_may_be_far_stiffer_than_the_softest() -> None:
     actual = stable_branches(problem, middle, ALGORITHMS["semismooth"](tolerance=1e-12))
     assert actual is not None
     assert sorted(float(branch.solution.u[-1]) for branch in actual) == pytest.approx([-(5**0.5), 5**0.5], rel=EXACT)
+
+
+def test_multipliers_are_no_motions_where_a_stiff_mode_is_looked_for() -> None:
+    """Thirty soft springs, an unknown of -5, and one that a multiplier holds."""
+    K = sparse.lil_array(np.diag([*[1.0] * 30, -5.0, 2.0, 0.0]))
+    K[31, 32] = K[32, 31] = 1.0
+    tangent, nothing = sparse.csc_matrix(K), sparse.csr_matrix((0, 33))
+
+    def linearise(u, memory):
+        return Linearisation(tangent @ u, tangent, 1.0)
+
+    problem = ContactProblem(linearise, lambda u: np.zeros(0), lambda u: nothing, np.zeros(0), multipliers=1)
+    rest = ContactSolution(np.zeros(33), np.zeros(0), np.zeros(0, bool), Outcome.CONVERGED)
+    actual = lowest(problem, rest, np.inf, 1, spectrum(problem, rest))
+    assert actual.eigenvalues == pytest.approx([-5.0], rel=EXACT)
+    assert abs(actual.modes[30, 0]) == pytest.approx(1.0)
