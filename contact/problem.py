@@ -211,6 +211,21 @@ class ContactProblem:
         assert self.coulomb is not None
         return replace(self, coulomb=self.coulomb.since(anchors))
 
+    def watched(self, look: Callable[[], None]) -> ContactProblem:
+        """The problem, which calls ``look`` before every linearisation: what that raises ends the solve."""
+        only, travel = self.only, self.travel
+
+        def linearise(u: np.ndarray, memory: object) -> Linearised:
+            look()
+            return self.linearise(u, memory)
+
+        return replace(
+            self,
+            linearise=linearise,
+            only=None if only is None else lambda chosen: only(chosen).watched(look),
+            travel=None if travel is None else lambda: travel().watched(look),
+        )
+
     @property
     def unfit_for_friction(self) -> str | None:
         """Why the friction that a problem has has no place in it, or None."""

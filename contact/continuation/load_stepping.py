@@ -65,7 +65,6 @@ def follow(
     algorithm: ContactAlgorithm,
     solution: ContactSolution,
     steps: int = 1,
-    on_substep: Callable[[float], None] | None = None,
     smallest: float = SMALLEST,
     starts: Starts = none_known,
 ) -> Iterator[PathPoint]:
@@ -83,6 +82,9 @@ def follow(
     A path with contact is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
     the arc may take twice as much again: what it ends at is the cause.
     starts: where a step sets out from, if that leads to a state of the path; else it does from the last state.
+    No step is foreseen from the states before. Extrapolated with their resultants it took 55 iterations in place of 82
+    (hemisphere, 20 loads), 74 of 75 (tyre, 20 travels), but 35 of 27 (annulus) and 136 of 113 (semicylinder); without
+    the resultants up to three times as many.
     """
     at, good = start, Good()
     for index, target in enumerate(targets):
@@ -92,8 +94,6 @@ def follow(
         while stepper.outcome.converged and stepper.reached != target:
             attempt = stepper.attempt()
             stepper = stepper.accept(attempt) if attempt.failure is None else stepper.reject(attempt, attempt.failure)
-            if attempt.failure is None and on_substep is not None:
-                on_substep(attempt.parameter)
         point = stepper.point()
         yield point
         if not point.outcome.converged:

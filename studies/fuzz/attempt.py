@@ -12,21 +12,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from contact.continuation.critical_points import PathEnd
 from contact.events import EventKind, events
-from contact.problem import ContactProblem, Linearise, Linearised, Outcome
+from contact.problem import Outcome
 from contact.verify import EQUILIBRIUM
 from contact.verify_friction import CHORD
 from studies.ask.request import Request
-from studies.ask.scene import Begun, Scene, SceneModel, Stage, UsageError
+from studies.ask.scene import Scene, UsageError
 from studies.fuzz.values import generator
 from studies.scenes.complete import Cell, complete
-from studies.scenes.curves import ArcStage
 from studies.solving.refinement.grids import Family
 from studies.solving.result import UNSTABLE, WRONG, Result
 from studies.solving.solve import solve
@@ -97,56 +95,17 @@ class Passed:
     hard: int = 0
 
 
-def watched(problem: ContactProblem, left: list[int] | None = None) -> ContactProblem:
-    """The problem, which ends what linearises it without end; left: how often it may, shared with others."""
-    left = [MOST] if left is None else left
-    only, travel = problem.only, problem.travel
-    return replace(
-        problem,
-        linearise=_counted(problem.linearise, left),
-        only=None if only is None else lambda chosen: watched(only(chosen), left),
-        travel=None if travel is None else lambda: watched(travel(), left),
-    )
+def counter() -> Callable[..., None]:
+    """To be called at every linearisation; raises Broken where they do not come to an end."""
+    left = MOST
 
-
-def _counted(linearise: Linearise, left: list[int]) -> Linearise:
-    def counted(u: np.ndarray, memory: object) -> Linearised:
-        left[0] -= 1
-        if left[0] < 0:
+    def count(*_: object) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0:
             raise Broken("ends", f"no end after {MOST} linearisations")
-        return linearise(u, memory)
 
-    return counted
-
-
-def watched_scene(scene: Scene) -> Any:
-    """The scene, whose problems are all watched together."""
-    left = [MOST]
-
-    def changed(stage: Stage) -> Stage:
-        def begin(previous: Any) -> Begun:
-            problem_at, start = stage.begin(previous)
-            return lambda t: watched(problem_at(t), left), start
-
-        limited = replace(stage, begin=begin)
-        return (
-            replace(limited, linearise=_counted(limited.linearise, left)) if isinstance(limited, ArcStage) else limited
-        )
-
-    return SimpleNamespace(name=scene.name, build=lambda request: _Model(scene.build(request), changed))
-
-
-class _Model:
-    """A model with its stages changed."""
-
-    def __init__(self, model: SceneModel, change: Callable[[Stage], Stage]) -> None:
-        self._model, self._change = model, change
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._model, name)
-
-    def stages(self) -> Iterator[Stage]:
-        return map(self._change, self._model.stages())
+    return count
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,7 +181,7 @@ def attempt(asked: Asked, seed: int) -> Attempt:
     with no_traceback():
         try:
             scene, request = asked.request(seed)
-            result = solve(watched_scene(scene), request)
+            result = solve(scene, request, counter())
         except UsageError as error:
             return Attempt(asked, REFUSED, one_line(str(error)))
         result.as_json()

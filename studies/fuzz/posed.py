@@ -27,7 +27,7 @@ from studies.experiments.conformance import claims_objectivity
 from studies.experiments.rigid_body import rotation
 from studies.experiments.specimens import ELEMENTS, FIRST, Motion, Panel, Posed, Way, X, Z, renumbered
 from studies.experiments.symmetry import ACCIDENT, against, solved
-from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, no_traceback, one_line, quiet, watched
+from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, counter, no_traceback, one_line, quiet
 from studies.fuzz.comparing import ALIKE, Answer, compared, unstable
 from studies.fuzz.state_laws import check_derivatives
 from studies.fuzz.values import drawn, generator
@@ -93,7 +93,8 @@ def check_matrices(seed: int) -> Passed:
     if refused is not None:
         return Passed(REFUSED, said=one_line(refused))
     with no_traceback():
-        solution = algorithm.solve(watched(problem), ContactSolution.at_rest(len(answer.u), len(answer.pressure)))
+        rest = ContactSolution.at_rest(len(answer.u), len(answer.pressure))
+        solution = algorithm.solve(problem.watched(counter()), rest)
     with quiet():
         return _compared_with(algorithm, problem, solution, answer)
 
@@ -241,4 +242,4 @@ def _said(
 
 
 def _watched(posed: Posed) -> Posed:
-    return replace(posed, problem_at=lambda t: watched(posed.problem_at(t)))
+    return replace(posed, problem_at=lambda t: posed.problem_at(t).watched(counter()))

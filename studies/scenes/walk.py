@@ -117,7 +117,6 @@ def walk(
     stages: Iterable[Stage],
     algorithm: ContactAlgorithm,
     steps: int = 1,
-    *,
     previous: ContactSolution | None = None,
     tell: Callable[[str, float], None] = lambda stage, reached: None,
     smallest: float = SMALLEST,
@@ -127,7 +126,8 @@ def walk(
 
     previous: the state before the first stage, in the unknowns of the model.  A stage whose problem the algorithm does
     not support is a point with the outcome REFUSED.  steps, smallest: as for :func:`follow`.  starts: of the steps
-    of a stage, from elsewhere.
+    of a stage, from elsewhere.  tell(stage, t): before every linearisation at t, of a curve at its points; what it
+    raises ends the walk.
     """
     for stage in stages:
         made, before = stage.begin(previous)
@@ -147,11 +147,18 @@ def walk(
                 point = PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, unchanged, 0)
                 yield Visited(stage, problem_at, before, point, 0)
                 return
-            how = steps, partial(tell, stage.name), smallest, starts(stage)
-            for index, point in enumerate(follow(problem_at, 0.0, stage.targets, algorithm, before, *how)):
+            watched = _watched(problem_at, partial(tell, stage.name))
+            how = steps, smallest, starts(stage)
+            for index, point in enumerate(follow(watched, 0.0, stage.targets, algorithm, before, *how)):
                 visited = Visited(stage, problem_at, before, point, index)
                 yield visited
                 before = point.solution
         if not visited.converged:
             return
         previous = visited.state
+
+
+def _watched(
+    problem_at: Callable[[float], ContactProblem], tell: Callable[[float], None]
+) -> Callable[[float], ContactProblem]:
+    return lru_cache(ENDS)(lambda t: problem_at(t).watched(partial(tell, t)))

@@ -216,7 +216,7 @@ def climb_all(
             open_.remove(ladder)
         else:
             yield f"{ladder.variant.axis} {ladder.variant.name} {path.mesh}"
-            ladder.climb(scene, path)
+            ladder.climb(scene, path, clock.left / clock.wait)
 
 
 def follow(
@@ -235,7 +235,7 @@ def follow(
             return f"no time for {text}"
         progress(f"{REFERENCE} {text}")
         reason = f"the path is not followed to its end on {text}"
-        followed = cascade.grow(grid)
+        followed = cascade.grow(grid, seconds=clock.left / clock.wait)
         if not followed and not cascade.grids and element_size(grid) < TOO_FINE * element_size(request):
             break
         lost = lost + 1 if cascade.grids and not followed else 0

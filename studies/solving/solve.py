@@ -44,6 +44,10 @@ class Interrupted(KeyboardInterrupt):
         self.result = result
 
 
+class Late(KeyboardInterrupt):
+    """Raised within a path that takes longer than it may."""
+
+
 def word(stop: BaseException) -> str:
     """What has stopped a solve, in words."""
     return str(stop) or "interrupted"

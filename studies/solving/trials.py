@@ -18,7 +18,7 @@ from studies.ask.scene import EPSILON, Scene
 from studies.scenes.complete import complete
 from studies.scenes.plugins import use_options
 from studies.solving.result import SOLVED, Result
-from studies.solving.solve import Interrupted, solve
+from studies.solving.solve import Interrupted, Late, solve
 from studies.solving.variants import REFERENCE
 
 AGREE = 1e-6  # relative, of values of one problem: all algorithms are judged to the same tolerance
@@ -70,10 +70,6 @@ class Clock:
     def fits(self, foreseen: float) -> bool:
         """Whether there is time for so many CPU seconds."""
         return foreseen * self.wait <= self.left
-
-
-class Late(KeyboardInterrupt):
-    """Raised within a solve that takes longer than it may."""
 
 
 def until(seconds: float, solve: Callable[[Callable[[str], None]], Result]) -> Result | None:

@@ -153,12 +153,15 @@ class Ladder:
     said: str = ""
     waits: str = ""
 
-    def climb(self, scene: Scene, beside: Sketch) -> None:
-        """Follow the path on one grid more: that of the reference's path ``beside`` it, which is its first start."""
+    def climb(self, scene: Scene, beside: Sketch, seconds: float) -> None:
+        """Follow the path on one grid more: that of the reference's path ``beside`` it, which is its first start.
+
+        seconds: of CPU time that it may take.
+        """
         request = replace(self.variant.request, mesh=beside.request.mesh)
         self.seen, self.waits = self.seen + 1, ""
         try:
-            path = sketch(scene, request, self.paths[-1] if self.paths else beside, LOOSE)
+            path = sketch(scene, request, self.paths[-1] if self.paths else beside, LOOSE, seconds=seconds)
         except (UsageError, PartError) as error:
             path, self.said = None, str(error)
         if path is not None:

@@ -32,6 +32,7 @@ CLOSER = 1.3  # the same where the rim of contact is a curve, whose jumps averag
 CLOSEST = 1.2  # at the least
 MOST = 100_000  # unknowns of a grid of a cascade
 TIGHT = 1e-2  # of the error asked for: what the iteration on a grid may leave of the forces
+JUDGED = 1.0  # CPU seconds of the judged answer of a grid over those of its path
 DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those of the last grid
 ALMOST = 1.2  # of the unknowns of the next grid, up to which it is foreseen to be the last
 USUAL = 0.04  # a first interval, where something touches
@@ -50,12 +51,14 @@ class Cascade:
     quantity: str | None
     grids: list[Sketch] = field(default_factory=list)
 
-    def grow(self, asked: Request, loose: float = LOOSE) -> bool:
+    def grow(self, asked: Request, loose: float = LOOSE, seconds: float = math.inf) -> bool:
         """Follow the path on one grid more, to forces in balance to ``loose``; False where it does not reach its end.
 
-        The states of the first grids stay, where others may start from; those of finer ones until the next.
+        seconds: of CPU time that it may take; the first grid with an answer takes what it takes. The states of the
+        first grids stay, where others may start from; those of finer ones until the next.
         """
-        path = sketch(self.scene, asked, self.grids[-1] if self.grids else None, loose)
+        coarser, bound = (self.last, seconds) if self.grids else (None, math.inf)
+        path = sketch(self.scene, asked, coarser, loose, seconds=bound)
         if path is None:
             return False
         self.quantity = self.quantity or default_quantity(self.scene, path.quantities)
@@ -146,23 +149,25 @@ def answer(
     """The result on the first grid that knows its quantity to a relative ``error``, and whether there is one.
 
     request: on the coarsest mesh.  quantity: by default the force, or the first that the scene has references for.
-    budget: CPU seconds, beyond which no grid is begun; the best answer in that time is one. The quantities hold
-    the estimate, the table ``refinement`` the grids, ``loads`` what is stated of every load. No limit is stated for
-    what has none under a point load. What a cascade does not reach is left to grids that are cut where the error is,
-    if the scene names no coarsest grid for them. Raises UsageError for a quantity that the scene does not have.
+    budget: CPU seconds, beyond which no grid is begun, nor gone on with where there is a coarser one; the best answer
+    in that time is one. The quantities hold the estimate, the table ``refinement`` the grids, ``loads`` what is stated
+    of every load. No limit is stated for what has none under a point load. What a cascade does not reach is left to
+    grids that are cut where the error is, if the scene names no coarsest grid for them. Raises UsageError for a
+    quantity that the scene does not have.
     """
     start, cascade = time.process_time(), Cascade(scene, error, quantity)
     grid: Request | None = request
     estimate: Estimate | str = FEW
-    late = False
+    late, spent = False, 0.0
     widths: list[tuple[float, float]] = []
     more = least = FINER ** ways(request)
     while grid is not None and not late:
         progress(round_of(len(cascade.grids) + 1, grid, cascade.grids))
         last = more <= ALMOST * least if widths else len(cascade.grids) >= FEWEST and error >= USUAL
-        followed = cascade.grow(grid, 0.0 if last else TIGHT * error)
+        most = budget - (JUDGED * cascade.last.seconds if cascade.grids else 0.0)
+        followed = cascade.grow(grid, 0.0 if last else TIGHT * error, most - spent)
         spent = time.process_time() - start
-        late = spent > budget
+        late = spent > (budget if followed else most)
         if not followed and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
             break
         finer, more = FINER, least

@@ -30,7 +30,7 @@ from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.refinement.carried import starts_from
 from studies.solving.refinement.grids import element_size
 from studies.solving.result import CONVERGED, Result
-from studies.solving.solve import StartsOf, Walked, counted, solve, stages_of
+from studies.solving.solve import Late, StartsOf, Walked, counted, solve, stages_of
 
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
@@ -122,11 +122,13 @@ def sketch(
     loose: float = LOOSE,
     starts: StartsOf | None = None,
     lost: Callable[[str], None] = lambda why: None,
+    seconds: float = math.inf,
 ) -> Sketch | None:
     """The path of a request to forces in balance to ``loose``; None where it does not reach its end.
 
     An algorithm that does not get there to ``loose`` has another go to the tolerance asked for.
     starts: where the steps of a model set out from; by default the path on the ``coarser`` grid.  lost: told why not.
+    seconds: of CPU time, after which it is left.
     Raises PartError where a part from outside breaks.
     """
     if starts is None and coarser is not None:
@@ -136,9 +138,18 @@ def sketch(
         model, asked = scene.build(request), request.number("tolerance")
         given = Given(no_starts if starts is None else starts(model))
         smallest = CUT if isinstance(model, ShellSceneModel) and loose > asked else SMALLEST
-        path = _sketched(request, model, given, max(loose, asked), smallest)
-        if isinstance(path, str) and loose > asked:
-            path = _sketched(request, model, given, asked, smallest)
+
+        def look(stage: str, t: float) -> None:
+            if time.process_time() - start > seconds:
+                raise Late(f"{stage} at {t:g}: after {seconds:.2g} s")
+
+        follow = partial(_sketched, request, model, given, smallest, look)
+        try:
+            path = follow(max(loose, asked))
+            if isinstance(path, str) and loose > asked:
+                path = follow(asked)
+        except Late as late:
+            path = str(late)
     if isinstance(path, str):
         lost(path)
         return None
@@ -146,14 +157,22 @@ def sketch(
     return replace(path, clocks=clocks, work=work)
 
 
-def _sketched(request: Request, model: SceneModel, given: Given, tolerance: float, smallest: float) -> Sketch | str:
+def _sketched(
+    request: Request,
+    model: SceneModel,
+    given: Given,
+    smallest: float,
+    look: Callable[[str, float], None],
+    tolerance: float,
+) -> Sketch | str:
     """The path, or why it does not reach its end.  smallest: fraction of a step below which it is not cut."""
     visits, loads, quantities = list[Visited](), list[dict[str, Any]](), dict[str, float]()
     try:
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
     except ValueError as error:  # an invalid parameter: the solve reports it
         return str(error)
-    for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=smallest, starts=given.to):
+    how = request.steps, None, look, smallest, given.to
+    for visited in walk(stages_of(model, request), algorithm, *how):
         if not visited.converged:
             why = visited.said or visited.point.outcome.value
             return f"{visited.stage.name} at {visited.point.requested:g}: {why}"

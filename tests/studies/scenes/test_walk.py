@@ -35,7 +35,23 @@ def test_every_requested_point_of_every_stage_is_visited() -> None:
     assert all(each.converged for each in visited)
     assert all(each.state.u.shape == (model.n_unknowns,) for each in visited)
     np.testing.assert_array_equal(visited[2].before.u, visited[1].point.solution.u)
-    assert stated == [("inflation", 0.5), ("inflation", 1.0), *(("press", float(at)) for at in (1, 2, 3, 4))]
+    steps = [("inflation", 0.5), ("inflation", 1.0), *(("press", float(at)) for at in (1, 2, 3, 4))]
+    assert list(dict.fromkeys(stated)) == steps
+    iterations = sum(each.point.solution.counters["newton_iterations"] for each in visited)
+    assert len(stated) >= iterations + len(steps)  # before every linearisation, the first of a step among them
+
+
+def test_what_is_raised_before_a_linearisation_ends_a_walk() -> None:
+    seen = []
+
+    def look(stage: str, t: float) -> None:
+        seen.append((stage, t))
+        if len(seen) == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        list(walk(tyre().stages(), Semismooth(), tell=look))
+    assert seen == [("inflation", 1.0)] * 3
 
 
 def test_a_stage_that_comes_back_to_its_last_value_ends_once() -> None:

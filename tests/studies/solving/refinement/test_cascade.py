@@ -15,7 +15,8 @@ from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.scenes.complete import complete
 from studies.solving.refinement import cascade
 from studies.solving.refinement.cascade import answer, parse_budget
-from studies.solving.refinement.grids import first_grid
+from studies.solving.refinement.grids import first_grid, near
+from studies.solving.refinement.nested import sketch
 from studies.solving.solve import solve
 
 STATED = [
@@ -108,7 +109,7 @@ def test_a_budget_is_kept_and_its_best_answer_is_one(monkeypatch: pytest.MonkeyP
 
 def test_a_budget_is_kept_while_grids_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys) -> None:
     begun = []
-    monkeypatch.setattr(cascade, "sketch", lambda scene, request, *how: begun.append(request.mesh))
+    monkeypatch.setattr(cascade, "sketch", lambda scene, request, *how, **more: begun.append(request.mesh))
     monkeypatch.setattr(cascade, "solve_to_error", lambda *asked, **how: pytest.fail("a round is begun"))
     clock = iter(range(100))  # a second a grid
     monkeypatch.setattr(cascade, "time", SimpleNamespace(process_time=lambda: float(next(clock))))
@@ -117,6 +118,19 @@ def test_a_budget_is_kept_while_grids_fail(monkeypatch: pytest.MonkeyPatch, tmp_
     assert len(begun) == 2
     assert "did not converge: no grid that is begun within 1.5 s" in capsys.readouterr().err
     assert json.loads((tmp_path / "result.json").read_text())["class"] == "not-converged"
+
+
+def test_a_grid_is_left_in_the_middle_where_its_time_is_over() -> None:
+    scene, first = first_grid("ring", {"delta_mm": "30"})
+    grids = cascade.Cascade(scene, 0.01, None)
+    assert grids.grow(first, seconds=0.0)  # an answer there is, at least
+    finer = near(scene, first, 2.0)
+    assert not grids.grow(finer, seconds=0.0)
+    assert [each.request for each in grids.grids] == [first]
+    lost = []
+    assert sketch(scene, finer, grids.last, lost=lost.append, seconds=0.0) is None
+    assert lost == ["load at 30: after 0 s"]
+    assert grids.grow(finer)
 
 
 def test_elements_that_are_too_long_are_said_where_the_budget_leaves_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
