@@ -8,6 +8,8 @@ tangent of the point that the series sets out from and what the lower orders lea
 so that a is the length along the tangent. The sum converges up to the nearest complex branch point of the curve; the
 rational functions of :class:`Piece` with the same coefficients reach two to five times as far (measured). How far they
 are right, the residual says. What makes R_k is the model's own business and does not enter here.
+Without contact alone: a series ends where the contact set changes, and there are 26 (strip) to 326 (plate) changes on
+ways that Newton's method makes in 7 to 13 iterations (scenes with contact on 64 elements, tyre on 42x40: 106, 13).
 Sources: Cochelin, Int. J. Comput. Struct. 53 (1994) 1181-1192; Cochelin, Potier-Ferry, Int. J. Numer. Meth. Engng 37
 (1994) 1187-1203; Cochelin, Damil, Potier-Ferry, Méthode asymptotique numérique (2007); rational: Elhage-Hussein,
 Potier-Ferry, Damil, Int. J. Solids Struct. 37 (2000) 6981-7001.
