@@ -150,9 +150,13 @@ def _same(one: Any, other: Any) -> bool:
 
 
 def effects(
-    name: str, given: Mapping[str, object] | None = None, mesh: tuple[int, int] | None = None, **options: Any
+    name: str,
+    given: Mapping[str, object] | None = None,
+    mesh: tuple[int, int] | None = None,
+    only: Sequence[str] = (),
+    **options: Any,
 ) -> pd.DataFrame:
-    """A row for each setting of a scene and each word it may be: COLUMNS.
+    """A row for each setting of a scene, or for ``only`` some of them, and each word it may be: COLUMNS.
 
     given: other settings than the defaults, which may wake one up; mesh: by default the coarsest of the scene.  effect:
     where it shows first; "none"; "refused" where no value that was tried is a request, with the reason.
@@ -171,7 +175,7 @@ def effects(
 
     rows: list[tuple[str, str, object, str]] = []
     for setting in scene.settings:
-        if setting.presets:  # a name of others, resolved away
+        if setting.presets or (only and setting.key not in only):  # a name of others is resolved away
             continue
         actual = ((name, setting.key, value, tried(setting.key, value)) for value in _others(setting, request))
         if setting.kind == "choice":
@@ -201,16 +205,14 @@ def inert_settings(names: Iterable[str] = tuple(SCENES)) -> pd.DataFrame:
     for name in names:
         rows = pd.concat([effects(name, **way) for way in ({}, *WAYS.get(name, ()))], ignore_index=True)
         if rows["setting"].eq("distort").any():
-            moved_nodes = effects(name, **MOVED)
-            rows = pd.concat([rows, moved_nodes[moved_nodes["setting"].isin(["distort", "distortion"])]])
+            rows = pd.concat([rows, effects(name, only=("distort", "distortion"), **MOVED)])
         if rows["setting"].eq("surfaces").any():
             corrected = rows["setting"].eq("shear_correction").any()  # which two faces alone have
             with suppress(UsageError):  # of a wall that has two faces alone
-                inside = effects(name, given={"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})})
-                rows = pd.concat([rows, inside[inside["setting"] == "law"]])
+                given = {"surfaces": "3", **({"shear_correction": 1.0} if corrected else {})}
+                rows = pd.concat([rows, effects(name, given, only=("law",))])
         if rows["setting"].eq("bending").any():  # with directors at the nodes
-            folding = effects(name, given={"thickness_strain": "nodal"})
-            rows = pd.concat([rows, folding[folding["setting"] == "bending"]])
+            rows = pd.concat([rows, effects(name, {"thickness_strain": "nodal"}, only=("bending",))])
         word = rows["value"].where(rows["value"].map(lambda value: isinstance(value, str)), "")
         for _, own in rows.groupby([rows["setting"], word], sort=False):
             broken = own[own["effect"].str.startswith(FAILS)]
