@@ -1,4 +1,4 @@
-"""The page of what must not matter: rigid motions by measure, symmetries and units, random cases and planted faults."""
+"""The page of what must not matter: rigid motions by measure, symmetries and units, random cases."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from reports.chapter import chapter
 from reports.figures.drawing import BLACK, canvas, looks, svg
-from reports.formats import NOTHING, code, digits, fixed, number
+from reports.formats import NOTHING, code, digits, fixed
 from reports.markdown import Part, Template, commands, filled
 from reports.store import Store
 
@@ -22,25 +22,20 @@ SAME = 1e-9  # measures this close all the way share a curve
 WIDTH = 63  # letters in a line of a panel's legend, its comma included
 ACCIDENT, DESIGN, APART = "broken by accident", "broken by design", "does not apply"
 PLATE = {"out": "out of plane", "drilling": "drilling"}  # motions whose strain on a plate is shown as it begins
-RANDOM = ("fuzz", "fuzz_faults")
 
 
 def _size(value: float) -> str:
     return "0" if abs(value) < NOTHING_LEFT else f"{value:.3g}"
 
 
-def _found(cases: float) -> str:
-    return number(float(cases)) if cases else "not detected"
-
-
-TEXT = Template("invariance", size=_size, found=_found)
+TEXT = Template("invariance", size=_size)
 
 
 def invariance_page(store: Store) -> Part:
     """The whole page."""
     sweep = store.table("rotation_sweep")
     motions = {**_motions(store), "panel": _panel(store), "turn_miss": _miss(sweep)}
-    drawn = _random(store) if all(map(store.has, RANDOM)) else Part()
+    drawn = _random(store) if store.has("fuzz") else Part()
     turn = {"rigid-body-turn.svg": full_turn(sweep)}
     return TEXT("page", turn, **motions, **_symmetries(store), random=drawn)
 
@@ -138,8 +133,8 @@ def _check(own: pd.DataFrame) -> dict[str, Any]:
 
 
 def _random(store: Store) -> Part:
-    """Requests that nobody has written down, what they broke, and how soon planted faults are seen."""
-    cases, faults = store.table("fuzz"), store.table("fuzz_faults")
+    """Requests that nobody has written down, and what they broke."""
+    cases = store.table("fuzz")
     alone = cases[cases["verdict"] == "not compared"]["word"]
     refused, solved = int((alone == "refused").sum()), int((alone == "converged").sum())
     reasons = cases[cases["verdict"] == "explained"]["said"].str.split(r"[:,]", regex=True).str[0].value_counts()
@@ -149,10 +144,9 @@ def _random(store: Store) -> Part:
         "counts": {name: int((cases["verdict"] == name).sum()) for name in ("agrees", "explained", "broken")},
         "why": f" ({', '.join(f'{count} {reason}' for reason, count in reasons.items())})" if len(reasons) else "",
         **{"alone": len(alone), "refused": refused, "ended": len(alone) - refused - solved, "solved": solved},
-        **{"faults": len(faults), "lost": int((faults["cases"] == 0).sum()), "latest": float(faults["cases"].max())},
     }
-    rows = {"broken": broken.assign(said=broken["said"].str.slice(0, 200)), "planted": faults}
-    return TEXT("random", **counts, **rows, commands=commands(broken["command"]))
+    rows = broken.assign(said=broken["said"].str.slice(0, 200))
+    return TEXT("random", **counts, broken=rows, commands=commands(broken["command"]))
 
 
 CHAPTER = chapter(

@@ -353,7 +353,6 @@ def write_tables(directory: Path) -> None:
         "shell_limits": made_up_walls(),
         "programs": made_up_programs(),
         "fuzz": random_cases(),
-        "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
         **made_up_arena(),
         **made_up_what_if(),
         **made_up_faces(),

@@ -184,7 +184,7 @@ def test_tables_of_ones_own_have_names_of_their_own() -> None:
     def nowhere() -> pd.DataFrame:
         return pd.DataFrame()
 
-    for name, make, taken in (("own", epsilon, "epsilon"), ("faults", nowhere, "faults")):
+    for name, make, taken in (("own", epsilon, "epsilon"), ("limits", nowhere, "limits")):
         with pytest.raises(ValueError, match=f"'{taken}' is the name of a list or a table already"):
             add_tables(name, "of one's own", make)
     assert "own" not in LISTS

@@ -7,7 +7,7 @@ wrapped one. A case that breaks a law without the fault is no finding of it.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 from unittest.mock import patch
@@ -22,15 +22,14 @@ from contact.obstacles.drum_sphere import Round
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.shell import ShellModel
 from studies.ask.request import Request
-from studies.experiments import Row, tabulated
-from studies.fuzz import planted_in_friction
 from studies.fuzz.attempt import Asked
 from studies.fuzz.cases import SCENE, asked_of, first_asked
 from studies.fuzz.examine import BROKEN, examine
-from studies.fuzz.planted_in_friction import Fault, fault
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
 from studies.solving import certificate
+from support import planted_in_friction
+from support.planted_in_friction import Fault, fault
 
 MOST = 500
 Solve = Callable[[Semismooth, ContactProblem, ContactSolution], ContactSolution]
@@ -213,8 +212,8 @@ FAULTS = (
 )
 
 
-def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> Row:
-    """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has.
+def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> tuple[int, str]:
+    """How many cases it took, and by which law it was found; 0 cases where none of ``most`` has.
 
     among: requests that are examined, and counted; the others are passed over.
     """
@@ -224,16 +223,10 @@ def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bo
         with looked_for.planted():
             report = examine(seed, kind)
         if report.verdict == BROKEN and examine(seed, kind).verdict != BROKEN:
-            return {"fault": looked_for.name, "cases": cases, "law": report.law, "said": report.said}
-    return {"fault": looked_for.name, "cases": 0, "law": "", "said": ""}
+            return cases, report.law
+    return 0, ""
 
 
 def _drawn_among(seed: int, among: Callable[[Asked], bool]) -> bool:
     """Of the request that is solved; its scene is built only where what was drawn first is among them, too."""
     return among(first_asked(seed, SCENE)[0]) and among(asked_of(seed))
-
-
-@tabulated
-def planted_faults() -> Iterator[Row]:
-    """All faults, a row each."""
-    return map(found_after, FAULTS)
