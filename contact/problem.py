@@ -134,6 +134,8 @@ class ContactProblem:
 
     element_modes(u) -> what elements leave out of the tangent at u, for what they do by themselves to be told apart.
 
+    volume_ratios(u) -> (E,), volumes of the elements at u over those at rest; None where no strain is finite.
+
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
 
     driven: how many unknowns, the last ones, move the foundation: gaps depend on them, its forces leave them out.
@@ -169,6 +171,7 @@ class ContactProblem:
     only: Callable[[np.ndarray], ContactProblem] | None = None
     gap_size: float = 0.0
     element_modes: Callable[[np.ndarray], Overlooked] | None = None
+    volume_ratios: Callable[[np.ndarray], np.ndarray] | None = None
     ordered: bool = False
     driven: int = 0
     multipliers: int = 0

@@ -97,7 +97,7 @@ class ShellModel(ShellReadings):
                 raise ValueError("a prescribed displacement must be held, midway between the faces alike on both")
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
         object.__setattr__(self, "_element", self._built(self.discretisation, initial))
-        if not np.any(self.measure.contract(np.zeros(N_Q), np.ones(N_E))):
+        if self.linear:
             object.__setattr__(self, "discretisation", self.discretisation.linearised())
         object.__setattr__(self, "_dead", self._dead_contributions())
 
@@ -131,6 +131,11 @@ class ShellModel(ShellReadings):
     def powers(self) -> list[tuple[int, int]]:
         """(r1, r2) of the mode of each mode strain."""
         return self._element.powers
+
+    @property
+    def linear(self) -> bool:
+        """Whether all strains are linear in the displacements: their size then means nothing."""
+        return not np.any(self.measure.contract(np.zeros(N_Q), np.ones(N_E)))
 
     @property
     def ordered(self) -> bool:

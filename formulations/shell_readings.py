@@ -9,6 +9,7 @@ import numpy as np
 
 from formulations.discretisation import Discretisation
 from formulations.element.modal import ModalElement
+from formulations.element.quad_sampling import mid_lines
 from formulations.element.strain_operator import shape_functions
 from formulations.section.laminate import PLANE, strain_rotation
 
@@ -38,6 +39,18 @@ class ShellReadings(ABC):
             return self.displacements(u)
         faces, inside = np.split(shell.map.everywhere(u, self.prescribed), [shell.map.n_faces])
         return np.hstack([each.reshape(shell.grid.n_nodes, -1) for each in (faces, inside)])
+
+    def volume_ratios(self, u: np.ndarray) -> np.ndarray:
+        """Volumes (E,) of the elements at u over those at rest, (x,1 x x,2) . (x+ - x-) at their centres, x midway.
+
+        Below zero where an element is turned inside out, as where the inner face lies beyond the outer.
+        """
+        shell = self.discretisation
+        rest, elements = np.array(shell.positions()), shell.grid.elements
+        ends = rest, rest + shell.cartesian(u, self.prescribed)
+        here = [(mid_lines(x.mean(axis=0)[elements]), np.diff(x, axis=0)[0][elements].mean(axis=1)) for x in ends]
+        before, after = (np.sum(np.cross(lines[:, 0], lines[:, 1]) * across, axis=-1) for lines, across in here)
+        return np.asarray(after / before)
 
     def resultants(self, u: np.ndarray) -> np.ndarray:
         """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.mixed.MODES`.

@@ -121,14 +121,19 @@ def loaded_shell(
 
 
 def with_balances(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
-    """The problem with what the judge sees of a shell: energy, where it has one, forces, and modes of elements."""
+    """The problem with what the judge sees of a shell: energy, where it has one, forces, and its elements."""
     return replace(
-        problem,
+        with_elements(problem, shell),
         energy=shell.energy if shell.conservative else None,
         others=shell.left_to_foundation,
         residual=shell.residual,
-        element_modes=element_modes(shell),
     )
+
+
+def with_elements(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
+    """The problem with what the judge sees of the elements of a shell: their modes, and which are inside out."""
+    volumes = None if shell.linear else shell.volume_ratios
+    return replace(problem, element_modes=element_modes(shell), volume_ratios=volumes)
 
 
 @dataclass(frozen=True, eq=False)

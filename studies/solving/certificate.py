@@ -24,6 +24,7 @@ NO_STATE = "what the judge refuses is no equilibrium"
 NO_POTENTIAL = "friction has no potential whose second variation would be looked at"
 UNTOLD = "friction"  # of an answer without friction forces although candidates are pressed
 SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
+INVERTED = "inverted"  # the failure of a state in which an element has no volume left, or less than none
 
 
 def certificate(
@@ -41,6 +42,8 @@ def certificate(
     stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
+    Where an element has no volume left INVERTED is a failure: St. Venant-Kirchhoff material resists that with finite
+    forces, and balances them inside out.
     passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.
     before: with friction, problem and state at the last accepted load, from which slip is counted.
     """
@@ -56,7 +59,7 @@ def certificate(
     record = verdict.certificate
     record["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
     exceeded = verdict.exceeded(**claim(tolerance, len(state.u)))
-    failures = list(exceeded)
+    failures, inside_out = list(exceeded), _inside_out(problem, state.u)
     if friction is not None:
         if state.friction is None and forces.any():
             failures.append(UNTOLD)
@@ -67,13 +70,27 @@ def certificate(
         diagnosis = diagnose(problem, state.u, state.pressure, epsilon=epsilon)
         standing = Stability(None, why=NO_STATE)
     else:
-        diagnosis, standing = [], stability(problem, state, epsilon)
+        diagnosis = []
+        standing = Stability(None, why=NO_STATE) if inside_out else stability(problem, state, epsilon)
+    if inside_out:
+        failures.append(INVERTED)
+        diagnosis.append(inside_out)
     if passed:
         failures.append(SWEPT)
         shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
         diagnosis.append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
     record |= {"exceeded": exceeded} if exceeded else {}
     return {**record, "failures": failures, "diagnosis": diagnosis, "stability": standing.record}
+
+
+def _inside_out(problem: ContactProblem, u: np.ndarray) -> str:
+    """Which elements of a finite state have no volume left; empty where none, or where it is not told."""
+    if problem.volume_ratios is None or not np.all(np.isfinite(u)):
+        return ""
+    ratios = problem.volume_ratios(u)
+    count, least = int(np.sum(ratios <= 0)), float(np.min(ratios, initial=np.inf))
+    turned = f"{count} of {len(ratios)} elements {'is' if count == 1 else 'are'} inside out"
+    return f"{INVERTED}: {turned}, the worst of {least:.3g} times its volume at rest" if count else ""
 
 
 def refusal(certificate: Mapping[str, Any]) -> str:

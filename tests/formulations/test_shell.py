@@ -147,6 +147,22 @@ def test_scaled_shell_scales_its_loads_only(curved_patch, rng) -> None:
         np.testing.assert_allclose(full, shell.linearise(u).residual, rtol=0, atol=ROUNDING * largest(full))
 
 
+def test_volume_is_kept_by_a_rigid_turn_and_lost_where_the_faces_change_places(curved_patch) -> None:
+    shell = make_shell(curved_patch.surface, curved_patch.grid(2, 3))
+    body = shell.discretisation
+    inner, outer = body.positions()
+    frame = body.surface.frame(*body.grid.nodes.T)
+
+    def ratios(inner_to: np.ndarray, outer_to: np.ndarray) -> np.ndarray:
+        local = np.einsum("nik,nfk->nif", frame, np.stack([inner_to - inner, outer_to - outer], axis=1))
+        return shell.volume_ratios(body.map.restrict(local.reshape(-1, 6)))
+
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assert ratios(inner @ turn.T + 7.0, outer @ turn.T + 7.0) == pytest.approx(1.0, abs=1e-12)
+    assert ratios(2.0 * inner, 2.0 * outer) == pytest.approx(8.0, rel=1e-12)
+    assert ratios(outer, inner) == pytest.approx(-1.0, rel=1e-12)
+
+
 # --- mixed and plain Newton ---------------------------------------------------------------------------------------
 
 

@@ -19,13 +19,13 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.conditions.boundary import FACES
 from formulations.discretisation import Discretisation
-from formulations.element_modes import element_modes
 from formulations.geometry.grid import graded_lines
 from formulations.shell import ShellModel
 from studies.ask.layers import write_fields
 from studies.ask.request import Request
 from studies.ask.scene import Begun, Observation, Setting, ShellSceneModel, Stage, Units, UsageError, candidates_at
 from studies.scenes.element import Span, spaced_lines
+from studies.scenes.statics import with_elements
 
 OUTER = 1  # the face that touches
 RIM_LINES = Setting.one_of("lines", ("even", "rim"), "even", "grid lines: evenly spaced, or one on the exact rim")
@@ -111,7 +111,7 @@ class ContactModel(ShellSceneModel):
         """The shell and the foundation at a point of the path."""
         body = (self.body_at or self.shell.scaled)(t)
         problem = against(body.linearise, self.candidates, self.plane_at(t))
-        return replace(problem, ordered=body.ordered, element_modes=element_modes(body))
+        return with_elements(replace(problem, ordered=body.ordered), body)
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)

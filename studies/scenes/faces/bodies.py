@@ -178,6 +178,12 @@ class Bodies:
         """The sum of all [N mm]."""
         return sum(part.energy(u_part) for part, u_part in zip(self.parts, self.split(u), strict=True))
 
+    def volume_ratios(self, u: np.ndarray) -> np.ndarray:
+        """Those of the elements of all shells whose strains are finite."""
+        each = zip(self.parts, self.split(u), strict=True)
+        shells = [(part.shell, own) for part, own in each if isinstance(part, Placed) and not part.shell.linear]
+        return np.concatenate([np.empty(0), *(shell.volume_ratios(own) for shell, own in shells)])
+
     def pair(self, slave: Side, master: Side, nodes: np.ndarray, pairing: Pairing, rest: Pair | None = None) -> Pair:
         """What two sides make with each other, of two bodies or of one; nodes (m,): of the slave that may touch.
 
@@ -211,5 +217,5 @@ class Bodies:
 
         The elimination orders of the bodies do not apply: a pair couples unknowns that either body has last or first.
         """
-        problem = replace(between(self.linearise, pair), residual=self.residual)
+        problem = replace(between(self.linearise, pair), residual=self.residual, volume_ratios=self.volume_ratios)
         return replace(problem, energy=self.energy) if all(each.conservative for each in self.parts) else problem

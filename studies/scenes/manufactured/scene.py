@@ -14,7 +14,6 @@ from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
-from formulations.element_modes import element_modes
 from formulations.loads import Traction, edge_force
 from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
@@ -34,7 +33,7 @@ from studies.ask.scene import (
 from studies.scenes.element import TWO_FACES, discretise, even_grid
 from studies.scenes.manufactured.solution import Exact, Patch, Solution
 from studies.scenes.manufactured.statements import LAYUPS, PIECES, Piece, TurnedWaves, wall
-from studies.scenes.statics import area_load, loaded_shell
+from studies.scenes.statics import area_load, loaded_shell, with_elements
 
 QUANTITIES: Mapping[str, str] = {
     "error_displacement": "relative L2 error of the displacements of both faces",
@@ -149,7 +148,7 @@ class ManufacturedModel(ShellSceneModel):
         shell = carrying(self.shell, self.exact_at(t), self.loaded)
         problem = without_contact(shell.linearise, self.n_unknowns, ordered=shell.ordered)
         problem = replace(problem, others=shell.left_to_foundation, residual=shell.residual)
-        return replace(problem, element_modes=element_modes(shell))
+        return with_elements(problem, shell)
 
     def moved(self, t: float) -> Self:
         """With its held edges where they are at t."""

@@ -34,6 +34,32 @@ def test_a_pressurised_wall_is_the_membrane_on_every_mesh(scene: str, where: dic
             assert at(result, fraction, *UNIFORM) == pytest.approx(exact, rel=1e-3)  # h/R
 
 
+def test_a_wall_that_is_balanced_inside_out_is_refused() -> None:
+    """The membrane's thickness h sqrt(1 - c (lam^2 - 1)) is none from a stretch of 1.4720 on, at 2.163 of the load."""
+    result = ended("pressurised-sphere", "4x4", load_fraction="2,2.5,3")
+    assert result.outcome is Outcome.WRONG
+    assert [step["failures"] for step in result.steps] == [[], ["inverted"]]
+    assert result.steps[0]["thickness_ratio"] > 0 > result.steps[1]["thickness_ratio"]
+    assert result.reason.startswith("inverted: 16 of 16 elements are inside out, the worst of -")
+    assert "no equilibrium" in result.steps[1]["stability"]["sentence"]
+
+
+def test_the_volume_of_a_pressurised_wall_is_that_of_its_stretch_and_its_thickness() -> None:
+    result = solved("pressurised-sphere", "4x4", load_fraction="1")
+    stretch, thickness = at(result, 1.0, *UNIFORM)
+    assert result.end is not None
+    assert result.end.problem.volume_ratios is not None
+    ratios = result.end.problem.volume_ratios(result.end.point.solution.u)
+    assert ratios == pytest.approx(np.full(16, stretch**2 * thickness), rel=1e-5)  # nodes differ by 3e-6
+
+
+def test_volumes_of_linear_strains_are_not_judged() -> None:
+    """Their displacements are of any size: ten times the load moves a body ten times as far."""
+    end = solved("pressurised-sphere", "4x4", measure="linear", load_fraction="1").end
+    assert end is not None
+    assert end.problem.volume_ratios is None
+
+
 @pytest.mark.slow
 def test_sphere_as_thin_as_double_precision_allows_and_thinner() -> None:
     """Rounding leaves 2e-3 of the load at h/R = 1e-7, where it moves nothing; ten times thinner no digit is left."""
