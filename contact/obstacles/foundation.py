@@ -50,9 +50,9 @@ class Foundation(Protocol):
 
 
 def require_unit(what: str, vector: np.ndarray) -> None:
-    """Raise ValueError unless the vector (3,) has length 1."""
-    if not abs(float(np.linalg.norm(vector)) - 1) < 1e-12:
-        raise ValueError(f"{what} must be a unit vector, got {vector}")
+    """Raise ValueError unless the vector has three components and the length 1."""
+    if np.shape(vector) != (3,) or not abs(float(np.linalg.norm(vector)) - 1) < 1e-12:
+        raise ValueError(f"{what} must be a unit vector (3,), got {vector}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +67,7 @@ class RigidPlane:
 
     def __post_init__(self) -> None:
         require_unit("the normal of a plane", self.normal)
+        object.__setattr__(self, "normal", np.asarray(self.normal, float))
 
     @property
     def origin(self) -> np.ndarray:

@@ -345,3 +345,65 @@ def test_a_scene_that_cannot_be_built_is_one_line_that_names_it(
     errors = capsys.readouterr().err
     assert code == 1
     assert errors == "footprint: scene 'odd': odd.py:11: ZeroDivisionError: division by zero\n"
+
+
+PLANE = """from dataclasses import replace
+
+import numpy as np
+
+from contact.obstacles.foundation import RigidPlane
+from studies.scenes import SCENES
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class Odd:
+    name = "odd"
+
+    def __getattr__(self, key):
+        return getattr(SCENES["strip-contact"], key)
+
+    def build(self, request):
+        plane = {plane}
+        return replace(SCENES["strip-contact"].build(request), plane_at=lambda load: plane)
+
+
+SCENES["odd"] = Odd()
+"""
+PLANES = {
+    "(np.zeros(3), 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [0. 0. 0.]",
+    "(np.full(3, np.nan), 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [nan nan nan]",
+    "([1.0, 0.0], 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [1.0, 0.0]",
+    "(UP, np.nan)": "where the foundation is at rest is not a number",
+    "(-UP, -1.5)": "the wall at rest lies 1 mm deep in the foundation: the normal of a plane points from the wall",
+    "(UP, -50.0)": "the wall at rest lies 50.5 mm deep in the foundation: the normal of a plane points from the wall",
+}
+
+
+@pytest.fixture
+def of_plane(
+    put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> Iterator[Callable[[str], tuple[int, str]]]:
+    """Exit code and errors of a strip that is blown against this plane."""
+
+    def solved(plane: str) -> tuple[int, str]:
+        path = tmp_path / "odd.py"
+        path.write_text(PLANE.replace("{plane}", plane))
+        code = main(["solve", "odd", "--mesh", "16x1", "--use", str(path), "--out", str(tmp_path / "out")])
+        return code, capsys.readouterr().err
+
+    yield solved
+    CATALOGUE.pop("odd", None)
+    sys.modules.pop("odd", None)
+
+
+@pytest.mark.parametrize("plane", PLANES)
+def test_a_plane_that_no_path_begins_before_is_one_line_at_once(plane: str, of_plane) -> None:
+    code, errors = of_plane(f"RigidPlane{plane}")
+    assert code in (1, 2)  # of what a part raises, and of a foundation that cannot be there
+    assert PLANES[plane] in errors
+    assert errors.count("\n") == 1
+
+
+def test_the_normal_of_a_plane_may_be_a_list(of_plane) -> None:
+    assert of_plane("RigidPlane([0, 0, 1], 1.5)") == (0, "")

@@ -28,6 +28,7 @@ from studies.scenes.element import Span, spaced_lines
 from studies.scenes.statics import with_elements
 
 OUTER = 1  # the face that touches
+OVERLAP, ROUNDING = 1e-6, 1e-12  # of the thickness, and of positions: an overlap at rest that is none
 RIM_LINES = Setting.one_of("lines", ("even", "rim"), "even", "grid lines: evenly spaced, or one on the exact rim")
 ON_RIM = {"lines": "rim"}
 COARSE = 16  # elements; meshes that come from one no coarser by halving are nested
@@ -99,9 +100,20 @@ class ContactModel(ShellSceneModel):
     def _begin(self, previous: ContactSolution | None) -> Begun:
         if previous is not None:
             return self.problem_at, previous
+        self._stand_before_foundation()
         m = len(self.nodes)
         touching = np.full(m, self.lying)
         return self.problem_at, ContactSolution(np.zeros(self.n_unknowns), np.zeros(m), touching, Outcome.CONVERGED)
+
+    def _stand_before_foundation(self) -> None:
+        """Raise UsageError where the wall at rest lies in the foundation, or that is nowhere: no path begins there."""
+        x = self.candidates.reference
+        gap = float(np.min(self.plane_at(0.0).gap(x), initial=np.inf))
+        if np.isnan(gap):
+            raise UsageError("where the foundation is at rest is not a number")
+        if -gap > OVERLAP * self.shell.discretisation.laminate.thickness + ROUNDING * np.max(np.abs(x), initial=0.0):
+            inside = f"the wall at rest lies {-gap:.3g} mm deep in the foundation"
+            raise UsageError(f"{inside}: the normal of a plane points from the wall to it, the offset is along that")
 
     def moved(self, t: float) -> Self:
         """With its supports where they are at t."""
