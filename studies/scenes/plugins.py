@@ -19,7 +19,7 @@ from contact.catalogue import ALGORITHMS
 from formulations.section.laws import LAWS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, Request, UsageError
-from studies.ask.scene import Scene, SceneModel
+from studies.ask.scene import Scene, SceneModel, Setting
 from studies.scenes import SCENES
 
 OURS = ("contact", "formulations", "reports", "studies")
@@ -189,8 +189,8 @@ def _enter(entry: EntryPoint, group: str, catalogue: MutableMapping[str, Any]) -
     _module_of[group, entry.name] = entry.module
 
 
-def _check(label: str, group: str, part: object) -> None:
-    """Raises UsageError for a part that is not complete.
+def _check(label: str, group: str, part: Any) -> None:
+    """Raises UsageError for a part that is not complete, or has a default out of its range.
 
     An algorithm is a class, and each parameter a field of it; a measure and a scene are instances.
     """
@@ -206,6 +206,18 @@ def _check(label: str, group: str, part: object) -> None:
         raise UsageError(f"{label}: the part has to be an instance, not a class")
     elif group == "footprint.scenes" and not _is_mesh(mesh := getattr(part, "default_mesh", None)):
         raise UsageError(f"{label}: default_mesh has to be two whole numbers from 1, not {mesh!r}")
+    try:
+        for setting in _settings(group, part):
+            setting.parse(setting.default)
+    except ValueError as error:
+        raise UsageError(f"{label}: default {error}") from None
+
+
+def _settings(group: str, part: Any) -> list[Setting]:
+    """What a user may set of an algorithm or a scene, but for what the scene works out."""
+    if group == "footprint.contact":
+        return [Setting.of(each, getattr(part, each.key)) for each in part.parameters]
+    return [each for each in part.settings if each.default is not None] if group == "footprint.scenes" else []
 
 
 def _is_mesh(mesh: object) -> bool:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import UsageError
 from studies.cli import main
@@ -23,6 +24,7 @@ from studies.run.campaign import find
 from studies.run.plan import plan
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell, complete
+from studies.scenes.plugins import _check
 from studies.solving.solve import solve
 from studies.solving.trials import Question
 
@@ -297,6 +299,45 @@ def test_a_part_that_cannot_be_taken_is_one_line_and_leaves_all_as_it_was(
     for _ in range(2):
         assert refused("--use", path).startswith(f"{path}: {says}")
         assert (MEASURES["exact"], set(MEASURES), set(SCENES)) == before
+
+
+OWN_RANGE = 'Parameter("damping", "share of a step", low=0.1, high=1.0)'
+OUT_OF_RANGE = {
+    "algorithm": (
+        f"""from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.parameters import SHARED, Parameter
+class Damped(Semismooth):
+    name = "damped"
+    parameters = (*SHARED, {OWN_RANGE})
+    damping: float = 2.0
+ALGORITHMS["damped"] = Damped
+""",
+        "'damped' of footprint.contact: default damping = 2.0 must be a number in [0.1, 1]",
+    ),
+    "scene": (
+        f"""from studies.ask.scene import Setting
+{OF_SCENES.format(mesh=(1, 1), call="()").replace("settings, ", "").replace("(), (), None", "(), None")}
+Whole.settings = (Setting.positive("h_mm", -1.0, "thickness", 20),)
+""",
+        "'whole' of footprint.scenes: default h_mm = -1.0 must be a number in (0, 20]",
+    ),
+}
+
+
+@pytest.mark.parametrize("part", OUT_OF_RANGE)
+def test_a_default_out_of_its_own_range_is_one_line(part: str, tmp_path: Path, refused: Callable[..., str]) -> None:
+    source, says = OUT_OF_RANGE[part]
+    path = tmp_path / "mistaken.py"
+    path.write_text(source)
+    assert refused("--use", path) == f"{path}: {says}"
+
+
+def test_the_defaults_of_all_parts_are_in_their_own_ranges() -> None:
+    for name, algorithm in ALGORITHMS.items():
+        _check(name, "footprint.contact", algorithm)
+    for name, scene in SCENES.items():
+        _check(name, "footprint.scenes", scene)
 
 
 @pytest.mark.parametrize(
