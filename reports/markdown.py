@@ -35,10 +35,18 @@ NONE: Mapping[str, Callable[[], str]] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Part:
-    """A piece of a page: its text and the pictures it shows, by file name, which draw themselves when asked for."""
+    """A piece of a page: its text and the pictures it shows, by file name, which draw themselves when asked for.
+
+    Raises TypeError for a picture that is no function.
+    """
 
     text: str = ""
     pictures: Mapping[str, Callable[[], str]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name, svg in self.pictures.items():
+            if not callable(svg):
+                raise TypeError(f"picture {name} is of type {type(svg).__name__}, not a function that returns an SVG")
 
     def __str__(self) -> str:
         return self.text.strip("\n")

@@ -222,12 +222,12 @@ CHAPTERS.append(Chapter("needy", "Needy", "What?", page, ("odd_table", "nothing"
 @pytest.fixture
 def of_page(
     put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> Iterator[Callable[[str, str], tuple[int, str, str]]]:
+) -> Iterator[Callable[..., tuple[int, str, str]]]:
     """Exit code, output and errors of a command on two pages with this second value in their table."""
     before = list(CHAPTERS)
 
-    def answered(command: str, second: str) -> tuple[int, str, str]:
-        (tmp_path / "odd.py").write_text(PAGE.replace("{second}", second))
+    def answered(command: str, second: str, text: str = PAGE) -> tuple[int, str, str]:
+        (tmp_path / "odd.py").write_text(text.replace("{second}", second))
         code = main([*command.split(), "--store", str(tmp_path / "store"), "--use", str(tmp_path / "odd.py")])
         return code, *capsys.readouterr()
 
@@ -255,6 +255,15 @@ def test_a_page_that_cannot_be_made_says_why(of_page: Callable[..., tuple[int, s
     assert code == 2
     assert needy == f"footprint: needy.md is left out: {tmp_path / 'store'} has no table nothing"
     assert "campaign 'oddities' cannot be put on pages: odd.py:15: AttributeError: 'Series' object" in odd
+
+
+def test_a_picture_that_is_no_function_is_a_line(of_page: Callable[..., tuple[int, str, str]], tmp_path: Path) -> None:
+    drawn = PAGE.replace("import Part", "import Part, picture")
+    drawn = drawn.replace('Part("# Odd" + store.table("odd_table").a.missing)', 'picture("odd.svg", "Odd", "<svg/>")')
+    assert of_page("run oddities", "2", drawn)[0] == 0
+    code, _, errors = of_page(f"report --out {tmp_path / 'pages'}", "2", drawn)
+    assert code == 2
+    assert errors.endswith("odd.py:15: TypeError: picture odd.svg is of type str, not a function that returns an SVG\n")
 
 
 MEASURE = """from formulations.strains.catalogue import MEASURES
