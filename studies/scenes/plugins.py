@@ -5,12 +5,14 @@ names one part; its name is that of the part. What a part computes does not ente
 """
 
 import importlib
+import re
 import shlex
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from contextlib import contextmanager
 from importlib.metadata import EntryPoint, entry_points
+from inspect import isfunction, ismethod, signature
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +24,7 @@ from studies.ask.request import PartError, Request, UsageError
 from studies.ask.scene import Scene, SceneModel, Setting
 from studies.scenes import SCENES
 
+UNEXPECTED = re.compile(r"([\w.]+)\(\) got an unexpected keyword argument ")
 OURS = ("contact", "formulations", "reports", "studies")
 
 
@@ -63,7 +66,7 @@ def _from_outside(contact: str, measure: str, scene: Scene | None) -> dict[str, 
 
 def _said(error: BaseException, parts: dict[str, str]) -> str | None:
     """The line: of the part in whose file it was raised, or of all that are from outside where it was in none."""
-    what = " ".join(f"{type(error).__name__}: {error}".split())
+    what = _line(error)
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
         for part, module in parts.items():
             if frame.filename == getattr(sys.modules.get(module), "__file__", None):
@@ -225,4 +228,21 @@ def _is_mesh(mesh: object) -> bool:
 
 
 def _line(error: BaseException) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())
+    """What it is and says; of an argument that a call does not know, with the names that it does."""
+    line, names = " ".join(f"{type(error).__name__}: {error}".split()), _arguments(error)
+    return f"{line}; there are {', '.join(names)}" if names else line
+
+
+def _arguments(error: BaseException) -> list[str]:
+    """Those of what was called with an unknown one, where its name is known to who called it; else none."""
+    called = UNEXPECTED.match(str(error)) if isinstance(error, TypeError) else None
+    if called is None:
+        return []
+    caller = [frame for frame, _ in traceback.walk_tb(error.__traceback__)][-1]
+    first, *rest = called[1].split(".")
+    known = (caller.f_globals | caller.f_locals).values()
+    parts = [each for each in known if callable(each) and getattr(each, "__qualname__", "") == first]
+    for name in rest:
+        parts = [getattr(each, name) for each in parts if hasattr(each, name)]
+    found = next((each for each in parts if isfunction(each) or ismethod(each)), None)  # not compiled
+    return [] if found is None else [name for name in signature(found).parameters if name != "self"]

@@ -241,6 +241,31 @@ def test_a_broken_file_is_one_line(text: str | None, says: str, tmp_path: Path, 
     assert refused("--use", path).startswith(f"{path}: {says}")
 
 
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (
+            "from formulations.strains.measure import RigidBodyLaw as Law\nLaw(twist=abs)",
+            "RigidBodyLaw.__init__() got an unexpected keyword argument 'twist'; "
+            "there are translation, out_of_plane, drilling, axis",
+        ),
+        (
+            "from formulations.strains.measure import quadratic_measure\nquadratic_measure('a', {}, source='b')",
+            "quadratic_measure() got an unexpected keyword argument 'source'; "
+            "there are name, terms, reference, rigid_body_law, kinematics, meaning",
+        ),
+        ("from numpy import arange\narange(3, size=4)", "arange() got an unexpected keyword argument 'size'"),
+        ("import shlex\nshlex.quote(word='a')", "quote() got an unexpected keyword argument 'word'"),
+    ],
+)
+def test_an_unknown_argument_is_answered_with_those_there_are(
+    text: str, says: str, tmp_path: Path, refused: Callable[..., str]
+) -> None:
+    path = tmp_path / "broken.py"
+    path.write_text(text)
+    assert refused("--use", path) == f"{path}: TypeError: {says}"
+
+
 INCOMPLETE = {
     "footprint.contact": ("from contact.catalogue import ALGORITHMS as parts", "parameters, supports, solve"),
     "footprint.scenes": ("from studies.scenes import SCENES as parts", "title, settings, references, build"),
