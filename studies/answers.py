@@ -136,6 +136,7 @@ class Run(Shown):
         request = self.result.request
         scene = SCENES[request.scene]
         keys = beside.differentiable(scene, request, settings)
+        gradient.check_quantities(self.result, [quantity])
         derivatives = gradient.of_quantities(scene, self.result, [(quantity, keys)])
         gradient.record(self.result, derivatives)
         if check:

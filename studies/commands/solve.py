@@ -91,6 +91,7 @@ def _run(options: argparse.Namespace) -> int:
         more = (
             partial(_step_error, options, result, tell),
             partial(_gradients, options, scene, result, derived, tell),
+            partial(_check_derived, result, derived),
             partial(_branches, options, result),
         )
         try:
@@ -248,6 +249,9 @@ def _gradients(
         return []
     from studies.solving.derivatives import gradient  # loaded with derivatives alone
 
+    derived = [each for each in derived if each[0] in gradient.values_of(result)]
+    if not derived:
+        return []
     gradients = gradient.of_quantities(scene, result, derived, tell)
     gradient.record(result, gradients)
     text_lines = [line for quantity, _ in derived for line in gradient.lines(gradients, quantity)]
@@ -258,6 +262,15 @@ def _gradients(
         taylor.record(result, checked)
         text_lines += taylor.lines(checked)
     return text_lines
+
+
+def _check_derived(result: Result, derived: Sequence[tuple[str, tuple[str, ...]]]) -> list[str]:
+    """Nothing to print; raises UsageError for quantities of --gradient that the result does not have."""
+    if derived and result.outcome.converged:
+        from studies.solving.derivatives import gradient  # loaded with derivatives alone
+
+        gradient.check_quantities(result, [quantity for quantity, _ in derived])
+    return []
 
 
 def _branches(options: argparse.Namespace, result: Result) -> list[str]:

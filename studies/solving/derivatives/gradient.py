@@ -9,7 +9,7 @@ end of its path, the other settings held. That they are right is the business of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -73,17 +73,21 @@ def values_of(result: Result) -> Values:
     return {name: value for name, value in quantities.items() if name not in result.request.settings}
 
 
+def check_quantities(result: Result, asked: Iterable[str]) -> None:
+    """Raise UsageError for quantities that are not there."""
+    has = values_of(result)
+    unknown = ", ".join(quantity for quantity in asked if quantity not in has)
+    if unknown:
+        raise UsageError(f"--gradient {unknown}: there is no such quantity; there are {', '.join(sorted(has))}")
+
+
 def of_quantities(
     scene: Scene,
     result: Result,
     asked: Sequence[tuple[str, Sequence[str]]],
     progress: Callable[[str], None] = lambda text: None,
 ) -> list[Derivative]:
-    """Those of each quantity with its settings; raises UsageError for a quantity that is not there, too."""
-    has = values_of(result)
-    for quantity, _ in asked:
-        if quantity not in has:
-            raise UsageError(f"--gradient {quantity}: there is no such quantity; there are {', '.join(sorted(has))}")
+    """Those of each quantity with its settings; of one that is not there, see :func:`check_quantities`, none."""
     derivatives = gradients(scene, result, list(dict.fromkeys(key for _, keys in asked for key in keys)), progress)
     pairs = {(quantity, key) for quantity, keys in asked for key in keys}
     return [each for each in derivatives if (each.quantity, each.setting) in pairs]

@@ -124,6 +124,21 @@ def test_a_quantity_that_is_not_read_has_no_derivative(tmp_path, capsys) -> None
     assert all((tmp_path / "o" / name).is_file() for name in written["files"])
 
 
+def test_of_several_quantities_those_that_are_read_have_their_derivatives(tmp_path, capsys) -> None:
+    asked = ("--gradient", "force_N:p0_MPa", "--gradient", "weight:gamma_deg", "--gradient", "half_length_mm:p0_MPa")
+    assert main([*COARSE, *asked, "--out", str(tmp_path / "o")]) == 2
+    said = capsys.readouterr()
+    assert said.err.startswith("footprint: --gradient weight: there is no such quantity; there are ")
+    assert said.err.endswith("; the result is written\n")
+    assert said.err.count("\n") == 1
+    written = json.loads((tmp_path / "o" / "result.json").read_text())
+    assert {name: list(of) for name, of in written["gradients"].items()} == {
+        "force_N": ["p0_MPa"],
+        "half_length_mm": ["p0_MPa"],
+    }
+    assert [line.split()[0] for line in said.out.splitlines()].count("p0_MPa") == 2
+
+
 def test_the_command_writes_what_the_notebook_says(tmp_path, capsys) -> None:
     command = ["solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error", "--out", str(tmp_path)]
     assert main([*command, "--gradient", "force_N:p0_MPa,gamma_deg"]) == 0
