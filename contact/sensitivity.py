@@ -22,7 +22,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from contact.continuation.critical_points import spectrum
+from contact.continuation.spectrum import spectrum
 from contact.coulomb import State
 from contact.newton.friction_run import FrictionalRun
 from contact.newton.friction_states import Laws, directed

@@ -21,7 +21,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.base import answered
-from contact.continuation.critical_points import lowest, spectrum
+from contact.continuation.spectrum import lowest, spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, Stability, stability
 from contact.newton.solves import Tally
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation

@@ -18,8 +18,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.algorithms.base import answered, hasty
-from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.equilibrium_curve import ArcPoint
+from contact.continuation.spectrum import negative_eigenvalues
 from contact.events import Event, EventKind
 from contact.newton.solves import Tally
 from contact.newton.step import NewtonRun

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.continuation.critical_points import MODES, lowest, spectrum
+from contact.continuation.spectrum import MODES, lowest, spectrum
 from contact.newton.held import holdable
 from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised, Overlooked

@@ -23,7 +23,7 @@ from scipy.optimize import minimize_scalar
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import negative_eigenvalues
+from contact.continuation.spectrum import negative_eigenvalues
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.newton.step import ROUNDING_MARGIN
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome

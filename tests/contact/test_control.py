@@ -8,7 +8,7 @@ from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
 from contact.continuation.branches import stable_branches
-from contact.continuation.critical_points import spectrum
+from contact.continuation.spectrum import spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, stability
 from contact.control import by_work
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, linear_mechanics, without_contact

@@ -8,7 +8,7 @@ from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.branches import held_at, stable_branches
-from contact.continuation.critical_points import lowest, spectrum
+from contact.continuation.spectrum import lowest, spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, stability
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearise, Outcome
 

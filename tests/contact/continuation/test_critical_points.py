@@ -1,19 +1,17 @@
-"""Why a path ends: the softest motion against dense algebra, and limit points and bifurcations in closed form."""
+"""Why a path ends: limit points and bifurcations in closed form, and the softest motion there."""
 
 from dataclasses import replace
-from itertools import product
 
 import numpy as np
 import pytest
 from scipy import sparse
-from scipy.linalg import null_space
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import MODES, PathEnd, spectrum, why_it_ends
+from contact.continuation.critical_points import PathEnd, why_it_ends
 from contact.continuation.load_stepping import follow
+from contact.continuation.spectrum import spectrum
 from contact.events import EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
-from support.problems.contact_problems import Quadratic, random_quadratic
 
 EXACT = 1e-9
 LIMIT = 1e-4  # of the interval, on the limit extrapolated from states within a hundredth of it
@@ -170,43 +168,6 @@ def test_a_solver_that_fails_is_not_taken_for_the_end_of_the_path() -> None:
 
 def test_two_states_tell_nothing() -> None:
     assert "too few" in why_it_ends(truss(), [truss_state(w) for w in (-0.1, -0.2)]).sentence
-
-
-def test_the_softest_motion_by_dense_algebra() -> None:
-    kinds = "obstacle", "definite", "inclined"
-    # the shift takes the lowest eigenvalues below zero; with 4 dense, with 25 sparse
-    for epsilon, kind, shift, m in product((np.inf, 10.0), kinds, (0.0, 0.5), (4, 25)):
-        data = random_quadratic(np.random.default_rng(m), kind, m)
-        K = data.K - shift * np.eye(len(data.K))
-        problem = Quadratic(K, data.f, data.G, data.g0, data.w).problem()
-        active = np.arange(m) % 3 == 0
-        state = ContactSolution(np.zeros(len(K)), active.astype(float), active, Outcome.CONVERGED)
-        G, w = data.G[active], data.w[active]
-        Z = null_space(G) if np.isinf(epsilon) else np.eye(len(K))
-        restricted = Z.T @ (K if np.isinf(epsilon) else K + epsilon * (G.T * w) @ G) @ Z
-        values, modes = np.linalg.eigh(restricted)
-        order = np.argsort(np.abs(values))[:MODES] if m > 4 else np.argsort(np.abs(values))
-        actual = spectrum(problem, state, epsilon)
-        assert actual.eigenvalues == pytest.approx(values[order], rel=1e-7)
-        assert np.abs(np.sum(actual.modes * (Z @ modes[:, order]), axis=0)) == pytest.approx(1.0, rel=1e-6)
-        assert actual.negative == np.sum(values < 0)
-
-
-def test_an_unsymmetric_tangent_has_an_eigenvalue_but_no_count() -> None:
-    rng = np.random.default_rng(1)
-    root = rng.normal(size=(30, 30))
-    values = np.append(0.01, np.linspace(1, 2, 29))
-    K = root @ np.diag(values) @ np.linalg.inv(root)
-    problem = Quadratic(K, np.zeros(30), np.eye(30)[:1], np.zeros(1), np.ones(1)).problem()
-    actual = spectrum(problem, ContactSolution.at_rest(30, 1))
-    assert actual.eigenvalues[0] == pytest.approx(0.01, rel=1e-6)
-    assert abs(actual.modes[:, 0] @ root[:, 0]) == pytest.approx(np.linalg.norm(root[:, 0]), rel=1e-6)
-    assert actual.negative is None
-
-
-def test_nothing_is_free_to_move() -> None:
-    problem = Quadratic(np.eye(1), np.zeros(1), np.eye(1), np.zeros(1), np.ones(1)).problem()
-    assert len(spectrum(problem, in_contact([0.0], 0.0)).eigenvalues) == 0
 
 
 @pytest.mark.parametrize(("stiffness", "turns"), [(-1.0, True), (1.0, False)])
