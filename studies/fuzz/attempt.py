@@ -25,7 +25,7 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, UsageError
 from studies.fuzz.values import generator
 from studies.scenes.complete import Cell, complete
-from studies.solving.refinement.grids import Family
+from studies.solving.refinement.adaptive_grids import Family
 from studies.solving.result import UNSTABLE, WRONG, Result
 from studies.solving.solve import solve
 

@@ -19,8 +19,9 @@ import numpy as np
 from contact.problem import Outcome
 from studies.ask.request import Request
 from studies.ask.scene import RefinedScene, Scene, UsageError
+from studies.solving.refinement.adaptive_grids import Family, parts_of
 from studies.solving.refinement.error_control import TOO_LONG, solve_to_error
-from studies.solving.refinement.grids import Family, element_size, near, parts_of, ways
+from studies.solving.refinement.grids import element_size, near, ways
 from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estimate_of, of_judged
 from studies.solving.refinement.mesh_error import round_of
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch, solve_from, touches

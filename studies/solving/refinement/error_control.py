@@ -28,8 +28,8 @@ import numpy as np
 from contact.problem import Outcome
 from studies.ask.request import Request
 from studies.ask.scene import Scene, UsageError
+from studies.solving.refinement.adaptive_grids import GROWTH, Family
 from studies.solving.refinement.goal import indicators, on_grid
-from studies.solving.refinement.grids import GROWTH, Family
 from studies.solving.refinement.limits import SAFETY, Estimate
 from studies.solving.refinement.mesh_error import headed
 from studies.solving.refinement.records import (

@@ -27,7 +27,7 @@ from studies.scenes.statics import area_load
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, pressed, strain_errors, tyre_lines
 from studies.scenes.tyre.model import TyreModel, inflated_shell
 from studies.scenes.tyre.parts import part_of
-from studies.solving.refinement.grids import Family
+from studies.solving.refinement.adaptive_grids import Family
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 

@@ -8,7 +8,7 @@ import pytest
 from studies.ask.request import Request
 from studies.scenes import SCENES
 from studies.scenes.complete import complete as resolve
-from studies.solving.refinement.grids import Family
+from studies.solving.refinement.adaptive_grids import Family
 from studies.solving.solve import solve
 
 ROOTS = (20, 22, 24, 26, 28, 30)

@@ -9,7 +9,8 @@ import pytest
 
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
-from studies.solving.refinement.grids import FLAT, GROWTH, Family, _mirror, coarsest
+from studies.solving.refinement.adaptive_grids import FLAT, GROWTH, Family, _mirror
+from studies.solving.refinement.grids import coarsest
 from studies.solving.result import CONVERGED
 from studies.solving.solve import solve
 

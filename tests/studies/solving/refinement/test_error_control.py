@@ -20,8 +20,9 @@ from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.experiments.error_coverage import Case, error_coverage, shipped_cases
 from studies.scenes import SCENES
 from studies.scenes.complete import complete
+from studies.solving.refinement.adaptive_grids import Family
 from studies.solving.refinement.error_control import Round, at_loads, estimate, parse_error, solve_to_error
-from studies.solving.refinement.grids import Family, coarsest
+from studies.solving.refinement.grids import coarsest
 from studies.solving.refinement.records import growth
 from studies.solving.result import Result
 from studies.solving.solve import solve

@@ -14,8 +14,8 @@ from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from studies.scenes.complete import complete
+from studies.solving.refinement.adaptive_grids import Family, dorfler
 from studies.solving.refinement.goal import OnGrid, indicators, on_grid
-from studies.solving.refinement.grids import Family, dorfler
 from studies.solving.solve import solve
 from support.problems.shells import make_shell
 
