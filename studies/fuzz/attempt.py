@@ -25,6 +25,7 @@ from studies.ask.request import Request
 from studies.ask.scene import Scene, UsageError
 from studies.fuzz.values import generator
 from studies.scenes.complete import Cell, complete
+from studies.solving.certificate import INVERTED
 from studies.solving.refinement.adaptive_grids import Family
 from studies.solving.result import UNSTABLE, WRONG, Result
 from studies.solving.solve import solve
@@ -138,6 +139,8 @@ def cause(result: Result) -> str:
         return point.end.kind.value
     if any(EventKind.PASSED & event.kind for event in events(result.history[-1:], EventKind.PATH_END)):
         return "through the foundation"
+    if result.outcome is Outcome.WRONG:
+        return INVERTED
     last = result.cause if result.outcome is Outcome.STEP_LIMIT else result.outcome
     return "beyond the path" if last.converged else last.word  # every step finds a state, but none of the path
 
@@ -189,7 +192,7 @@ def attempt(asked: Asked, seed: int) -> Attempt:
             result.table(name)
     if result.unsupported:
         return Attempt(asked, REFUSED, one_line(result.unsupported), result)
-    if result.verdict == WRONG:
+    if result.verdict == WRONG and _failures(result) != {INVERTED}:  # no algorithm has lied
         raise Broken("certified", _failed(result))
     if not result.outcome.converged:
         return Attempt(asked, ENDED, one_line(result.reason), result)
@@ -198,12 +201,17 @@ def attempt(asked: Asked, seed: int) -> Attempt:
 
 def _failed(result: Result) -> str:
     """The failed conditions, and the numbers of the first load that has any; of a stage without loads the reason."""
-    failed = {name for step in result.loads for name in step.certificate["failures"]}
+    failed = _failures(result)
     if not failed:
         return result.reason
     certificate = next(step.certificate for step in result.loads if step.certificate["failures"])
     numbers = {**certificate["kkt"], **certificate["balances"], "rounding": certificate["rounding"]}
     return f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
+
+
+def _failures(result: Result) -> set[str]:
+    """Conditions that fail at any load."""
+    return {name for step in result.loads for name in step.certificate["failures"]}
 
 
 def one_line(text: str) -> str:

@@ -118,8 +118,7 @@ class FilledMembrane(MembraneModel):
         def others(x: np.ndarray) -> np.ndarray:
             return shell.scaled(x[-1] / RADIUS).left_to_foundation(x[:-1])
 
-        volumes = None if shell.linear else lambda x: shell.volume_ratios(x[:-1])
-        return replace(problem, others=others, multipliers=self.multipliers, volume_ratios=volumes)
+        return replace(problem, others=others, multipliers=self.multipliers)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         return super()._displacements(u[:-1], float(u[-1]) / RADIUS)

@@ -135,6 +135,13 @@ def test_friction_is_no_error_of_a_state() -> None:
     assert error_of(Answer(one.found.end.problem, one.found.end.point.solution, Semismooth())) < 1e-9
 
 
+def test_a_wall_inside_out_is_an_end_of_a_path() -> None:
+    """No algorithm has lied: it is an equilibrium, of a panel that a plane pushes far through its clamp."""
+    one = attempt(Asked("panel", {"mesh": "4x4"}, {"delta_mm": "31.6", "h_over_R": "0.1"}), 0)
+    assert one.word == "ended: inverted"
+    assert one.reason.startswith("inverted: 12 of 16 elements are inside out")
+
+
 def test_a_wrong_derivative_is_seen() -> None:
     problem, answer = posed.made(3, np.inf)
     rng = np.random.default_rng(0)

@@ -56,6 +56,23 @@ def test_nodes_alone_do_not_pass_it() -> None:
     assert np.max(np.abs(on_master - right)) > 0.1 * np.max(np.abs(right))
 
 
+def test_the_judge_sees_the_elements_of_both_bodies_turned_inside_out() -> None:
+    """Those of finite strains: the second ring is turned through its wall, the faces in each other's places."""
+    model = solved("two-rings", "1x16", delta_mm="1").model
+    bodies, problem = model.bodies_at(1.0), model.problem_at(1.0)
+    first, second = (len(part.shell.discretisation.grid.elements) for part in bodies.parts)
+    inside_out = [np.zeros(part.n_free) for part in bodies.parts]
+    body = bodies.parts[1].shell.discretisation
+    faces = np.zeros((body.grid.n_nodes, 6))
+    faces[:, 4:] = body.laminate.thickness * np.array([1.0, -1.0])
+    inside_out[1] = body.map.restrict(faces)
+    ratios = problem.volume_ratios(np.concatenate(inside_out))
+    assert ratios[:first] == pytest.approx(np.ones(first))
+    assert ratios[first:] == pytest.approx(-np.ones(second), rel=0.1)  # but for what is held there
+    linear = solved("two-rings", "1x16", "linear", delta_mm="0.1").model
+    assert len(linear.problem_at(0.1).volume_ratios(np.zeros(linear.n_unknowns))) == 0
+
+
 @pytest.mark.slow
 def test_the_force_between_curved_faces_converges_with_order_two() -> None:
     """To Lame's, but for the wall of the shell, which is thin to (h/R)^2."""
