@@ -126,16 +126,18 @@ class CollapsingTube(Declared):
 def line_contact(p: float, force: np.ndarray, x: np.ndarray) -> dict[str, float]:
     """What nodal forces (m,) at x (m,) on a quarter under the pressure p say; R and D are 1.
 
-    p on 0 < x < c and F at c have the resultant p c + F and the moment p c^2/2 + F c about the crown.
+    p on 0 < x < c and F at c have the resultant p c + F and the moment p c^2/2 + F c about the crown. A point with a
+    force knows nothing of the line that it becomes, whatever the mesh: NaN of that where s = 1.
     """
     total, moment = float(force.sum()), float(force @ x)
     flat = (total - math.sqrt(max(total**2 - 2 * p * moment, 0.0))) / p
     s = 1 - flat / SIDE
+    begun = 1.0 if s < 1 else math.nan
     return {
         "contact_force_EI_R2": 2 * total,
         "flat_half_length": flat,
-        "line_contact_pressure_EI_R3": p * s**3,
-        "line_contact_force_EI_R2": 2 * (total - p * flat) * s**2,
+        "line_contact_pressure_EI_R3": begun * p * s**3,
+        "line_contact_force_EI_R2": begun * 2 * (total - p * flat) * s**2,
     }
 
 

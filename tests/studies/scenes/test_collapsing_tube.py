@@ -14,6 +14,7 @@ from studies.scenes.closed_forms import collapsed_tube as ring
 from studies.scenes.complete import complete
 from studies.scenes.contact.collapsing_tube import LINE, LINE_FORCE, POINT, RADIUS, TOUCH, line_contact
 from studies.scenes.walk import walk
+from studies.solving.refinement.mesh_error import solve_with_error
 from support.problems.solved import read, referenced, solved
 
 SCENE, THIN = "collapsing-tube", "0.1"  # mm: h/R = 0.001
@@ -89,7 +90,14 @@ def test_what_forces_at_nodes_say_of_line_contact() -> None:
     assert actual["line_contact_pressure_EI_R3"] == pytest.approx(p * s**3, rel=1e-12)
     assert actual["line_contact_force_EI_R2"] == pytest.approx(2 * force * s**2, rel=1e-12)
     point = line_contact(6.0, np.array([1.0, 0.0]), x[:2])
-    assert list(point.values()) == [2.0, 0.0, 6.0, 2.0]
+    np.testing.assert_array_equal(list(point.values()), [2.0, 0.0, math.nan, math.nan])
+
+
+def test_no_limit_is_stated_of_a_line_where_a_point_touches() -> None:
+    """At 3.5 a flat part has begun, which 1x64 does not see: 1x1024 has 10.32 and 7.93, its own p and force are off."""
+    solution = solve_with_error(*complete(SCENE, {"h_mm": "1", "load_fraction": "3.5"}, "1x64"))
+    assert solution.quantities["flat_half_length"] == 0.0
+    assert {"touch_pressure_EI_R3", "contact_force_EI_R2"} == set(solution.errors)
 
 
 # --- the shell --------------------------------------------------------------------------------------------------------
