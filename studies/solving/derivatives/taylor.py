@@ -2,8 +2,10 @@
 
 It does not use how a derivative was computed. With J at s +- h on three steps h, each half of the last, the central
 differences are extrapolated (Richardson), and the remainder of Taylor's first order, J(s + h) - J(s) - h dJ/ds, has to
-fall with h^2: with a wrong derivative it falls with h. Steps are cut until all solutions of a ladder have the contact
-set, and the states of friction, of the answer: beyond a change of them J has another derivative.
+fall with h^2: with a wrong derivative it falls with h. Two extrapolations may agree by chance where the digits of J are
+all that is left in them; of these the even differences tell, J(s + h) + J(s - h) - 2 J(s), which fall by four from step
+to step whatever the derivative. Steps are cut until all solutions of a ladder have the contact set, and the states of
+friction, of the answer: beyond a change of them J has another derivative.
 """
 
 from __future__ import annotations
@@ -187,10 +189,17 @@ def _checked(
     once = [(4 * fine - coarse) / 3 for coarse, fine in pairwise(central)]
     twice = (16 * once[1] - once[0]) / 15
     size, unit = max(abs(twice), abs(slope)), sizes[unit_of(derivative.quantity)]
-    doubt = abs(once[1] - once[0]) + SOLVED_TO * unit / ladder[-1].h
+    noise = max(SOLVED_TO * unit, _noise(ladder, name, values[name]))
+    doubt = abs(once[1] - once[0]) + noise / ladder[-1].h
     left = [abs(rung.high[name] - values[name] - rung.h * slope) for rung in ladder[:2]]
     order = math.log2(left[0] / left[1]) if min(left) > SOLVED_TO * unit else None
     return Check(derivative, twice, doubt / size if size > 0 else 0.0, order, nothing=NOTHING * unit / width)
+
+
+def _noise(ladder: Sequence[Rung], name: str, value: float) -> float:
+    """By how much half the even differences miss their fall by four, in the unit of J."""
+    even = [(rung.low[name] + rung.high[name]) / 2 - value for rung in ladder]
+    return max(abs(coarse - 4 * fine) for coarse, fine in pairwise(even))
 
 
 def lines(checked: Sequence[Check]) -> list[str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 from contact.sensitivity import Change, Rates
@@ -95,6 +96,23 @@ def test_the_judge_confirms_what_is_right() -> None:
 
 
 COARSE = ("solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error")
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+def test_differences_of_rounding_alone_call_nothing_wrong(off: float) -> None:
+    """J = s^2 beside s = 1 to seven digits, its true slope 2 and one that is off: agreement by chance is none."""
+    found = list[str]()
+    for seed in range(100):
+        digits = np.random.default_rng(seed)
+
+        def J(s: float, digits: np.random.Generator = digits) -> dict[str, float]:
+            return {"J": s**2 + 1e-7 * float(digits.uniform(-1, 1))}
+
+        ladder = [taylor.Rung(h, J(1 - h), J(1 + h)) for h in (taylor.LARGEST / 2**k for k in range(taylor.RUNGS))]
+        slope = 2.0 * (1 + off)
+        derivative = Derivative("J", "s", 1.0, 1.0, slope, slope)
+        found.append(taylor._checked(derivative, J(1.0), {"J": 1.0}, 1.0, ladder, "").word)
+    assert found.count(taylor.WRONG) == (0 if off == 0.0 else len(found))
 
 
 def test_what_has_no_derivative_is_refused_before_anything_is_solved(tmp_path, capsys, monkeypatch) -> None:
