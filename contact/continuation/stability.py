@@ -87,7 +87,7 @@ class Stability:
         modes = f"{self.element_modes} mode{'' if self.element_modes == 1 else 's'} of elements alone"
         long = f" up to {self.aspect:.2g} times wider than long" if self.aspect > 1 else ""
         cut = " and ".join(f"in {n} along a{axis}" for axis, n in enumerate(self.cuts, 1) if n > 1)
-        return f"; {modes}{long}, not of the body, which alternate: elements cut {cut} have none"
+        return f", apart from {modes}{long}, not of the body, which alternate: elements cut {cut} have none"
 
 
 def stability(problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf) -> Stability:

@@ -59,6 +59,15 @@ def verdict(model: ShellModel) -> Stability:
     return stability(replace(problem, element_modes=partial(ElementModes, model)), state)
 
 
+def test_the_sentence_counts_those_of_elements_beside_those_of_the_body() -> None:
+    """Three eigenvalues are negative: one of the body is not said to be one of these two, or all that there are."""
+    sentence = Stability(1, element_modes=2, cuts=(1, 2), aspect=3.2).sentence
+    assert sentence.startswith(
+        "unstable: 1 negative eigenvalue of the tangent on the motions that contact leaves free,"
+    )
+    assert ", apart from 2 modes of elements alone up to 3.2 times wider than long, not of the body" in sentence
+
+
 def critical(at: Callable[[float], ShellModel], guess: float) -> float:
     """The load at which the first eigenvalue that is counted turns negative, to a tenth of CLOSED_FORM."""
     low, high = 0.9 * guess, 1.1 * guess
