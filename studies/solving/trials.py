@@ -198,29 +198,37 @@ def race(
 ) -> list[Trial]:
     """Every algorithm from rest on the first mesh, a coarse one, and then on the second, in the order of their seconds.
 
-    One that takes PATIENCE times as long as the one asked for is stopped, for it is not what is looked for. The grid
-    lines are those of the reference.  foreseen: seconds of the algorithm asked for on the second mesh.
+    One that takes PATIENCE times as long as the one asked for is stopped, for it is not what is looked for; where there
+    is no time for so long none begins, for nobody would know which is slower. The grid lines are those of the
+    reference.  foreseen: seconds of the algorithm asked for on the second mesh.
     """
     requested, (coarse, mesh) = question.contact, meshes
 
     def trial(name: str, mesh: str, seconds: float) -> Trial:
         progress(f"algorithm {name} {mesh}")
         ask = lambda: (question.scene, question.asked(mesh, {"contact": name}, {})[1])  # noqa: E731
-        return replace(tried(ask, quantity, seconds, progress), contact=name, mesh=mesh)
+        found = tried(ask, quantity, seconds, progress)
+        late = found.ended == SLOWER and name == requested  # nothing is slower than itself: the time is over
+        return replace(found, ended=NOT_TRIED if late else found.ended, contact=name, mesh=mesh)
+
+    def waits(name: str, mesh: str) -> Trial:
+        return Trial(NOT_TRIED, "no time", contact=name, mesh=mesh)
 
     if not clock.fits(foreseen * min(1.0, len(ALGORITHMS) / 4)):
-        return [Trial(NOT_TRIED, "no time", contact=name, mesh=mesh) for name in ALGORITHMS]
+        return [waits(name, mesh) for name in ALGORITHMS]
     heats = {requested: trial(requested, coarse, clock.left)}
     base = max(heats[requested].seconds, 1e-9)
     for name in ALGORITHMS:
-        heats[name] = heats.get(name) or trial(name, coarse, min(PATIENCE * base * clock.wait, clock.left))
+        if name != requested:
+            patient = clock.fits(PATIENCE * base)
+            heats[name] = trial(name, coarse, PATIENCE * base * clock.wait) if patient else waits(name, coarse)
     finals = {}
-    for name in sorted(heats, key=lambda name: (name != requested, heats[name].seconds, name)):
+    pace = {name: PATIENCE if each.ended == NOT_TRIED else each.seconds / base for name, each in heats.items()}
+    for name in sorted(heats, key=lambda name: (name != requested, pace[name], name)):
         if coarse == mesh or heats[name].ended == REFUSED:
             continue
-        expected = foreseen * min(heats[name].seconds / base, PATIENCE)
-        if not clock.fits(expected):
-            finals[name] = Trial(NOT_TRIED, "no time", contact=name, mesh=mesh)
+        if not clock.fits(foreseen * min(pace[name], PATIENCE)):
+            finals[name] = waits(name, mesh)
             continue
         finals[name] = trial(name, mesh, clock.left if name == requested else PATIENCE * foreseen * clock.wait)
         if name == requested:

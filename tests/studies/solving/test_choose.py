@@ -5,20 +5,23 @@ from __future__ import annotations
 import json
 import math
 import shlex
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
 
+from contact.catalogue import ALGORITHMS
 from studies.ask.scene import UsageError
 from studies.cli import INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE, main
 from studies.footprint import choose as choose_in_notebook
 from studies.scenes.complete import complete
 from studies.solving import choose as choosing
+from studies.solving import trials
 from studies.solving.choice import ANSWERED, NOT_ANSWERED
 from studies.solving.choose import choose, loosened
 from studies.solving.solve import solve
-from studies.solving.trials import Clock, Trial
+from studies.solving.trials import SLOWER, Clock, Trial, race
 from studies.solving.verdict import ENOUGH, NOT_ENOUGH, WORDS
 
 PLUGIN = Path(__file__).parents[2] / "plugin" / "stranger.py"
@@ -147,6 +150,35 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
     for known, error in ((spent, 0.05), (choice, 0.01)):
         with pytest.raises(ValueError, match="of ring nothing is known to 1 %"):
             loosened(known, error)
+
+
+@dataclass
+class Race:
+    """Of algorithms that take a second each but for qp, which takes three; at: the time [s]."""
+
+    contact: str = "semismooth"
+    scene: None = None
+    at: float = 0.0
+
+    def asked(self, mesh: str, options: Mapping[str, str], settings: Mapping[str, str]) -> tuple[None, str]:
+        return None, options["contact"]
+
+    def tried(self, ask: Callable[[], tuple[None, str]], quantity: str, seconds: float, progress: object) -> Trial:
+        needs = 3.0 if ask()[1] == "qp" else 1.0
+        spent = min(needs, seconds)
+        self.at += spent
+        return Trial("converged" if spent == needs else SLOWER, seconds=spent)
+
+
+@pytest.mark.parametrize(("budget", "slower"), [(0.6, set()), (2.5, set()), (5.5, set()), (30.0, {"qp"})])
+def test_an_algorithm_is_slower_once_it_has_had_its_time(monkeypatch, budget: float, slower: set[str]) -> None:
+    """Twice that of the one asked for: a budget that ends before says nothing of it."""
+    of = Race()
+    monkeypatch.setattr(trials, "tried", of.tried)
+    actual = race(of, "force_N", ("1x4", "1x8"), 1.0, Clock(budget, lambda: of.at, lambda: of.at), lambda text: None)
+    assert {each.contact for each in actual if each.ended == SLOWER} == slower
+    assert {each.contact for each in actual} == {*ALGORITHMS}
+    assert of.at <= budget
 
 
 @pytest.mark.slow
