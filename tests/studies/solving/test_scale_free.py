@@ -67,8 +67,8 @@ def test_a_panel_is_the_same_in_any_units(name, exponent, contact) -> None:
 def test_the_whole_map_is_of_one_colour(name) -> None:
     """Of all points; a travel that the plane's place of 1 mm has no digit for is none.
 
-    A plate that is inflated as a whole has a second equilibrium, which regularised finds in one step; it says so, or the
-    judge does, that elements are inside out.
+    A plate that is inflated as a whole has a second equilibrium, which regularised finds in one step; it says so, or
+    the judge does, that elements are inside out.
     """
     chart = chart_of(name)
     for i, contact in enumerate(chart.y.values):
