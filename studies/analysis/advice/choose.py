@@ -33,6 +33,7 @@ from studies.analysis.advice.questions import (
     meant,
 )
 from studies.analysis.verify import verified
+from studies.ask.request import Request
 from studies.ask.scene import UsageError
 
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
@@ -104,6 +105,7 @@ def lines(advice: Advice) -> Iterator[str]:
         yield f"  {near['command']}"
         return
     yield asked
+    yield from _of_one_measure(question.cells)
     yield f"cheapest: {words_of(best)}: error at most {100 * best['bound']:.3g} %"
     yield f"  {best['command']}"
     yield f"  {_prices(best)}"
@@ -116,6 +118,13 @@ def lines(advice: Advice) -> Iterator[str]:
         words = without if other is None else f"{words_of(other)}: {advice.times(other):.3g} times the {cost}"
         tied = other is not None and abs(advice.times(other) - 1) <= TIE
         yield f"{name}: {words}{', a tie' if tied else ''}"
+
+
+def _of_one_measure(cells: pd.DataFrame) -> Iterator[str]:
+    """What a reference that holds for one measure says nothing of: whether that measure is enough."""
+    (measure, *others) = dict.fromkeys(cells["measure"])
+    if not others and measure != Request.measure:
+        yield f"of measure {measure} alone: how far {measure} is off from {Request.measure} is not known"
 
 
 def _prices(cell: Mapping[str, Any]) -> str:

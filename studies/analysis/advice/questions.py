@@ -143,7 +143,8 @@ def meant(candidates: list[Question], scene: str, settings: Mapping[str, str]) -
         if wanted.items() <= question.settings.items():
             return question
     has = "; ".join(question.words for question in candidates)
-    raise UsageError(f"{scene} was not solved with {dict(settings)}; it was with: {has}")
+    asked = " ".join(f"{key}={text}" for key, text in settings.items())
+    raise UsageError(f"{scene} was not solved with {asked}; it was with: {has}")
 
 
 def _parsed(scene: str, given: Mapping[str, str]) -> dict[str, str]:

@@ -194,6 +194,22 @@ def test_what_cannot_be_advised_is_one_line_with_and_without_a_store(
         shipped_question(**arguments, directory=tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("measures", "said"), [({"linear": 0.0}, 1), ({"exact": 0.0}, 0), ({"exact": 0, "linear": 0}, 0)]
+)
+def test_a_measure_that_was_solved_alone_is_not_said_to_be_enough(measures: dict[str, float], said: int) -> None:
+    """The closed form of a strip is of linear theory, which is 30 % off from the exact measure."""
+    text = list(lines(advice(cells(measures=measures), 0.01)))
+    assert sum("how far linear is off from exact is not known" in line for line in text) == said
+
+
+def test_settings_that_were_not_solved_are_named_as_they_are_given(sweep: pd.DataFrame) -> None:
+    with pytest.raises(
+        UsageError, match=r"cantilever was not solved with load_fraction=0\.3 element=arc; it was with: "
+    ):
+        asked_question(sweep, verified(sweep), "cantilever", settings={"load_fraction": "0.3", "element": "arc"})
+
+
 def test_what_is_shipped_advises_the_same(sweep: pd.DataFrame, tmp_path: Path) -> None:
     for name, actual in shipped_tables(sweep, verified(sweep)).items():
         actual.to_csv(tmp_path / f"{name}.csv", index=False)
