@@ -49,7 +49,8 @@ class Range:
         label = f"over {setting.key}={wanted if text else list(wanted)}"
         form = f"N values from A to B, N a whole number in [{FEWEST}, {LONGEST}]"
         if setting.kind != "float":
-            raise UsageError(f"{label}: {setting.key} is not one number: {setting.range_text}")
+            several = f"; a solve takes several, --set {setting.key}=A,B,..." if setting.kind == "floats" else ""
+            raise UsageError(f"{label}: {setting.key} is not one number: {setting.range_text}{several}")
         *ends, number = map(str, wanted.split(":") if isinstance(wanted, str) else (*wanted, len(wanted)))
         if (text and len(ends) != 2) or not number.isdecimal() or not FEWEST <= int(number) <= LONGEST:
             raise UsageError(f"{label} must be A:B:N, {form}")

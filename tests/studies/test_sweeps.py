@@ -63,7 +63,7 @@ def table(out: Path) -> pd.DataFrame:
         (["panel", "--over", "nu=0.3:0.3:3"], "A and B must be two finite numbers"),
         (["panel", "--over", "mu=0:inf:3"], "A and B must be two finite numbers"),
         (["panel", "--over", "shape=1:2:3"], "shape is not one number: one of cylinder, sphere, plate"),
-        (["tyre", "--over", "delta_mm=1:2:3"], "delta_mm is not one number: increasing numbers in [0, 100]"),
+        (["tyre", "--over", "delta_mm=1:2:3"], "numbers in [0, 100]; a solve takes several, --set delta_mm=A,B,..."),
         (["tyre", "--over", "plies=1:4:4"], "plies is not one number: a whole number in [1, 64]"),
         (["panel", "--over", "nix=0:1:3"], "panel has no setting 'nix'; it has "),
         (["nix", "--over", "nu=0:1:3"], "scene 'nix' must be one of "),
