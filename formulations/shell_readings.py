@@ -13,6 +13,8 @@ from formulations.element.quad_sampling import mid_lines
 from formulations.element.strain_operator import shape_functions
 from formulations.section.laminate import PLANE, strain_rotation
 
+SEEN = 0.5  # of the volume of an element at rest: chords see 2/pi of it on a quarter of a circle, none on half of one
+
 
 class ShellReadings(ABC):
     """Of a shell with these parts; ``_dead``: element forces of its dead loads."""
@@ -43,14 +45,16 @@ class ShellReadings(ABC):
     def volume_ratios(self, u: np.ndarray) -> np.ndarray:
         """Volumes (E,) of the elements at u over those at rest, (x,1 x x,2) . (x+ - x-) at their centres, x midway.
 
-        Below zero where an element is turned inside out, as where the inner face lies beyond the outer.
+        Below zero where an element is turned inside out, as where the inner face lies beyond the outer. NaN where the
+        element is so curved at rest that its chords see less than SEEN of its volume.
         """
         shell = self.discretisation
         rest, elements = np.array(shell.positions()), shell.grid.elements
         ends = rest, rest + shell.cartesian(u, self.prescribed)
         here = [(mid_lines(x.mean(axis=0)[elements]), np.diff(x, axis=0)[0][elements].mean(axis=1)) for x in ends]
         before, after = (np.sum(np.cross(lines[:, 0], lines[:, 1]) * across, axis=-1) for lines, across in here)
-        return np.asarray(after / before)
+        seen = np.abs(before) >= SEEN * shell.geometry.weight * shell.laminate.thickness
+        return np.divide(after, before, out=np.full(len(before), np.nan), where=seen)
 
     def resultants(self, u: np.ndarray) -> np.ndarray:
         """Mode resultants H (E, 22) [N/mm], in the order of :data:`formulations.element.mixed.MODES`.

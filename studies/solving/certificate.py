@@ -88,7 +88,7 @@ def _inside_out(problem: ContactProblem, u: np.ndarray) -> str:
     if problem.volume_ratios is None or not np.all(np.isfinite(u)):
         return ""
     ratios = problem.volume_ratios(u)
-    count, least = int(np.sum(ratios <= 0)), float(np.min(ratios, initial=np.inf))
+    count, least = int(np.sum(ratios <= 0)), float(np.nanmin(ratios, initial=np.inf))
     turned = f"{count} of {len(ratios)} elements {'is' if count == 1 else 'are'} inside out"
     return f"{INVERTED}: {turned}, the worst of {least:.3g} times its volume at rest" if count else ""
 

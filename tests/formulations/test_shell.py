@@ -148,7 +148,7 @@ def test_scaled_shell_scales_its_loads_only(curved_patch, rng) -> None:
 
 
 def test_volume_is_kept_by_a_rigid_turn_and_lost_where_the_faces_change_places(curved_patch) -> None:
-    shell = make_shell(curved_patch.surface, curved_patch.grid(2, 3))
+    shell = make_shell(curved_patch.surface, curved_patch.grid(4, 6))
     body = shell.discretisation
     inner, outer = body.positions()
     frame = body.surface.frame(*body.grid.nodes.T)

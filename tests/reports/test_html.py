@@ -28,7 +28,7 @@ PIECES = {
     "**bold.** More": "<p><strong>bold.</strong> More</p>",
     "- one\n- [two](y.md#z)": '<ul>\n<li>one</li>\n<li><a href="#y.md#z">two</a></li>\n</ul>',
     "1. one\n2. two": "<ol>\n<li>one</li>\n<li>two</li>\n</ol>",
-    picture("a.svg", "words", "").text: "<figure>[a.svg|words]</figure>",
+    picture("a.svg", "words", str).text: "<figure>[a.svg|words]</figure>",
     "```sh\na <b>\n\nc\n```": '<pre><code class="language-sh">a &lt;b&gt;\n\nc\n</code></pre>',
     machine("text"): "<p>text</p>",
     commands(["x --y"]): (

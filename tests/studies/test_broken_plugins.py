@@ -384,8 +384,8 @@ PLANES = {
     "(np.full(3, np.nan), 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [nan nan nan]",
     "([1.0, 0.0], 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [1.0, 0.0]",
     "(UP, np.nan)": "where the foundation is at rest is not a number",
-    "(-UP, -1.5)": "the wall at rest lies 1 mm deep in the foundation: the normal of a plane points from the wall",
-    "(UP, -50.0)": "the wall at rest lies 50.5 mm deep in the foundation: the normal of a plane points from the wall",
+    "(-UP, -1.5)": "all of the wall at rest lies in the foundation, 1 mm deep: the normal of a plane points from",
+    "(UP, -50.0)": "all of the wall at rest lies in the foundation, 50.5 mm deep: the normal of a plane points from",
 }
 
 

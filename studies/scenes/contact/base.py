@@ -106,13 +106,17 @@ class ContactModel(ShellSceneModel):
         return self.problem_at, ContactSolution(np.zeros(self.n_unknowns), np.zeros(m), touching, Outcome.CONVERGED)
 
     def _stand_before_foundation(self) -> None:
-        """Raise UsageError where the wall at rest lies in the foundation, or that is nowhere: no path begins there."""
+        """Raise UsageError where all of the wall at rest lies in the foundation, or that is nowhere.
+
+        Some of it may: loads lift it out before the foundation is there.
+        """
         x = self.candidates.reference
-        gap = float(np.min(self.plane_at(0.0).gap(x), initial=np.inf))
-        if np.isnan(gap):
+        gap = self.plane_at(0.0).gap(x)
+        if np.any(np.isnan(gap)):
             raise UsageError("where the foundation is at rest is not a number")
-        if -gap > OVERLAP * self.shell.discretisation.laminate.thickness + ROUNDING * np.max(np.abs(x), initial=0.0):
-            inside = f"the wall at rest lies {-gap:.3g} mm deep in the foundation"
+        rounding = OVERLAP * self.shell.discretisation.laminate.thickness + ROUNDING * np.max(np.abs(x), initial=0.0)
+        if np.all(gap <= rounding) and np.any(gap < -rounding):
+            inside = f"all of the wall at rest lies in the foundation, {-gap.min():.3g} mm deep"
             raise UsageError(f"{inside}: the normal of a plane points from the wall to it, the offset is along that")
 
     def moved(self, t: float) -> Self:

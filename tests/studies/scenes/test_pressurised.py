@@ -3,6 +3,8 @@
 The pinched rubber cylinder against a solid of the same law, and a ring that does not stretch.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -14,9 +16,11 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
+from studies.ask.scene import ShellSceneModel
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
 from studies.scenes.benchmarks.rubber import SOLID, UNIT, WALL, PinchedRubber
+from studies.scenes.complete import complete
 from support.problems.solved import at, ended, read, referenced, solved
 
 OLD = {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "compatible"}
@@ -51,6 +55,14 @@ def test_the_volume_of_a_pressurised_wall_is_that_of_its_stretch_and_its_thickne
     assert result.end.problem.volume_ratios is not None
     ratios = result.end.problem.volume_ratios(result.end.point.solution.u)
     assert ratios == pytest.approx(np.full(16, stretch**2 * thickness), rel=1e-5)  # nodes differ by 3e-6
+
+
+@pytest.mark.parametrize(("mesh", "ratio"), [("2x2", math.nan), ("2x4", 1.0)])
+def test_an_element_of_half_a_circle_has_no_volume_that_its_chords_see(mesh: str, ratio: float) -> None:
+    scene, request = complete("sze-annulus", {}, mesh)
+    model = scene.build(request)
+    assert isinstance(model, ShellSceneModel)
+    np.testing.assert_allclose(model.shell.volume_ratios(np.zeros(model.n_unknowns)), ratio, rtol=1e-12)
 
 
 def test_volumes_of_linear_strains_are_not_judged() -> None:
