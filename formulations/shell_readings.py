@@ -9,7 +9,6 @@ import numpy as np
 
 from formulations.discretisation import Discretisation
 from formulations.element.modal import ModalElement
-from formulations.element.quad_sampling import mid_lines
 from formulations.element.strain_operator import shape_functions
 from formulations.section.laminate import PLANE, strain_rotation
 
@@ -49,10 +48,15 @@ class ShellReadings(ABC):
         element is so curved at rest that its chords see less than SEEN of its volume.
         """
         shell = self.discretisation
-        rest, elements = np.array(shell.positions()), shell.grid.elements
-        ends = rest, rest + shell.cartesian(u, self.prescribed)
-        here = [(mid_lines(x.mean(axis=0)[elements]), np.diff(x, axis=0)[0][elements].mean(axis=1)) for x in ends]
-        before, after = (np.sum(np.cross(lines[:, 0], lines[:, 1]) * across, axis=-1) for lines, across in here)
+        rest = np.array(shell.positions())
+        slopes = 2.0 * shape_functions(np.zeros((1, 2)))[1][0]  # along both middle lines, from side to side
+
+        def volumes(faces: np.ndarray) -> np.ndarray:
+            inner, outer = faces[:, shell.grid.elements]
+            along, other = np.einsum("br,erx->bex", slopes, 0.5 * (inner + outer))
+            return np.sum(np.cross(along, other) * np.mean(outer - inner, axis=1), axis=-1)
+
+        before, after = volumes(rest), volumes(rest + shell.cartesian(u, self.prescribed))
         seen = np.abs(before) >= SEEN * shell.geometry.weight * shell.laminate.thickness
         return np.divide(after, before, out=np.full(len(before), np.nan), where=seen)
 
