@@ -22,14 +22,14 @@ class UsageError(ValueError):
     """A wrong request; its message is the one line the user reads."""
 
 
-def names_for(wrong: str, names: Collection[str], where: str) -> str:
+def names_for(wrong: object, names: Collection[str], where: str) -> str:
     """The names there are, for the line that refuses a wrong one: few of them all, of many those that read like it.
 
     where: the command that lists all.
     """
     if len(names) <= FEW:
         return ", ".join(names)
-    alike = ", ".join(get_close_matches(wrong, names, 5, ALIKE))
+    alike = ", ".join(get_close_matches(str(wrong), names, 5, ALIKE))
     return f"{len(names)}, see {where}" + (f"; did you mean {alike}?" if alike else "")
 
 

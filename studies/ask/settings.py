@@ -100,9 +100,10 @@ class Setting:
         """The value of a text or of Python's numbers and sequences; raises UsageError naming it and the range."""
         wrong = UsageError(f"{self.key} = {value!r} must be {self.range_text}")
         if self.kind == "choice":
-            if value not in self.choices:
+            word = text_of(value)
+            if word not in self.choices:
                 raise wrong
-            return str(value)
+            return word
         parts = value.split(",") if isinstance(value, str) else np.atleast_1d(np.asarray(value, dtype=object)).tolist()
         try:
             numbers = tuple(float(part) for part in parts if not isinstance(part, bool))
@@ -135,6 +136,7 @@ MU = Setting("mu", None, "Coulomb's coefficient of friction", low=0, infinite=Tr
 STOPS = "stops of the foundation on its way {} once it has pressed, in turn"
 DRAG = Setting("drag_mm", None, STOPS.format("along itself"), "path", otherwise="it is not dragged")
 WAY = Setting("drag_deg", None, "direction of the drag in the tangent plane", low=-360, high=360, otherwise="0")
+STEPS = Setting("steps", 1, "load steps between two requested loads", "int", low=1, high=10_000)
 TURN = Setting("turn_deg", None, STOPS.format("around its normal, after the drag,"), "path", otherwise="no turn")
 SLIDING = (DRAG, WAY, TURN)
 

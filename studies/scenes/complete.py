@@ -4,7 +4,7 @@ and the references of its scene that are valid for it, at a load.
 
 import importlib.util
 import math
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from contact.catalogue import ALGORITHMS
 from formulations.section.laws import LINEAR
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.ask.request import Request, Settings, Value, names_for
+from studies.ask.request import Request, Settings, Value, names_for, text_of
 from studies.ask.scene import (
     EPSILON,
     CompletingScene,
@@ -24,7 +24,7 @@ from studies.ask.scene import (
     has_contact,
     settings_beside,
 )
-from studies.ask.settings import completed, parameters_of, rubbing, settings_of, without_friction
+from studies.ask.settings import STEPS, completed, parameters_of, rubbing, settings_of, without_friction
 from studies.scenes import SCENES
 from studies.scenes.plugins import use_options
 
@@ -67,7 +67,7 @@ def complete(
 
     given, mesh: text, or Python's values.  options: measure, contact, newton, model, steps.
     """
-    scene = SCENES.get(scene_name)
+    scene = SCENES.get(scene_name) if isinstance(scene_name, str) else None
     if scene is None:
         raise UsageError(
             f"scene {scene_name!r} must be one of {names_for(scene_name, SCENES, 'footprint list scenes')}"
@@ -85,6 +85,8 @@ def complete(
     settings = _with_defaults(known, chosen)
     if isinstance(scene, CompletingScene):
         settings = scene.complete(settings)
+    if STEPS.key in options:
+        options[STEPS.key] = STEPS.parse(options[STEPS.key])
     request = Request(scene_name, mesh=_mesh(mesh, scene), **options)
     for name, value, choices in (
         ("measure", request.measure, MEASURES),
@@ -92,10 +94,8 @@ def complete(
         ("newton", request.newton, NEWTONS),
         ("model", request.model, scene.models if isinstance(scene, SettlingScene) else MODELS),
     ):
-        if value not in choices:
+        if not isinstance(value, str) or value not in choices:
             raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
-    if not isinstance(request.steps, int) or not 1 <= request.steps <= 10_000:
-        raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install -e '.[mkl]' in the checkout of Footprint")
     if has_contact(scene) and EPSILON.key not in settings:
@@ -126,7 +126,7 @@ def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> 
 def _mesh(mesh: str | Sequence[int] | None, scene: Scene) -> tuple[int, int]:
     if mesh is None:
         return scene.default_mesh
-    text = mesh if isinstance(mesh, str) else "x".join(map(str, mesh)) if isinstance(mesh, Sequence) else repr(mesh)
+    text = mesh if isinstance(mesh, str) else "x".join(map(text_of, mesh)) if isinstance(mesh, Iterable) else repr(mesh)
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
         raise UsageError(f"mesh {text!r} must be N1xN2 with two whole numbers, e.g. 42x40")

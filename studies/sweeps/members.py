@@ -46,12 +46,13 @@ class Range:
     def of(cls, setting: Setting, wanted: str | Sequence[float]) -> Range:
         """From "A:B:N", or from the values; raises UsageError with one line."""
         text = isinstance(wanted, str)
-        label = f"over {setting.key}={wanted if text else list(wanted)}"
+        given = wanted if text else np.atleast_1d(np.asarray(wanted, dtype=object)).tolist()
+        label = f"over {setting.key}={given}"
         form = f"N values from A to B, N a whole number in [{FEWEST}, {LONGEST}]"
         if setting.kind != "float":
             several = f"; a solve takes several, --set {setting.key}=A,B,..." if setting.kind == "floats" else ""
             raise UsageError(f"{label}: {setting.key} is not one number: {setting.range_text}{several}")
-        *ends, number = map(str, wanted.split(":") if isinstance(wanted, str) else (*wanted, len(wanted)))
+        *ends, number = map(str, given.split(":") if isinstance(given, str) else (*given, len(given)))
         if (text and len(ends) != 2) or not number.isdecimal() or not FEWEST <= int(number) <= LONGEST:
             raise UsageError(f"{label} must be A:B:N, {form}")
         numbers = np.array([setting.parse(end) for end in ends], float)
@@ -59,7 +60,7 @@ class Range:
         if np.isfinite(values).all():  # digits of rounding are no part of a setting: 0 is 0
             values[1:-1] = values[1:-1].round(DIGITS - int(np.ceil(np.log10(np.max(np.abs(values)) or 1.0))))
         if not np.isfinite(values).all() or values[0] == values[-1]:
-            raise UsageError(f"{label}: A and B must be two finite numbers")
+            raise UsageError(f"{label}: A and B must be two finite numbers that differ")
         if not text and np.max(np.abs(values - numbers)) > UNEVEN * abs(values[1] - values[0]):
             raise UsageError(f"{label} must be evenly spaced")
         return cls(setting.key, tuple(values.tolist()))
@@ -69,6 +70,8 @@ def ranges_of(
     scene: str, over: Mapping[str, str | Sequence[float]], given: Mapping[str, object], contact: str
 ) -> tuple[Range, ...]:
     """One or two of them; raises UsageError with one line."""
+    if not isinstance(over, Mapping):
+        raise UsageError(f"over {over!r} must be settings with their values, as {{'KEY': [A, ..., B]}}")
     if not 1 <= len(over) <= DIRECTIONS:
         raise UsageError(f"over {', '.join(over) or 'nothing'}: a sweep goes over one setting or two")
     known: dict[str, Setting] = {}

@@ -9,6 +9,7 @@ import sys
 import typing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -77,21 +78,49 @@ def test_what_does_not_converge_is_kept() -> None:
         ("tyre", {"mesh": (12, 12.5)}, "two whole numbers"),
         ("tyre", {"mesh": 12}, "two whole numbers"),
         ("tyre", {"steps": 1.5}, "whole number"),
+        ("tyre", {"steps": True}, "whole number"),
+        ("tyre", {"measure": ["exact"]}, "must be one of exact"),
+        (1, {}, "scene 1 must be one of"),
+        (["tyre"], {}, "must be one of"),
         ("tyre", {"measure": "cubic"}, "measure 'cubic' must be one of"),
         ("tyre", {"mesh": "12x12", "contact": "regularised", "epsilon": np.inf}, "does not apply"),
     ],
 )
-def test_wrong_use_is_one_line(scene: str, asked: dict[str, object], says: str) -> None:
+def test_wrong_use_is_one_line(scene: Any, asked: dict[str, object], says: str) -> None:
     with pytest.raises(UsageError, match=says) as error:
         solve(scene, **asked)
     assert "\n" not in str(error.value)
 
 
+def test_values_of_numpy_and_whole_numbers_are_those_of_text() -> None:
+    text = solve("cantilever", mesh="4x1", steps=2, surfaces="3", mesh_error=False)
+    values = solve("cantilever", mesh=np.array([4, 1]), steps=np.int64(2), surfaces=3, mesh_error=False)
+    assert values.result.request == text.result.request
+    assert solve("cantilever", mesh=(4.0, 1.0), steps="2", surfaces="3", mesh_error=False).steps.equals(text.steps)
+
+
+@pytest.mark.parametrize(
+    ("over", "says"),
+    [
+        ({"h_mm": 1}, r"over h_mm=\[1\] must be A:B:N"),
+        (["h_mm"], r"must be settings with their values"),
+        ({"h_mm": [1, 1]}, "two finite numbers that differ"),
+    ],
+)
+def test_a_wrong_range_is_one_line(over: Any, says: str) -> None:
+    with pytest.raises(UsageError, match=says):
+        sweep("ring", over, mesh="1x12", delta_mm=20)
+
+
+@pytest.mark.parametrize("name", ["bicycle", None, ["tyre"]])
+def test_what_is_no_part_is_not_described(name: Any) -> None:
+    with pytest.raises(UsageError):
+        describe(name)
+
+
 def test_describe_is_show() -> None:
     settings = describe("tyre").settings.set_index("name")
     assert settings.loc["delta_mm", ["unit", "default"]].tolist() == ["mm", "5,10,15,20"]
-    with pytest.raises(UsageError):
-        describe("bicycle")
 
 
 def test_the_package_is_light_and_its_names_stay_functions() -> None:
