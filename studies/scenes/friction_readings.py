@@ -13,8 +13,9 @@ from studies.ask.scene import Units
 from studies.output.atomic import Table
 
 FRICTION = "friction"  # the table
+RESULTANT = "friction_N"
 FORCES = (
-    "friction_N",
+    RESULTANT,
     "bound_N",
     "moment_N_mm",
     "moment_bound_N_mm",
@@ -22,6 +23,7 @@ FORCES = (
     "slipping",
     "dissipation_N_mm",
 )
+COMPONENTS = tuple(f"friction_{axis}_N" for axis in "xyz")
 
 
 def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dict[str, float]:
@@ -77,6 +79,11 @@ def nodal(problem: ContactProblem, state: ContactSolution, units: Units) -> Tabl
     normal, pull = problem.nodal_forces(state.pressure)[touch], in_space(problem, state)[touch] / units.force
     columns: dict[str, Any] = {"candidate": touch, "normal_N": normal / units.force}
     columns |= {f"{axis}_mm": y[:, i] for i, axis in enumerate("xyz")}
-    columns |= {f"friction_{axis}_N": pull[:, i] for i, axis in enumerate("xyz")}
+    columns |= {name: pull[:, i] for i, name in enumerate(COMPONENTS)}
     columns |= {"slip_mm": np.linalg.norm(slips, axis=1), "area_mm2": problem.weights[touch] / units.length**2}
     return Table.of({**columns, "sticks": (state.friction.state[touch] == State.STICK).astype(int)})
+
+
+def resultant(table: Table) -> np.ndarray:
+    """(3,) [N] of the friction of all candidates that touch, whose table is that of :func:`nodal`."""
+    return np.array([sum(table.columns[name]) for name in COMPONENTS], float)

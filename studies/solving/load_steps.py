@@ -8,20 +8,27 @@ within, 75 of 75 from 2 steps; 9 of the 11 others are the dissipation of a singl
 both steps are too long for anything to slip, they say nothing: a ring of 32 elements has the same force in 4 steps as
 in 1, and another one in 8. Halved are the accepted steps, those of automatic cuts, too. The answer is not changed.
 
+The resultant of friction is a vector: where it turns from one path to the other, its length may agree and it does not.
+F' - F is the length of the difference of both.
+
 No scene, no algorithm and nothing of Newton may enter here.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate, chain
 from typing import Any
 
+import numpy as np
+
 from studies.ask.scene import Observation, Stage
 from studies.ask.settings import configured
 from studies.output.atomic import Table
+from studies.scenes.friction_readings import FRICTION, RESULTANT, resultant
 from studies.scenes.walk import Visited, walk
 from studies.solving.certificate import certificate
 from studies.solving.friction_stages import Stages
@@ -30,7 +37,8 @@ from studies.solving.result import COUNTS, SOLVED, Result, unit_of
 TABLE = "load_steps"
 SAFETY = 3.0  # of an estimate by two grids, whose order was not observed: Roache, J. Fluids Eng. 116 (1994) 405-413
 NOISE = 10.0  # times the tolerance of the largest in a unit: what is smaller is no difference
-SHOWN, IN_A_TURN = "friction_N", "moment_N_mm"  # beside the first quantity
+SHOWN, IN_A_TURN = RESULTANT, "moment_N_mm"  # beside the first quantity
+TURNED = 1.0  # deg: from here on the turn of a resultant is told
 REMARK = (
     "errors of load steps are estimates: two paths, one with half the steps, do not show that their order is 1; "
     f"the intervals are {SAFETY:g} times as wide"
@@ -39,17 +47,23 @@ REMARK = (
 
 @dataclass(frozen=True)
 class StepError:
-    """A quantity at a load, and on the path of half steps.  noise: less is no difference."""
+    """A quantity at a load, and on the path of half steps.  noise: less is no difference.
+
+    turned_deg: angle a between both where these are the lengths F, F' of vectors, which then differ by the root of
+    (F' - F)^2 + 4 F F' sin^2(a/2).
+    """
 
     quantity: str
     value: float
     halved: float
     noise: float
+    turned_deg: float = 0.0
 
     @property
     def error(self) -> float:
-        """What is to be added to the value, if that is of first order in the step."""
-        return 2 * (self.halved - self.value)
+        """What is to be added to the value, if that is of first order in the step; of a vector its length."""
+        apart = 2 * math.sqrt(abs(self.value * self.halved)) * math.sin(math.radians(self.turned_deg) / 2)
+        return 2 * math.copysign(math.hypot(self.halved - self.value, apart), self.halved - self.value)
 
     @property
     def interval(self) -> dict[str, float]:
@@ -61,7 +75,8 @@ class StepError:
     def row(self) -> dict[str, Any]:
         """As plain data."""
         figures = {"quantity": self.quantity, "value": self.value, "halved": self.halved, "error": self.error}
-        return {**figures, "noise": self.noise, "low": None, "high": None, **self.interval}
+        more = {"noise": self.noise, "turned_deg": self.turned_deg, "low": None, "high": None}
+        return {**figures, **more, **self.interval}
 
 
 def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) -> None:
@@ -74,6 +89,7 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     start, rows = time.process_time(), list[dict[str, Any]]()
     loads = (each for each in enumerate(result.loads) if each[1].counters["substeps"])  # others: nothing to halve
     headline, of_load = dict[str, StepError](), result.headline_loads
+    pulls = map(resultant, result.tables.get(FRICTION, []))  # of the loads that have friction, in turn
     result.remarks.append(REMARK)
     for visited, steps in _halved(result, tell):
         stage, at = visited.stage.name, visited.point.requested
@@ -84,7 +100,9 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
         if observation.step is None:
             continue
         number, step = next(loads)
-        step_errors = compared(step.quantities, observation.step, result.request.number("tolerance"))
+        rubs = RESULTANT in step.quantities
+        turned = _angle_deg(next(pulls), resultant(observation.tables()[FRICTION])) if rubs else 0.0
+        step_errors = compared(step.quantities, observation.step, result.request.number("tolerance"), turned)
         headline |= {each.quantity: each for each in step_errors if of_load.get(each.quantity) == number}
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
         rows += [{"stage": stage, "load": at, **spent, **each.row} for each in step_errors]
@@ -102,11 +120,24 @@ def _widened(interval: Mapping[str, float], steps: StepError) -> dict[str, float
     return {"low": interval["low"] - width, "high": interval["high"] + width}
 
 
-def compared(mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float) -> list[StepError]:
-    """The quantities of a load that are no counts, beside those of the path of half steps."""
+def compared(
+    mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float, turned_deg: float = 0.0
+) -> list[StepError]:
+    """The quantities of a load that are no counts, beside those of the path of half steps.
+
+    turned_deg: between the resultants of friction.
+    """
     values = {key: value for key, value in mine.items() if key not in COUNTS and isinstance(value, float)}
     largest = {unit: max(abs(v) for k, v in values.items() if unit_of(k) == unit) for unit in map(unit_of, values)}
-    return [StepError(k, v, float(other[k]), NOISE * tolerance * largest[unit_of(k)]) for k, v in values.items()]
+    return [
+        StepError(k, v, float(other[k]), NOISE * tolerance * largest[unit_of(k)], turned_deg if k == RESULTANT else 0.0)
+        for k, v in values.items()
+    ]
+
+
+def _angle_deg(one: np.ndarray, other: np.ndarray) -> float:
+    """Between two vectors (3,); 0 where one is nothing."""
+    return math.degrees(math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other)))
 
 
 def _halved(result: Result, tell: Callable[[str], None]) -> Iterator[tuple[Visited, int]]:
@@ -160,6 +191,7 @@ def _line(row: Mapping[str, Any]) -> str:
     head = f"{row['stage']} {row['load'] + 0.0:g}: {row['quantity']} {row['value']:.6g} in {row['substeps']} steps"
     if abs(row["error"]) <= row["noise"]:
         return f"{head}, the same in {row['halved_substeps']}, which says nothing of its error"
+    turned = f", turned by {row['turned_deg']:.3g} degrees" if row["turned_deg"] >= TURNED else ""
     share = 100 * abs(row["error"] / row["value"])
     size = f"first-order error of this answer {abs(row['error']):.2g} ({share:.2g} %)"
-    return f"{head}, {row['halved']:.6g} in {row['halved_substeps']}; {size}"
+    return f"{head}, {row['halved']:.6g} in {row['halved_substeps']}{turned}; {size}"

@@ -109,6 +109,23 @@ def test_paths_that_agree_say_nothing() -> None:
     assert StepError("force_N", 10.0, 10.5, 1e-8).interval == {"low": 7.0, "high": 13.0}
 
 
+def test_a_resultant_that_turns_round_is_not_taken_for_the_same() -> None:
+    """In one step the strip is pulled outwards, in more of them inwards, by all but the same force."""
+    result = solve(*complete("strip-contact", {"mu": 0.3, "load_fraction": (5.0,)}, "32x1"))
+    estimate(result)
+    (row,) = (row for row in result.table(TABLE).rows() if row["quantity"] == "friction_N")
+    assert row["halved"] == pytest.approx(row["value"], rel=1e-3)
+    assert abs(row["error"]) == pytest.approx(2 * (row["value"] + row["halved"]), rel=1e-9)
+    assert row["low"] < -row["value"]
+    assert any("turned by 180 degrees; first-order error" in line for line in lines(result))
+
+
+def test_the_error_of_a_vector_is_the_length_of_a_difference() -> None:
+    right = StepError("friction_N", 3.0, 4.0, 1e-8, turned_deg=90.0)
+    assert right.error == pytest.approx(10.0, rel=1e-12)
+    assert StepError("friction_N", 4.0, 3.0, 1e-8, turned_deg=0.0).error == -2.0
+
+
 @pytest.mark.slow
 def test_the_command_prints_the_error_beside_the_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     settings = ["shape=plate", "mu=0.4", "delta_mm=0.5", "drag_mm=0.1,0.02"]
