@@ -4,6 +4,10 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
 from studies.ask.request import UsageError
 from studies.scenes.mesh_file.keywords import Card, Place, Row, listed, named, shown
 
@@ -99,6 +103,8 @@ class Deck:
         for layer in (layer for section in self.sections for layer in section.layers):
             if self.materials.get(layer.material) is None:
                 layer.row.refuse(f"there is no material {shown(layer.material)} with *ELASTIC")
+            if layer.thickness <= 0:
+                layer.row.refuse(f"thickness = {layer.thickness:g} must be a positive number")
         bare = [each for each in self.elements if each not in self.section_of]
         if bare:
             raise UsageError(f"{name}: no *SHELL SECTION for the elements {listed(bare)}")
@@ -116,6 +122,22 @@ class Deck:
             lost = [node for node in of if node not in used]
             if lost:
                 raise UsageError(f"{name}: a {what} on nodes of no element: {listed(lost)}")
+        loose = self._unsupported()
+        if loose:
+            raise UsageError(
+                f"{name}: no support on the part of the elements {listed(loose)}, which have no node in common with "
+                "the others: where two nodes stand at one place, merge them"
+            )
+
+    def _unsupported(self) -> list[int]:
+        """The elements that no chain of elements with common nodes joins to a node which is held in any degree."""
+        labels, corners = list(self.elements), np.array(list(self.elements.values()))
+        _, nodes = np.unique(corners, return_inverse=True)
+        first, others = np.repeat(nodes.reshape(-1, 4)[:, :1], 3, axis=1).ravel(), nodes.reshape(-1, 4)[:, 1:].ravel()
+        links = coo_array((np.ones(len(first), bool), (first, others)), shape=2 * (nodes.max() + 1,))
+        part = connected_components(links, directed=False)[1][nodes.reshape(-1, 4)]
+        held = np.isin(part[:, 0], part[np.isin(corners, list(self.degrees))])
+        return [label for label, each in zip(labels, held.tolist(), strict=True) if not each]
 
     def listed(
         self,

@@ -250,7 +250,7 @@ PAIR = [*TWO, "*ELEMENT, TYPE=S4, ELSET=ALL", "1, 1, 2, 3, 4", "2, 2, 5, 6, 3", 
         ("ROOT, 1, 6", ["ROOT, 4, 6"], "degrees 4, 5, 6 at node 1, whose normal is (0, 0, 1)"),
         ("ROOT, 1, 6", ["ROOT, ZSYMM"], "planes of symmetry in which the normal lies"),
         ("*NSET, NSET=ROOT", ["*NSET, NSET=ROOT, GENERATE"], "there is no node"),
-        ("0.1", ["-0.1"], "thickness = -0.1 must be a positive number"),
+        ("0.1", ["-0.1"], "line 15: thickness = -0.1 must be a positive number"),
         ("1.2e6, 0.", ["1.2e6, 0.5"], "nu = 0.5 must lie in (-1, 0.5)"),
         ("5, 3, 1.", ["5, 7, 1."], "degree of freedom 7: understood are 1 to 6"),
         ("5, 3, 1.", ["5, 6, 1."], "the moment on node 5 turns about the normal (0, 0, 1)"),
@@ -295,6 +295,14 @@ def test_a_deck_of_bricks_is_refused(tmp_path, capsys) -> None:
     assert main(["export", "cantilever", "--mesh", "4x1", "--format", "inp", "--out", str(deck)]) == OK
     assert main(["solve", str(deck), "--out", str(tmp_path / "out")]) == WRONG_USE
     assert "C3D20" in capsys.readouterr().err
+
+
+def test_a_part_that_hangs_on_nothing_is_refused_with_its_elements(tmp_path, capsys) -> None:
+    seam = swapped(PAIR, "2, 2, 5, 6, 3", "2, 7, 5, 6, 8")
+    seam = swapped(seam, "6, 2, 1, 0", "6, 2, 1, 0", "7, 1, 0, 0", "8, 1, 1, 0")
+    assert "no support on the part of the elements 2, which have no node" in refused(tmp_path, capsys, seam)
+    held = swapped(seam, "ROOT, 1, 6", "ROOT, 1, 6", "7, 1, 6", "8, 1, 6")
+    assert main(["solve", written(tmp_path, held), "--no-error", "--out", str(tmp_path / "held")]) == OK
 
 
 def test_a_shell_that_is_free_to_move_is_no_answer(tmp_path) -> None:
