@@ -16,7 +16,8 @@ Unit normals at the nodes of a mesh of quadrilaterals, from positions alone, wit
 Those of the triangles e_i x e_j of two edges at a node, weighted by 1/(|e_i|^2 |e_j|^2): on a sphere the mean is exact.
 At the rim half of the triangles are missing: there n is at right angles to the tangent of the rim, and along the edge c
 to a node inside it has the component of an arc, whose normals at both ends of c have opposite ones, n.c = -n_inside.c;
-at a corner of a single element along both of its edges. Source: Max, Journal of Graphics Tools 4 (1999) 1-6.
+at a corner, in the mean of squares, those along all of its edges.
+Source: Max, Journal of Graphics Tools 4 (1999) 1-6.
 """
 
 from dataclasses import dataclass
@@ -186,6 +187,8 @@ def unit(x: np.ndarray) -> np.ndarray:
 
 
 SMOOTH = 45.0  # degrees between two edges of the rim, above which it has no tangent
+TURNS = 4  # of Newton's method for a normal, from O(h) on
+PARALLEL = 1e-6  # sine squared of the angle between edges that have one direction
 
 
 def nodal_normals(x: np.ndarray, elements: np.ndarray, given: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -197,27 +200,45 @@ def nodal_normals(x: np.ndarray, elements: np.ndarray, given: np.ndarray, known:
     weight = np.sum(onwards**2, axis=-1) * np.sum(back**2, axis=-1)
     total = np.zeros_like(x)
     np.add.at(total, elements, np.cross(onwards, back) / weight[..., None])
-    normals = np.where(known[:, None], given, unit(total))
+    normals = np.where(known[:, None], given, _unit_or_none(total))
     ends, sides = edges_of(elements)
     rim = np.zeros(len(x), bool)
     alone = np.bincount(sides.ravel(), minlength=len(ends)) == 1
     rim[ends[alone]] = True
-    both = np.concatenate([ends[~alone], ends[~alone, ::-1]])  # an edge of the rim is along its tangent
-    inwards = both[(rim & ~known)[both[:, 0]] & (~rim | known)[both[:, 1]]]
+    tangents = _unit_or_none(rim_tangents(x, elements, SMOOTH))
     single = np.bincount(elements.ravel(), minlength=len(x)) == 1
+    sought = rim & ~known & normals.any(axis=1)
+    corner = sought & (single | ~tangents.any(axis=1))
+    both = np.concatenate([ends[~alone], ends[~alone, ::-1]])  # an edge of the rim is along its tangent
+    at, inside = both[(sought & ~corner)[both[:, 0]] & (~rim | known)[both[:, 1]]].T
     turned = np.zeros_like(x)
-    at, inside = inwards[~single[inwards[:, 0]]].T
-    tangent = unit(rim_tangents(x, elements, SMOOTH)[at])
-    np.add.at(turned, at, _as_on_an_arc(normals[at], x[inside] - x[at], normals[inside], tangent))
+    np.add.at(turned, at, _as_on_an_arc(normals[at], x[inside] - x[at], normals[inside], tangents[at]))
     normals[at] = unit(turned[at])
-    element, corner = np.nonzero((single & ~known)[elements])
-    at = elements[element, corner]
-    for _ in range(2):  # the components along both edges, which are not at right angles
-        for step in (1, -1):
-            beside = elements[element, (corner + step) % 4]
-            seen = ~single[beside] | known[beside]
-            one, other = at[seen], beside[seen]
-            normals[one] = _as_on_an_arc(normals[one], x[other] - x[one], normals[other], np.zeros((len(one), 3)))
+    return _at_corners(x, ends, normals, corner)
+
+
+def _unit_or_none(x: np.ndarray) -> np.ndarray:
+    """Vectors (..., k) of length 1, and 0 where they are."""
+    length = np.linalg.norm(x, axis=-1, keepdims=True)
+    return np.asarray(x / np.where(length > 0, length, 1.0))
+
+
+def _at_corners(x: np.ndarray, ends: np.ndarray, normals: np.ndarray, corner: np.ndarray) -> np.ndarray:
+    """The normals (N, 3) with those of corners (N,) bool such that n.c = -n_beside.c, in the mean of squares over all
+    edges c/|c| to nodes beside them that are none. Newton's method in the tangent plane.
+    """
+    both = np.concatenate([ends, ends[:, ::-1]])
+    at, beside = both[corner[both[:, 0]] & ~corner[both[:, 1]]].T
+    chord = unit(x[beside] - x[at])
+    for _ in range(TURNS):
+        n = normals[at]
+        laid = chord - np.sum(chord * n, axis=-1, keepdims=True) * n
+        missing = -np.sum((n + normals[beside]) * chord, axis=-1, keepdims=True)
+        matrix, right = np.zeros((len(x), 3, 3)), np.zeros_like(x)
+        np.add.at(matrix, at, laid[:, :, None] * laid[:, None])
+        np.add.at(right, at, missing * laid)
+        turn = np.linalg.pinv(matrix[corner], rcond=PARALLEL, hermitian=True) @ right[corner, :, None]
+        normals[corner] = _unit_or_none(normals[corner] + turn[..., 0])
     return normals
 
 

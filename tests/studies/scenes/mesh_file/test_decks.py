@@ -297,6 +297,21 @@ def test_a_deck_of_bricks_is_refused(tmp_path, capsys) -> None:
     assert "C3D20" in capsys.readouterr().err
 
 
+def test_a_plate_with_an_inner_corner_is_flat(tmp_path, capsys) -> None:
+    """Three elements share a node of the rim, which has no tangent there."""
+    three = [*TWO, "7, 0, 2, 0", "8, 1, 2, 0", "*ELEMENT, TYPE=S4, ELSET=ALL", "1, 1, 2, 3, 4", "2, 2, 5, 6, 3"]
+    lines = [*three, "3, 4, 3, 8, 7", *REST, *LOADED]
+    assert main(["solve", written(tmp_path, lines), "--no-error", "--out", str(tmp_path / "out")]) == OK
+    assert "converged" in capsys.readouterr().out
+
+
+def test_elements_that_meet_back_to_back_in_a_node_have_no_normal_there(tmp_path, capsys) -> None:
+    lines = swapped(PAIR, "2, 2, 5, 6, 3", "2, 3, 7, 8, 9")
+    lines = swapped(lines, "6, 2, 1, 0", "6, 2, 1, 0", "7, 1, 2, 0", "8, 2, 2, 0", "9, 2, 1, 0")
+    lines = swapped(lines, "5, 3, 1.", "8, 3, 1.")
+    assert "no normal in common: 3" in refused(tmp_path, capsys, lines)
+
+
 def test_a_part_that_hangs_on_nothing_is_refused_with_its_elements(tmp_path, capsys) -> None:
     seam = swapped(PAIR, "2, 2, 5, 6, 3", "2, 7, 5, 6, 8")
     seam = swapped(seam, "6, 2, 1, 0", "6, 2, 1, 0", "7, 1, 0, 0", "8, 1, 1, 0")
