@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from contact.newton.solves import RESIDUAL_TOLERANCE
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.geometry.grid import QuadGrid
@@ -203,7 +204,10 @@ class _Reading:
         return readings
 
     def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
-        """Under a fraction of the loads; forces of the deck on what a support holds are borne by the support."""
+        """Under a fraction of the loads; forces of the deck on what a support holds are borne by the support.
+
+        A sum that supports in balance with each other leave within the tolerance of Newton's iteration is 0.
+        """
         body = shell.discretisation
         axes = body.surface.frame(*body.grid.nodes.T)
         forces = np.einsum("nix,nx->ni", axes, self.forces)
@@ -211,6 +215,7 @@ class _Reading:
         shell = shell.scaled(fraction)
         borne = shell.reactions(u) - fraction * on_supports
         total = np.einsum("nif,nix->x", borne.reshape(-1, 3, 2), axes)
+        total = np.where(np.abs(total) > RESIDUAL_TOLERANCE * np.abs(borne).sum(), total, 0.0)
         return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
 
 
