@@ -89,7 +89,8 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     start, rows = time.process_time(), list[dict[str, Any]]()
     loads = (each for each in enumerate(result.loads) if each[1].counters["substeps"])  # others: nothing to halve
     headline, of_load = dict[str, StepError](), result.headline_loads
-    pulls = map(resultant, result.tables.get(FRICTION, []))  # of the loads that have friction, in turn
+    rubbed = (number for number, step in enumerate(result.loads) if RESULTANT in step.quantities)
+    pulls = dict(zip(rubbed, map(resultant, result.tables.get(FRICTION, [])), strict=True))
     result.remarks.append(REMARK)
     for visited, steps in _halved(result, tell):
         stage, at = visited.stage.name, visited.point.requested
@@ -100,8 +101,8 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
         if observation.step is None:
             continue
         number, step = next(loads)
-        rubs = RESULTANT in step.quantities
-        turned = _angle_deg(next(pulls), resultant(observation.tables()[FRICTION])) if rubs else 0.0
+        there = resultant(observation.tables()[FRICTION]) if number in pulls else None
+        turned = 0.0 if there is None else _angle_deg(pulls[number], there)
         step_errors = compared(step.quantities, observation.step, result.request.number("tolerance"), turned)
         headline |= {each.quantity: each for each in step_errors if of_load.get(each.quantity) == number}
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
