@@ -9,7 +9,9 @@ both steps are too long for anything to slip, they say nothing: a ring of 32 ele
 in 1, and another one in 8. Halved are the accepted steps, those of automatic cuts, too. The answer is not changed.
 
 The resultant of friction is a vector: where it turns from one path to the other, its length may agree and it does not.
-F' - F is the length of the difference of both.
+F' - F is the length of the difference of both. Where all slips, both are at Coulomb's bound, whatever their steps: the
+way of a candidate from the last accepted load to its touch counts as slip. Whether it slips is what the dissipation of
+the load tells: where its own interval has 0, friction may be anything within that bound.
 
 No scene, no algorithm and nothing of Newton may enter here.
 """
@@ -38,6 +40,8 @@ TABLE = "load_steps"
 SAFETY = 3.0  # of an estimate by two grids, whose order was not observed: Roache, J. Fluids Eng. 116 (1994) 405-413
 NOISE = 10.0  # times the tolerance of the largest in a unit: what is smaller is no difference
 SHOWN, IN_A_TURN = RESULTANT, "moment_N_mm"  # beside the first quantity
+BOUNDS = {RESULTANT: "bound_N", IN_A_TURN: "moment_bound_N_mm"}
+DISSIPATION = "dissipation_N_mm"
 TURNED = 1.0  # deg: from here on the turn of a resultant is told
 REMARK = (
     "errors of load steps are estimates: two paths, one with half the steps, do not show that their order is 1; "
@@ -50,7 +54,7 @@ class StepError:
     """A quantity at a load, and on the path of half steps.  noise: less is no difference.
 
     turned_deg: angle a between both where these are the lengths F, F' of vectors, which then differ by the root of
-    (F' - F)^2 + 4 F F' sin^2(a/2).
+    (F' - F)^2 + 4 F F' sin^2(a/2).  bound: of Coulomb, where nothing shows that anything slips.
     """
 
     quantity: str
@@ -58,6 +62,7 @@ class StepError:
     halved: float
     noise: float
     turned_deg: float = 0.0
+    bound: float | None = None
 
     @property
     def error(self) -> float:
@@ -69,13 +74,20 @@ class StepError:
     def interval(self) -> dict[str, float]:
         """low and high around the value; nothing where the paths agree."""
         width = SAFETY * abs(self.error)
+        if self.bound is not None:
+            width = max(width, abs(self.value) + self.bound)
         return {"low": self.value - width, "high": self.value + width} if abs(self.error) > self.noise else {}
+
+    @property
+    def positive(self) -> bool:
+        """Whether the interval of a value that is not below 0 has only what is above."""
+        return self.interval.get("low", 1.0) > 0
 
     @property
     def row(self) -> dict[str, Any]:
         """As plain data."""
         figures = {"quantity": self.quantity, "value": self.value, "halved": self.halved, "error": self.error}
-        more = {"noise": self.noise, "turned_deg": self.turned_deg, "low": None, "high": None}
+        more = {"noise": self.noise, "turned_deg": self.turned_deg, "bound": self.bound, "low": None, "high": None}
         return {**figures, **more, **self.interval}
 
 
@@ -92,6 +104,7 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     rubbed = (number for number, step in enumerate(result.loads) if RESULTANT in step.quantities)
     pulls = dict(zip(rubbed, map(resultant, result.tables.get(FRICTION, [])), strict=True))
     result.remarks.append(REMARK)
+    lost, lost_there = 0.0, 0.0  # up to the load before
     for visited, steps in _halved(result, tell):
         stage, at = visited.stage.name, visited.point.requested
         observation, failed = _seen(visited, result)
@@ -103,7 +116,14 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
         number, step = next(loads)
         there = resultant(observation.tables()[FRICTION]) if number in pulls else None
         turned = 0.0 if there is None else _angle_deg(pulls[number], there)
-        step_errors = compared(step.quantities, observation.step, result.request.number("tolerance"), turned)
+        mine, other, tolerance = step.quantities, observation.step, result.request.number("tolerance")
+        slips = True
+        if there is not None:
+            slip = next(each for each in compared(mine, other, tolerance) if each.quantity == DISSIPATION)
+            slips = replace(slip, value=slip.value - lost, halved=slip.halved - lost_there).positive
+            slips = slips or bool(mine["sticking"] or other["sticking"])
+            lost, lost_there = slip.value, slip.halved
+        step_errors = compared(mine, other, tolerance, turned, slips=slips)
         headline |= {each.quantity: each for each in step_errors if of_load.get(each.quantity) == number}
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
         rows += [{"stage": stage, "load": at, **spent, **each.row} for each in step_errors]
@@ -122,18 +142,21 @@ def _widened(interval: Mapping[str, float], steps: StepError) -> dict[str, float
 
 
 def compared(
-    mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float, turned_deg: float = 0.0
+    mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float, turned_deg: float = 0.0, *, slips: bool = True
 ) -> list[StepError]:
     """The quantities of a load that are no counts, beside those of the path of half steps.
 
-    turned_deg: between the resultants of friction.
+    turned_deg: between the resultants of friction.  slips: whether the dissipation of the load shows that, or some
+    stick, so that friction is not at its bound.
     """
     values = {key: value for key, value in mine.items() if key not in COUNTS and isinstance(value, float)}
     largest = {unit: max(abs(v) for k, v in values.items() if unit_of(k) == unit) for unit in map(unit_of, values)}
-    return [
-        StepError(k, v, float(other[k]), NOISE * tolerance * largest[unit_of(k)], turned_deg if k == RESULTANT else 0.0)
-        for k, v in values.items()
-    ]
+    errors = [StepError(k, v, float(other[k]), NOISE * tolerance * largest[unit_of(k)]) for k, v in values.items()]
+    bounds = {k: None if slips else mine[bound] for k, bound in BOUNDS.items() if bound in mine}
+    of_friction: Mapping[str, dict[str, Any]] = {
+        k: {"turned_deg": turned_deg if k == RESULTANT else 0.0, "bound": bounds[k]} for k in bounds
+    }
+    return [replace(each, **of_friction.get(each.quantity, {})) for each in errors]
 
 
 def _angle_deg(one: np.ndarray, other: np.ndarray) -> float:
@@ -195,4 +218,6 @@ def _line(row: Mapping[str, Any]) -> str:
     turned = f", turned by {row['turned_deg']:.3g} degrees" if row["turned_deg"] >= TURNED else ""
     share = 100 * abs(row["error"] / row["value"])
     size = f"first-order error of this answer {abs(row['error']):.2g} ({share:.2g} %)"
+    if row["bound"] is not None:
+        size = f"its dissipation does not show that anything slips, so it is anything within {row['bound']:.6g}"
     return f"{head}, {row['halved']:.6g} in {row['halved_substeps']}{turned}; {size}"

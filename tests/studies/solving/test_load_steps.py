@@ -117,7 +117,20 @@ def test_a_resultant_that_turns_round_is_not_taken_for_the_same() -> None:
     assert row["halved"] == pytest.approx(row["value"], rel=1e-3)
     assert abs(row["error"]) == pytest.approx(2 * (row["value"] + row["halved"]), rel=1e-9)
     assert row["low"] < -row["value"]
-    assert any("turned by 180 degrees; first-order error" in line for line in lines(result))
+    assert any("turned by 180 degrees; " in line for line in lines(result))
+
+
+def test_friction_at_its_bound_is_not_known_where_nothing_shows_slip() -> None:
+    """Two equal rings are mirror images: nothing rubs, and in many steps friction goes to 0.
+
+    In two steps and in four all candidates slip, by the way before they touch, and friction is that of Coulomb's bound.
+    """
+    settings = {"mu": 0.2, "delta_mm": (40.0,), "other_elements": 100}
+    result = solve(*complete("two-rings", settings, "1x24"))
+    assert result.quantities["friction_N"] > 0.99 * result.quantities["bound_N"]
+    estimate(result)
+    assert result.errors["friction_N"]["low"] <= 0 < result.quantities["bound_N"] <= result.errors["friction_N"]["high"]
+    assert any("does not show that anything slips, so it is anything within 40.0" in line for line in lines(result))
 
 
 def test_the_error_of_a_vector_is_the_length_of_a_difference() -> None:
