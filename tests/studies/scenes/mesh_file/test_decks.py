@@ -299,10 +299,22 @@ def test_a_deck_of_bricks_is_refused(tmp_path, capsys) -> None:
 
 
 def test_a_plate_with_an_inner_corner_is_flat(tmp_path, capsys) -> None:
-    """Three elements share a node of the rim, which has no tangent there."""
-    three = [*TWO, "7, 0, 2, 0", "8, 1, 2, 0", "*ELEMENT, TYPE=S4, ELSET=ALL", "1, 1, 2, 3, 4", "2, 2, 5, 6, 3"]
-    lines = [*three, "3, 4, 3, 8, 7", *REST, *LOADED]
-    assert main(["solve", written(tmp_path, lines), "--no-error", "--out", str(tmp_path / "out")]) == OK
+    """Three elements share a node of the rim, which has no tangent there, and two edges to nodes inside."""
+    x, elements = plate(6, 6, 6.0, 6.0)
+    arms = x[elements].mean(axis=1)[:, :2].min(axis=1) < 3.0
+    lines = [*mesh_lines(x, elements[arms]), *ISOTROPIC, "*BOUNDARY", "7, 1, 6", "14, 1, 6", "21, 1, 6", *LOADED[:3]]
+    assert (
+        main(
+            [
+                "solve",
+                written(tmp_path, [*lines, "45, 3, 1.", "*END STEP"]),
+                "--no-error",
+                "--out",
+                str(tmp_path / "out"),
+            ]
+        )
+        == OK
+    )
     assert "converged" in capsys.readouterr().out
 
 
