@@ -84,7 +84,7 @@ def certificate(
 
 
 def _inside_out(problem: ContactProblem, u: np.ndarray) -> str:
-    """Which elements of a finite state have no volume left; empty where none, or where it is not told."""
+    """Which elements of a finite state have no volume left; empty where none, or where volumes are not known."""
     if problem.volume_ratios is None or not np.all(np.isfinite(u)):
         return ""
     ratios = problem.volume_ratios(u)

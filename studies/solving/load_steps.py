@@ -42,7 +42,7 @@ NOISE = 10.0  # times the tolerance of the largest in a unit: what is smaller is
 SHOWN, IN_A_TURN = RESULTANT, "moment_N_mm"  # beside the first quantity
 BOUNDS = {RESULTANT: "bound_N", IN_A_TURN: "moment_bound_N_mm"}
 DISSIPATION = "dissipation_N_mm"
-TURNED = 1.0  # deg: from here on the turn of a resultant is told
+TURNED = 1.0  # deg: from here on the turn of a resultant is printed
 REMARK = (
     "errors of load steps are estimates: two paths, one with half the steps, do not show that their order is 1; "
     f"the intervals are {SAFETY:g} times as wide"

@@ -124,7 +124,7 @@ def _of_one_measure(cells: pd.DataFrame) -> Iterator[str]:
     """What a reference that holds for one measure says nothing of: whether that measure is enough."""
     (measure, *others) = dict.fromkeys(cells["measure"])
     if not others and measure != Request.measure:
-        yield f"of measure {measure} alone: how far {measure} is off from {Request.measure} is not known"
+        yield f"of measure {measure} alone: the error of {measure} against {Request.measure} is not known"
 
 
 def _prices(cell: Mapping[str, Any]) -> str:

@@ -28,7 +28,7 @@ from studies.scenes.element import Span, spaced_lines
 from studies.scenes.statics import with_elements
 
 OUTER = 1  # the face that touches
-OVERLAP, ROUNDING = 1e-6, 1e-12  # of the thickness, and of positions: an overlap at rest that is none
+OVERLAP, ROUNDING = 1e-6, 1e-12  # of the thickness, and of positions: up to there a wall at rest touches
 RIM_LINES = Setting.one_of("lines", ("even", "rim"), "even", "grid lines: evenly spaced, or one on the exact rim")
 ON_RIM = {"lines": "rim"}
 COARSE = 16  # elements; meshes that come from one no coarser by halving are nested

@@ -200,7 +200,7 @@ def test_what_cannot_be_advised_is_one_line_with_and_without_a_store(
 def test_a_measure_that_was_solved_alone_is_not_said_to_be_enough(measures: dict[str, float], said: int) -> None:
     """The closed form of a strip is of linear theory, which is 30 % off from the exact measure."""
     text = list(lines(advice(cells(measures=measures), 0.01)))
-    assert sum("how far linear is off from exact is not known" in line for line in text) == said
+    assert sum("the error of linear against exact is not known" in line for line in text) == said
 
 
 def test_settings_that_were_not_solved_are_named_as_they_are_given(sweep: pd.DataFrame) -> None:

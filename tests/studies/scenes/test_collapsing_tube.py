@@ -94,7 +94,7 @@ def test_what_forces_at_nodes_say_of_line_contact() -> None:
 
 
 def test_no_limit_is_stated_of_a_line_where_a_point_touches() -> None:
-    """At 3.5 a flat part has begun, which 1x64 does not see: 1x1024 has 10.32 and 7.93, its own p and force are off."""
+    """At 3.5 a flat part has begun, which 1x64 does not see: 1x1024 has 10.32 and 7.93."""
     solution = solve_with_error(*complete(SCENE, {"h_mm": "1", "load_fraction": "3.5"}, "1x64"))
     assert solution.quantities["flat_half_length"] == 0.0
     assert {"touch_pressure_EI_R3", "contact_force_EI_R2"} == set(solution.errors)

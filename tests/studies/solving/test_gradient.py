@@ -100,7 +100,7 @@ COARSE = ("solve", "tyre", "--mesh", "8x10", "--set", "delta_mm=5", "--no-error"
 
 @pytest.mark.parametrize("off", [0.0, 1e-3])
 def test_differences_of_rounding_alone_call_nothing_wrong(off: float) -> None:
-    """J = s^2 beside s = 1 to seven digits, its true slope 2 and one that is off: agreement by chance is none."""
+    """J = s^2 beside s = 1 to seven digits, its true slope 2 and a wrong one: chance agreement decides nothing."""
     found = list[str]()
     for seed in range(100):
         digits = np.random.default_rng(seed)
