@@ -126,7 +126,8 @@ class DeckScene:
         if walls is not None:
             height = walls.at_nodes(mesh.elements, len(mesh.numbers))
         loads = loads_of(deck, mesh, height, request.measure, follower=request.choice("pressure") == FOLLOWER)
-        reading = _Reading(shell, self.mesh.numbers, forces_of(self.deck, mesh), self._sets())
+        left = max(request.number("tolerance"), RESIDUAL_TOLERANCE)
+        reading = _Reading(shell, self.mesh.numbers, forces_of(self.deck, mesh), self._sets(), left)
         return shell, reading, loads
 
     def _laminates(self, request: Request) -> list[Laminate]:
@@ -182,13 +183,15 @@ class DeckScene:
 class _Reading:
     """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`.
 
-    numbers: of the nodes of the deck, which come first.
+    numbers: of the nodes of the deck, which come first.  left: what Newton's iteration, or rounding, may leave of the
+    forces in balance.
     """
 
     shell: Discretisation
     numbers: np.ndarray
     forces: np.ndarray
     sets: Mapping[str, np.ndarray]
+    left: float
 
     def __call__(self, shell: ShellModel, u: np.ndarray) -> dict[str, float]:
         middle = np.mean(self.shell.cartesian(u, shell.prescribed), axis=0)
@@ -206,7 +209,7 @@ class _Reading:
     def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
         """Under a fraction of the loads; forces of the deck on what a support holds are borne by the support.
 
-        A sum that supports in balance with each other leave within the tolerance of Newton's iteration is 0.
+        A sum that supports in balance with each other leave below ``left`` is 0.
         """
         body = shell.discretisation
         axes = body.surface.frame(*body.grid.nodes.T)
@@ -215,7 +218,7 @@ class _Reading:
         shell = shell.scaled(fraction)
         borne = shell.reactions(u) - fraction * on_supports
         total = np.einsum("nif,nix->x", borne.reshape(-1, 3, 2), axes)
-        total = np.where(np.abs(total) > RESIDUAL_TOLERANCE * np.abs(borne).sum(), total, 0.0)
+        total = np.where(np.abs(total) > self.left * np.abs(borne).sum(), total, 0.0)
         return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
 
 
