@@ -10,9 +10,10 @@ import shlex
 import sys
 import traceback
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import EntryPoint, entry_points
-from inspect import isfunction, ismethod, signature
+from inspect import signature
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -234,15 +235,13 @@ def _line(error: BaseException) -> str:
 
 
 def _arguments(error: BaseException) -> list[str]:
-    """Those of what was called with an unknown one, where its name is known to who called it; else none."""
+    """Those of what is ours, where that was called with an unknown one; else none."""
     called = UNEXPECTED.match(str(error)) if isinstance(error, TypeError) else None
     if called is None:
         return []
-    caller = [frame for frame, _ in traceback.walk_tb(error.__traceback__)][-1]
-    first, *rest = called[1].split(".")
-    known = (caller.f_globals | caller.f_locals).values()
-    parts = [each for each in known if callable(each) and getattr(each, "__qualname__", "") == first]
-    for name in rest:
-        parts = [getattr(each, name) for each in parts if hasattr(each, name)]
-    found = next((each for each in parts if isfunction(each) or ismethod(each)), None)  # not compiled
-    return [] if found is None else [name for name in signature(found).parameters if name != "self"]
+    for name in [name for name in sys.modules if name.partition(".")[0] in OURS]:
+        with suppress(AttributeError):
+            part = attrgetter(called[1])(sys.modules[name])
+            if part.__module__ == name:
+                return [each for each in signature(part).parameters if each != "self"]
+    return []
