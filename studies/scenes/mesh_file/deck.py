@@ -60,7 +60,7 @@ class Deck:
     transforms, systems: axes of degrees and forces, and which of them a node has, the global ones where it has none.
     moved: values of held degrees 1 to 3.  forces: degree and value by node, moments are 4, 5 and 6.  pressures: by
     element, along its normal.  seen: sets that loads or output requests name.  silent: keywords without effect, how
-    often each.
+    often each.  beside: the TOML of a mesh of gmsh, whose tables stand in the place of keywords.
     """
 
     path: Path
@@ -88,6 +88,11 @@ class Deck:
     ended: bool = False
     material: str = ""
     members: int = 0
+    beside: Path | None = None
+
+    def words(self, keywords: str, *tables: str) -> str:
+        """Where a user says something: by keywords, or in tables beside a mesh of gmsh."""
+        return keywords if self.beside is None else f"{', '.join(f'[{each}]' for each in tables)} of {self.beside.name}"
 
     def check(self) -> None:
         """Raise UsageError for what is missing, and for what names nothing."""
@@ -96,7 +101,7 @@ class Deck:
             (self.elements, "no quadrilaterals: *ELEMENT, TYPE=S4"),
             (self.sections, "no *SHELL SECTION"),
             (self.static, "no *STEP with *STATIC"),
-            (self.degrees, "no support: *BOUNDARY"),
+            (self.degrees, f"no support: {self.words('*BOUNDARY', 'supports')}"),
         ):
             if not missing:
                 raise UsageError(f"{name}: {what}")

@@ -149,7 +149,7 @@ def read_gmsh(path: Path) -> Deck:
         if name not in top:
             raise UsageError(f"{beside.name}: has no table {name}")
     tables = {name: top[name].table() if name in top else {} for name in TABLES}
-    deck = Deck(path, static=True, steps=1, ended=True)
+    deck = Deck(path, static=True, steps=1, ended=True, beside=beside)
     deck.nodes = {i: (x, y, z) for i, (x, y, z) in enumerate(mesh.x.tolist(), 1)}
     deck.elements = {i: tuple(corners) for i, corners in enumerate((mesh.quads + 1).tolist(), 1)}
     deck.nonlinear = "finite_rotations" in top and top["finite_rotations"].flag()

@@ -97,7 +97,8 @@ class DeckScene:
     def build(self, request: Request) -> SceneModel:
         """Half of each force on either face, pressure on the inner one."""
         if not (self.deck.forces or self.deck.pressures or moved_of(self.deck, self.mesh).any()):
-            raise UsageError(f"{self.deck.path.name}: no load: *CLOAD, *DLOAD, or --set foundation=plane")
+            loads = self.deck.words("*CLOAD, *DLOAD", "forces", "pressures")
+            raise UsageError(f"{self.deck.path.name}: no load: {loads}, or --set foundation=plane")
         shell, reading, loads = self._loaded(request)
         return DeckModel.of(request, shell, reading, **loads)
 

@@ -170,6 +170,7 @@ def test_plies_points_and_degrees(tmp_path, form) -> None:
         ("skin = 1e-6", "tip = 1e-6", "pressures.tip must be a group of quadrilaterals"),
         ("skin = 1e-6", "skin = 1e999", "pressures.skin must lie in [-1e+15, 1e+15]"),
         ("[pressures]", "[pressures", "panel.toml: is not TOML"),
+        ('root = "ENCASTRE"', "", "panel.msh: no support: [supports] of panel.toml"),
         ("[pressures]\nskin = 1e-6", "", None),
     ],
 )  # fmt: skip
@@ -180,6 +181,25 @@ def test_what_stands_beside_is_refused_by_its_key(tmp_path, capsys, old, new, wo
         assert main([*asked, "--mesh", "1x1", "--no-error"]) == OK
     else:
         assert words in said_of(asked, capsys)
+
+
+def test_without_loads_the_tables_of_loads_are_named(tmp_path, capsys) -> None:
+    asked = put(tmp_path, format41(X, STRIP), BESIDE[: BESIDE.index("[forces]")])
+    says = "no load: [forces], [pressures] of panel.toml, or --set foundation=plane"
+    assert said_of(asked, capsys).endswith(f"panel.msh: {says}")
+
+
+def test_sections_of_two_axes_are_refused_by_their_table(tmp_path, capsys) -> None:
+    groups = [*STRIP[:2], ("skin", "quad", (QUADS[:8] + 1).tolist()), ("web", "quad", (QUADS[8:] + 1).tolist())]
+    wall = '{{plies = [[0.1, "fibres", 0.0]], axis = [{}]}}'
+    text = BESIDE.replace(
+        '{thickness = 0.5, material = "steel"}', f"{wall.format('1.0, 0.0, 0.0')}\nweb = {wall.format('0.0, 1.0, 0.0')}"
+    )
+    text = text.replace(
+        "[materials]", "[materials]\nfibres = {E1 = 9000.0, E2 = 1000.0, nu12 = 0.0, G12 = 500.0, G23 = 500.0}"
+    )
+    says = "plies count from 2 axes, one axis is understood: [sections] of panel.toml"
+    assert says in said_of(put(tmp_path, format41(X, groups), text), capsys)
 
 
 def without(kind: str, nodes: Sequence[int]) -> Groups:
