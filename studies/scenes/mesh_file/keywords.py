@@ -21,6 +21,8 @@ LARGEST_FILE = 200_000_000  # bytes
 LARGEST_NUMBER = 2**31 - 1  # of a node or an element
 WHOLE = re.compile(r"[+-]?\d{1,12}")
 REAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+LARGEST = 1e60  # of a number: products of four are finite, in whatever units
+RANGE = f"[-{LARGEST:g}, {LARGEST:g}]"
 SHOWN = 40  # letters of a word from a file in a message
 
 
@@ -55,7 +57,9 @@ class Row:
         if not word and default is not None:
             return default
         value = float(re.sub("[dD]", "e", word)) if REAL.fullmatch(word) else math.nan
-        return value if math.isfinite(value) else self.refuse(f"{shown(word)} is no finite number")
+        if not math.isfinite(value):
+            self.refuse(f"{shown(word)} is no finite number")
+        return value if abs(value) <= LARGEST else self.refuse(f"{shown(word)} must lie in {RANGE}")
 
     def whole(self, place: int, default: int | None = None) -> int:
         """A field as a positive whole number."""
@@ -173,7 +177,6 @@ def listed(values: Sequence[object], most: int = 4) -> str:
 
 
 LARGEST_TOML = 1_000_000  # bytes
-LARGEST = 1e15  # of a number
 
 
 @dataclass(frozen=True)
@@ -228,7 +231,7 @@ class Said:
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             self.refuse("must be a number")
         if not (math.isfinite(self.value) and abs(self.value) <= LARGEST):
-            self.refuse(f"must lie in [-{LARGEST:g}, {LARGEST:g}]")
+            self.refuse(f"must lie in {RANGE}")
         return float(self.value)
 
     def text(self) -> str:

@@ -187,6 +187,16 @@ class _Reading:
     numbers: of the nodes of the deck, which come first.  left: what Newton's iteration, or rounding, may leave of the
     forces in balance.
     """
+def word(name: str) -> str:
+    """The name of a set as a part of that of a quantity."""
+    return "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
+
+
+def lengths(x: np.ndarray) -> np.ndarray:
+    """Of vectors (N, 3), those whose squares are no numbers any more, too."""
+    return np.asarray(np.hypot.reduce(x, axis=1))
+
+
 
     shell: Discretisation
     numbers: np.ndarray
@@ -196,12 +206,12 @@ class _Reading:
 
     def __call__(self, shell: ShellModel, u: np.ndarray) -> dict[str, float]:
         middle = np.mean(self.shell.cartesian(u, shell.prescribed), axis=0)
-        size = np.linalg.norm(middle[: len(self.numbers)], axis=1)
+        size = lengths(middle[: len(self.numbers)])
         largest = int(np.argmax(size))
         readings: dict[str, float] = {"largest_mm": float(size[largest]), "largest_at_node": int(self.numbers[largest])}
-        total = np.sum(np.linalg.norm(self.forces, axis=1))
+        total = np.sum(lengths(self.forces))
         if total > 0:
-            readings["along_forces_mm"] = float(np.sum(self.forces * middle) / total)
+            readings["along_forces_mm"] = float(np.sum(self.forces / total * middle))
         for name, nodes in self.sets.items():
             word = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
             readings |= {f"u{i + 1}_{word}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}

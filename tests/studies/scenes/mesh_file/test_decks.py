@@ -242,6 +242,7 @@ PAIR = [*TWO, "*ELEMENT, TYPE=S4, ELSET=ALL", "1, 1, 2, 3, 4", "2, 2, 5, 6, 3", 
         ),
         ("2, 1, 0, 0", ["2, nan, 0, 0"], "line 3: nan is no finite number"),
         ("2, 1, 0, 0", ["2, 1e999, 0, 0"], "line 3: 1e999 is no finite number"),
+        ("1.2e6, 0.", ["1e200, 0."], "1e200 must lie in [-1e+60, 1e+60]"),
         ("2, 1, 0, 0", ["99999999999, 1, 0, 0"], "99999999999 is no whole number in [1, 2147483647]"),
         ("2, 1, 0, 0", ["1, 1, 0, 0"], "node 1 twice"),
         ("1, 4", ["1, 4, LOST"], "there is no set of nodes LOST"),
@@ -368,6 +369,18 @@ def test_supports_in_balance_with_each_other_have_no_reaction_and_no_limit_of_on
     record = json.loads((out / "result.json").read_text())
     assert [record["quantities"][f"reaction_{i}_N"] for i in (1, 2, 3)] == [0.0, 0.0, 0.0]
     assert not any("reaction" in name for name in record["errors"])
+
+
+def test_readings_have_no_smallest_displacement(tmp_path) -> None:
+    """Of a linear deck under 1e-200 of its forces; the squares of its displacements are 0."""
+    linear = swapped(STRIP, "*STEP, NLGEOM", "*STEP")
+    whole, faint = (
+        answered(tmp_path, swapped(linear, "TIP, 3, 2.", f"TIP, 3, {force}"), "--no-error")["quantities"]
+        for force in ("2.", "2e-200")
+    )
+    assert faint["largest_at_node"] in (33, 34)
+    for name in ("largest_mm", "along_forces_mm", "u3_TIP_mm"):
+        assert faint[name] == pytest.approx(1e-200 * whole[name], rel=1e-6, abs=0.0)
 
 
 def test_fields_have_the_stresses_of_the_plies(tmp_path) -> None:
