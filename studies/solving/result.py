@@ -40,6 +40,7 @@ UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refus
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
+UNTOUCHED = "nothing touches at the last load: the foundation is out of reach, or the load lifts all off it"
 APART = "the faces do not touch at the last load: they are apart, or elements are too large for it"
 SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, stable or not
 
@@ -186,15 +187,16 @@ class Result:
     def notes(self) -> list[str]:
         """What an answer does not show by itself.
 
-        A foundation finer than its elements, faces that do not touch, elements too long, unstable states on the way,
+        A foundation finer than its elements, that nothing touches, elements too long, unstable states on the way,
         remarks.
         """
         if self.end is None:
             return self.remarks
         problem, state = self.end.problem, self.end.point.solution
         fine_foundation = between_nodes(problem.standing, problem.weights, state.active)
-        apart = problem.faces is not None and not state.active.any()  # a scene with two faces expects them to touch
-        notes = [each for each in (fine_foundation, APART if apart else "") if each]
+        apart = len(state.active) > 0 and not state.active.any()
+        said = UNTOUCHED if problem.faces is None else APART
+        notes = [each for each in (fine_foundation, said if apart else "") if each]
         return [*notes, *_of_elements(self.request, self.loads), *self.on_the_way, *self.remarks]
 
     @property

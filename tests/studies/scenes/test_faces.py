@@ -16,7 +16,7 @@ from studies.scenes.complete import complete
 from studies.scenes.faces.face_patch import RADIUS, SIDE, H, lame_between
 from studies.scenes.faces.model import Facing
 from studies.scenes.walk import walk
-from studies.solving.result import Result
+from studies.solving.result import APART, UNTOUCHED, Result
 from studies.solving.solve import solve, stages_of
 from support.problems.differences import fitted_order
 
@@ -158,8 +158,11 @@ def test_a_ring_that_touches_itself_is_a_quarter_on_a_plane_in_the_limit(pairing
 
 def test_a_ring_that_does_not_touch_itself_is_two_quarters() -> None:
     load = {"F_R2_over_EI": "4", "other_elements": 100}
-    itself = solved("pinched-ring", "1x12", **load).quantities
-    plane = solve(*complete("pinched-ring", {**load, "against": "plane"}, "1x12")).quantities
+    meeting = solved("pinched-ring", "1x12", **load)
+    on_plane = solve(*complete("pinched-ring", {**load, "against": "plane"}, "1x12"))
+    assert meeting.notes[0] == APART
+    assert on_plane.notes[0] == UNTOUCHED
+    itself, plane = meeting.quantities, on_plane.quantities
     assert itself["contact_R2_over_EI"] == plane["contact_R2_over_EI"] == 0
     assert itself["spread_over_R"] == pytest.approx(plane["spread_over_R"], rel=1e-8)
 
