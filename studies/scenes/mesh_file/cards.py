@@ -212,6 +212,8 @@ def boundary(deck: Deck, card: Card) -> None:
             if not first <= last <= 6:
                 row.refuse(f"degrees of freedom {first} to {last}: understood are 1 to 6")
             held = tuple(range(first, last + 1))
+        if named(row.text(0)) in deck.node_sets:
+            deck.supports.setdefault(named(row.text(0)), {}).update(dict.fromkeys(nodes, 1.0))
         value = row.real(3, 0.0)
         if value != 0.0 and not set(held) <= {1, 2, 3}:
             row.refuse(f"a prescribed rotation of {row.text(3)} is not understood, 0 is")

@@ -9,6 +9,7 @@ Loads of a deck on the shell: forces, moments, pressures and the displacements o
 
 A deck with its elements cut: supports, loads and sets of its nodes and elements are carried over.
 
+What a new node bears is shared by the sets of the nodes between which it lies, as it shares their motion.
 A degree of freedom is held at a new node where it is at all nodes of the deck that it lies between, both ends of an
 edge or four corners, along one and the same axis: what an element of the deck cannot move stays. Forces stay on their
 nodes, pressures on the parts of their elements, sets have the nodes they had.
@@ -185,14 +186,33 @@ def cut_in(deck: Deck, mesh: Mesh, parts: int, smooth_deg: float) -> tuple[Deck,
     known = {new[i]: {int(j) + 1 for j in np.flatnonzero(between.degrees[i])} for i in _with(between.degrees)}
     moved = {new[i]: dict(enumerate(between.at[i].tolist(), 1)) for i in _with(between.at != 0)}
     turned = {new[i]: int(systems[i]) for i in np.flatnonzero(systems >= 0)}
+    supports = {
+        name: of | _shared(of, mesh, around[n_nodes:], shares[n_nodes:], new) for name, of in deck.supports.items()
+    }
     deck = replace(
         deck,
+        supports=supports,
         degrees={**deck.degrees, **known},
         moved={**deck.moved, **moved},
         systems={**deck.systems, **turned},
     )
     fine = replace(fine, axes=axes_of(deck, fine.numbers, fine.middle))
     return deck, fine.in_planes(planes_of(deck, fine))
+
+
+def _shared(
+    of: dict[int, float], mesh: Mesh, around: np.ndarray, shares: np.ndarray, new: list[int]
+) -> dict[int, float]:
+    """What a set that has shares of nodes of the deck has of new ones, between the nodes ``around`` (M, 4)."""
+    own = np.array([of.get(number, 0.0) for number in mesh.numbers.tolist()])
+    total = np.sum(own[around] * shares, axis=1)
+    return {new[i]: float(total[i]) for i in np.flatnonzero(total)}
+
+
+def borne_by(deck: Deck, mesh: Mesh) -> dict[str, np.ndarray]:
+    """The share (N,) of the forces of supports at all nodes that each of several named sets bears; none of one."""
+    several = deck.supports if len(deck.supports) > 1 else {}
+    return {name: np.array([of.get(node, 0.0) for node in mesh.numbers.tolist()]) for name, of in several.items()}
 
 
 def _with(each: np.ndarray) -> list[int]:

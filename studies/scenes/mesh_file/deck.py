@@ -58,6 +58,7 @@ class Deck:
     nodes: positions.  normals: all that the deck has of a node.  elements: four nodes each.  degrees: held, by node.
     sections, section_of: those that differ, with their numbers, and that of an element.  thickness: of nodes.
     transforms, systems: axes of degrees and forces, and which of them a node has, the global ones where it has none.
+    supports: by set that is held, the share that it has of its nodes, and of those between them.
     moved: values of held degrees 1 to 3.  forces: degree and value by node, moments are 4, 5 and 6.  pressures: by
     element, along its normal.  seen: sets that loads or output requests name.  silent: keywords without effect, how
     often each.  beside: the TOML of a mesh of gmsh, whose tables stand in the place of keywords.
@@ -78,6 +79,7 @@ class Deck:
     systems: dict[int, int] = field(default_factory=dict)
     moved: dict[int, dict[int, float]] = field(default_factory=dict)
     degrees: dict[int, set[int]] = field(default_factory=dict)
+    supports: dict[str, dict[int, float]] = field(default_factory=dict)
     forces: dict[int, dict[int, float]] = field(default_factory=dict)
     pressures: dict[int, float] = field(default_factory=dict)
     seen: list[str] = field(default_factory=list)

@@ -160,8 +160,9 @@ def read_gmsh(path: Path) -> Deck:
     if bare:
         raise UsageError(f"{beside.name}: sections leave out the elements {listed(bare)}")
     for name, each in tables["supports"].items():
-        held = _degrees(each)
-        for node in _nodes(mesh, name, each):
+        held, nodes = _degrees(each), _nodes(mesh, name, each)
+        deck.supports[name] = dict.fromkeys(nodes, 1.0)
+        for node in nodes:
             deck.degrees.setdefault(node, set()).update(held)
     for name, each in tables["forces"].items():
         _force(deck, mesh, name, each)

@@ -26,6 +26,7 @@ from studies.scenes.contact.base import OUTER
 from studies.scenes.element import WALL, centred_laminate, check_wall
 from studies.scenes.mesh_file import pressed
 from studies.scenes.mesh_file.conditions import (
+    borne_by,
     cut_in,
     forces_of,
     loads_of,
@@ -79,6 +80,11 @@ class DeckScene:
             "largest_at_node": "number of that node",
             "along_forces_mm": "mean displacement along the forces, sum of F.u over sum of |F|",
             **{f"reaction_{i}_N": f"sum of the forces of the supports along axis {i}" for i in (1, 2, 3)},
+            **{
+                f"reaction_{i}_{word(name)}_N": f"sum of those of the set {name}"
+                for name in borne_by(self.deck, self.mesh)
+                for i in (1, 2, 3)
+            },
         }
 
     @property
@@ -128,7 +134,8 @@ class DeckScene:
             height = walls.at_nodes(mesh.elements, len(mesh.numbers))
         loads = loads_of(deck, mesh, height, request.measure, follower=request.choice("pressure") == FOLLOWER)
         left = max(request.number("tolerance"), RESIDUAL_TOLERANCE)
-        reading = _Reading(shell, self.mesh.numbers, forces_of(self.deck, mesh), self._sets(), left)
+        forces, borne = forces_of(self.deck, mesh), borne_by(deck, mesh)
+        reading = _Reading(shell, self.mesh.numbers, forces, self._sets(), borne, left)
         return shell, reading, loads
 
     def _laminates(self, request: Request) -> list[Laminate]:
@@ -180,13 +187,6 @@ class DeckScene:
             yield f"read and without effect: {silent}"
 
 
-@dataclass(frozen=True, eq=False)
-class _Reading:
-    """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`.
-
-    numbers: of the nodes of the deck, which come first.  left: what Newton's iteration, or rounding, may leave of the
-    forces in balance.
-    """
 def word(name: str) -> str:
     """The name of a set as a part of that of a quantity."""
     return "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
@@ -197,11 +197,19 @@ def lengths(x: np.ndarray) -> np.ndarray:
     return np.asarray(np.hypot.reduce(x, axis=1))
 
 
+@dataclass(frozen=True, eq=False)
+class _Reading:
+    """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`.
+
+    numbers: of the nodes of the deck, which come first.  supports: by set what it bears of each node (N,).
+    left: what Newton's iteration, or rounding, may leave of the forces in balance.
+    """
 
     shell: Discretisation
     numbers: np.ndarray
     forces: np.ndarray
     sets: Mapping[str, np.ndarray]
+    supports: Mapping[str, np.ndarray]
     left: float
 
     def __call__(self, shell: ShellModel, u: np.ndarray) -> dict[str, float]:
@@ -213,8 +221,7 @@ def lengths(x: np.ndarray) -> np.ndarray:
         if total > 0:
             readings["along_forces_mm"] = float(np.sum(self.forces / total * middle))
         for name, nodes in self.sets.items():
-            word = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
-            readings |= {f"u{i + 1}_{word}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
+            readings |= {f"u{i + 1}_{word(name)}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
         return readings
 
     def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
@@ -228,9 +235,13 @@ def lengths(x: np.ndarray) -> np.ndarray:
         on_supports = np.where(body.map.held | body.map.hinged, np.repeat(0.5 * forces, 2, axis=1), 0.0)
         shell = shell.scaled(fraction)
         borne = shell.reactions(u) - fraction * on_supports
-        total = np.einsum("nif,nix->x", borne.reshape(-1, 3, 2), axes)
-        total = np.where(np.abs(total) > self.left * np.abs(borne).sum(), total, 0.0)
-        return {**self(shell, u), **{f"reaction_{i + 1}_N": float(x) for i, x in enumerate(total)}}
+        at_nodes, least = np.einsum("nif,nix->nx", borne.reshape(-1, 3, 2), axes), self.left * np.abs(borne).sum()
+        readings = self(shell, u)
+        for name, of in (("", np.ones(len(axes))), *((f"_{word(name)}", of) for name, of in self.supports.items())):
+            total = of @ at_nodes
+            total = np.where(np.abs(total) > least, total, 0.0)
+            readings |= {f"reaction_{i + 1}{name}_N": float(x) for i, x in enumerate(total)}
+        return readings
 
 
 class DeckModel(StaticModel):
