@@ -17,6 +17,7 @@ from typing import Any
 from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
+from studies.solving.refinement.edge_layer import EdgeLayer
 from studies.solving.refinement.grids import FEWEST, alone, element_size, near, on_one_grid, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of, three_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
@@ -119,7 +120,7 @@ def state_error(
         unknowns = [*(each.unknowns for each in grids), result.counters["dofs"]]
         if not too_few and any(fine <= coarse for coarse, fine in pairwise(unknowns)):
             too_few = SAME
-        _state(result, grids, too_few)
+        _state(result, grids, too_few, cut=isinstance(scene, CutScene))
 
 
 def coarser_grids(scene: Scene, request: Request) -> list[Request]:
@@ -165,22 +166,25 @@ def _too_few(
     return FAILED.format(" and ".join(f"{mesh} ({lost[mesh]})" for mesh in missing)) if missing else ""
 
 
-def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:
-    """What the grids say, into the result."""
+def _state(result: Result, grids: Sequence[Sketch], too_few: str, *, cut: bool) -> None:
+    """What the grids say, into the result; cut: their lines are those of a mesh that knows of no layer at edges."""
     if grids:
         result.timing[COARSER] = sum(each.seconds for each in grids)
         result.timing[HALF_SIZE] = result.timing["cpu"] * _growth(result, grids[-1])
     if too_few:
         result.remarks.append(f"the error of the mesh is {too_few}")
         return
-    errors = list(_stated(result, grids))
+    layer = EdgeLayer.of(result, grids[0].size / element_size(result.request)) if cut else None
+    errors = list(_stated(result, grids, layer))
+    if layer is not None and layer.said:
+        result.remarks.append(layer.said)
     result.tables[TABLE] = [Table.of_rows([each.row for each in errors])]
     of_load = result.headline_loads
     headline = {each.quantity: each.limit for each in errors if each.load in (None, of_load.get(each.quantity))}
     result.errors |= {name: each.interval for name, each in headline.items() if isinstance(each, Estimate)}
 
 
-def _stated(result: Result, grids: Sequence[Sketch]) -> Iterator[MeshError]:
+def _stated(result: Result, grids: Sequence[Sketch], layer: EdgeLayer | None) -> Iterator[MeshError]:
     """At every requested load, then of the whole path."""
     steps = list[Mapping[str, Any]]()
     if all(len(each.loads) == len(result.loads) for each in grids):
@@ -188,11 +192,11 @@ def _stated(result: Result, grids: Sequence[Sketch]) -> Iterator[MeshError]:
     for index, quantities in enumerate(steps):
         for name in _compared(quantities):
             values = [*(each.loads[index].get(name) for each in grids), quantities[name]]
-            yield _limit(result, grids, index, name, values, last=index == len(steps) - 1)
+            yield _limit(result, grids, layer, index, name, values, last=index == len(steps) - 1)
     for name in _compared(result.quantities):
         if not steps or name not in steps[-1]:
             values = [*(each.quantities.get(name) for each in grids), result.quantities[name]]
-            yield _limit(result, grids, None, name, values, last=True)
+            yield _limit(result, grids, layer, None, name, values, last=True)
 
 
 def _compared(quantities: Mapping[str, Any]) -> list[str]:
@@ -203,7 +207,14 @@ def _compared(quantities: Mapping[str, Any]) -> list[str]:
 
 
 def _limit(
-    result: Result, grids: Sequence[Sketch], load: int | None, name: str, values: Sequence[Any], *, last: bool
+    result: Result,
+    grids: Sequence[Sketch],
+    layer: EdgeLayer | None,
+    load: int | None,
+    name: str,
+    values: Sequence[Any],
+    *,
+    last: bool,
 ) -> MeshError:
     """What the values on all grids say; last: of the state that can be asked how it grows under a point load."""
     if not all(isinstance(value, float) and math.isfinite(value) for value in values):
@@ -211,6 +222,8 @@ def _limit(
     sizes = [*(each.size for each in grids), element_size(result.request)]
     points = [Seen(size, value) for size, value in zip(sizes, values, strict=True)]
     limit = estimate_of(points, touching=touches(grids[-1].end))
+    if isinstance(limit, Estimate) and layer is not None:
+        limit = layer.within(limit, abs(values[-1] - values[0]))
     if isinstance(limit, Estimate) and last:
         grown = growth(result, name)
         if HALVINGS * grown > limit.high * abs(limit.limit):
