@@ -51,7 +51,7 @@ class DeckScene:
     """The shell of a deck; of the mesh NxN each of its elements is cut in N x N on the surface that it describes."""
 
     references: tuple[Reference, ...] = ()
-    models: tuple[str, ...] = ("auto", "full")
+    models: tuple[str, ...] = ("auto",)
     cut = True
 
     def __init__(self, path: Path, name: str) -> None:
@@ -103,8 +103,8 @@ class DeckScene:
     def build(self, request: Request) -> SceneModel:
         """Half of each force on either face, pressure on the inner one."""
         if not (self.deck.forces or self.deck.pressures or moved_of(self.deck, self.mesh).any()):
-            loads = self.deck.words("*CLOAD, *DLOAD", "forces", "pressures")
-            raise UsageError(f"{self.deck.path.name}: no load: {loads}, or --set foundation=plane")
+            where = self.deck.words("*CLOAD, *DLOAD", "forces", "pressures")
+            raise UsageError(f"{self.deck.path.name}: no load: {where}, or --set foundation=plane")
         shell, reading, loads = self._loaded(request)
         return DeckModel.of(request, shell, reading, **loads)
 

@@ -88,7 +88,8 @@ class EdgeLayer:
 
 def _soft_edges(shell: ShellModel) -> tuple[np.ndarray, np.ndarray]:
     """Elements (k,) and both nodes (k, 2) of their edges that are no other's and along which the director may turn."""
-    elements, held = shell.discretisation.grid.elements, shell.discretisation.map.held.reshape(-1, 3, 2).all(axis=2)
+    elements = shell.discretisation.grid.elements
+    held = np.asarray(shell.discretisation.map.held.reshape(-1, 3, 2).all(axis=2))
     ends = np.stack([elements, np.roll(elements, -1, axis=1)], axis=-1).reshape(-1, 2)
     _, number, count = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
     x = np.mean(shell.discretisation.positions(), axis=0)
