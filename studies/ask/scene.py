@@ -109,6 +109,11 @@ class SettlingScene(Protocol):
         """The request as it will be solved, its model chosen; raises UsageError on what does not apply."""
 
 
+def models_of(scene: Scene) -> tuple[str, ...]:
+    """The choices of --model; of most scenes "auto" alone, a part by symmetry or the whole as their words have it."""
+    return scene.models if isinstance(scene, SettlingScene) else ("auto",)
+
+
 def has_contact(scene: Scene) -> bool:
     """Whether something may touch: the scene takes the regularisation of a contact condition."""
     return any(setting.key == EPSILON.key for setting in scene.settings)

@@ -18,7 +18,7 @@ from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
 from studies.ask.request import names_for, text_of
-from studies.ask.scene import Reference, Scene, Setting, SettlingScene, UsageError, settings_beside
+from studies.ask.scene import Reference, Scene, Setting, UsageError, models_of, settings_beside
 from studies.ask.settings import parameters_of
 from studies.output.terminal import Shown, columns
 from studies.scenes import SCENES
@@ -102,7 +102,7 @@ def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Set
 def _of_scene(scene: Scene) -> Iterator[str]:
     yield from ("", *said_of_scene(scene).splitlines(), "")
     yield f"mesh {scene.default_mesh[0]}x{scene.default_mesh[1]} by default, elements along a1 and a2"
-    yield f"models {', '.join(scene.models)}" if isinstance(scene, SettlingScene) else "models auto, full"
+    yield f"models {', '.join(models_of(scene))}"
 
 
 def said_of_scene(scene: Scene) -> str:

@@ -17,7 +17,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainMeasure
 from formulations.strains.quantities import QUANTITIES, STRAINS
-from studies.ask.scene import SettlingScene, has_contact, sheet_of
+from studies.ask.scene import has_contact, models_of, sheet_of
 from studies.catalogue.bodies import Built, built_models, drawn_bodies, marks
 from studies.catalogue.descriptions import (
     describe,
@@ -163,8 +163,7 @@ def _facts(built: Built) -> Iterator[tuple[str, str, str]]:
     body, scene = built.body, built.scene
     n1, n2 = scene.default_mesh
     yield "Model", "default mesh", f"{n1}x{n2} elements along a1 and a2"
-    models = scene.models if isinstance(scene, SettlingScene) else ("auto", "full")
-    yield "Model", "parts that can be solved", ", ".join(models)
+    yield "Model", "parts that can be solved", ", ".join(models_of(scene))
     yield "Model", "contact", "yes" if has_contact(scene) else "none"
     if isinstance(body, ShellModel):
         yield from _shell_facts(body, by_share=any(each.key == "load_fraction" for each in scene.settings))

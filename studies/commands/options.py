@@ -46,7 +46,7 @@ def add_solving(parser: argparse.ArgumentParser, contact: str, mesh: str) -> Non
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """``--model NAME``."""
-    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
+    parser.add_argument("--model", default="auto", help="auto, or what else footprint show SCENE has")
 
 
 def named(options: argparse.Namespace, *names: str) -> dict[str, Any]:

@@ -30,7 +30,7 @@ FORMS = ("multiplier", "displacement")
 
 def _tyre(label: str, n: int = 20, settings: Mapping[str, str] | None = None) -> Cell:
     given = {"delta_mm": "20", "element": "paper"} | dict(settings or {})
-    return Cell(label, "tyre", {"mesh": f"{n}x{n}", "measure": "exact"}, given)
+    return Cell(label, "tyre", {"mesh": f"{n}x{n}", "measure": "exact", "model": "full"}, given)
 
 
 def _beam(label: str, scene: str, n: int) -> Cell:
@@ -52,7 +52,7 @@ CASES = (  # problems at the end of a path; walls of other moduli and thicknesse
 
 def wall(case: Cell) -> tuple[float, float, float]:
     """Largest modulus [MPa], thickness [mm] and shortest mean side of an element [mm] of a case."""
-    request = complete(case.scene, case.settings, **case.options, model="full")[1]
+    request = complete(case.scene, case.settings, **case.options)[1]
     first = request.mesh[0]
     if case.scene != "tyre":
         of = {"strip-contact": strip, "plate-contact": plate}[case.scene]
@@ -89,7 +89,7 @@ def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPS
 def command(case: Cell, epsilon: float) -> str:
     """Solves a case with this epsilon, from the beginning of its path."""
     settings = {**case.settings, "epsilon": f"{epsilon:g}"}
-    return replace(case, options={**case.options, "model": "full"}, settings=settings).command
+    return replace(case, settings=settings).command
 
 
 def _solved(problem: ContactProblem, start: ContactSolution, epsilon: float) -> ContactSolution:
@@ -99,7 +99,7 @@ def _solved(problem: ContactProblem, start: ContactSolution, epsilon: float) -> 
 
 def before_contact(case: Cell) -> tuple[ContactProblem, ContactSolution]:
     """The last problem of the scene's last stage and the state that stage begins with."""
-    scene, request = complete(case.scene, case.settings, **case.options, model="full")
+    scene, request = complete(case.scene, case.settings, **case.options)
     *before, last = scene.build(request).stages()
     visited = list(walk(before, Semismooth()))
     problem_at, start = last.begin(visited[-1].state if visited else None)

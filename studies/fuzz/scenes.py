@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.parameters import STIFFNESS
 from studies.ask.request import Request, text_of
-from studies.ask.scene import has_contact
+from studies.ask.scene import has_contact, models_of
 from studies.ask.settings import MU, SLIDING, configured, rubbing, settings_of
 from studies.fuzz import state_laws
 from studies.fuzz.attempt import CONVERGED, Asked, Attempt, Broken, Passed, attempt, hardness, quiet
@@ -108,7 +108,9 @@ def _fades(one: Attempt, seed: int) -> str:
     slides = {setting.key for setting in SLIDING}
     own = {setting.key for setting in settings_of(one.found.request.contact)}  # of which friction has not all
     still = {key: value for key, value in one.asked.settings.items() if key not in slides | own | {MU.key}}
-    asked = replace(one.asked, settings=still).with_options(model=one.found.request.model)
+    asked, model = replace(one.asked, settings=still), one.found.request.model
+    if model in models_of(SCENES[asked.scene]):
+        asked = asked.with_options(model=model)
     return _same(_solved(asked, seed), asked.with_settings(**{MU.key: FAINT}), seed)
 
 

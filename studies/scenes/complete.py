@@ -22,13 +22,13 @@ from studies.ask.scene import (
     SettlingScene,
     UsageError,
     has_contact,
+    models_of,
     settings_beside,
 )
 from studies.ask.settings import STEPS, completed, parameters_of, rubbing, settings_of, without_friction
 from studies.scenes import SCENES
 from studies.scenes.plugins import use_options
 
-MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
 
 
@@ -92,9 +92,12 @@ def complete(
         ("measure", request.measure, MEASURES),
         ("contact", request.contact, ALGORITHMS),
         ("newton", request.newton, NEWTONS),
-        ("model", request.model, scene.models if isinstance(scene, SettlingScene) else MODELS),
+        ("model", request.model, models_of(scene)),
     ):
         if not isinstance(value, str) or value not in choices:
+            if len(choices) == 1:
+                one = f"{scene_name} has one {name}, as footprint show {scene_name} describes it"
+                raise UsageError(f"{name} {value!r}: {one}: {', '.join(choices)}")
             raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install -e '.[mkl]' in the checkout of Footprint")

@@ -14,7 +14,7 @@ from studies.ask.scene import Declared, Request, UsageError, candidates_at, noda
 class OfSolids(Declared):
     """A scene of solids alone."""
 
-    models: tuple[str, ...] = ("auto", "full")
+    models: tuple[str, ...] = ("auto",)
 
     def settle(self, request: Request) -> Request:
         """Plain Newton, for there are no resultants to predict; raises UsageError for a strain measure: it has none."""

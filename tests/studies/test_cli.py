@@ -255,6 +255,13 @@ WRONG = {
     "unknown algorithm": (["solve", "tyre", "--contact", "magic"], "semismooth"),
     "unknown newton": (["solve", "tyre", "--newton", "lazy"], "mixed"),
     "unavailable model": (["solve", "tyre", "--model", "eighth"], "auto"),
+    **{
+        f"model of {scene}, which is one": (
+            ["solve", scene, "--model", "full"],
+            f"model 'full': {scene} has one model, as footprint show {scene} describes it: auto",
+        )
+        for scene in ("pinched-ring", "ring", "crushed-ring-solid", "two-cylinders")
+    },
     "unknown key": (["solve", "tyre", "--set", "colour=red"], "see footprint show"),
     "not KEY=VALUE": (["solve", "tyre", "--set", "gamma_deg"], "KEY=VALUE"),
     "mesh text": (["solve", "tyre", "--mesh", "fine"], "N1xN2"),

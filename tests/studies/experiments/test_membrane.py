@@ -161,7 +161,7 @@ def test_rounding_stops_the_displacement_form() -> None:
 
 def test_a_case_and_its_epsilon_have_a_command() -> None:
     case = Cell("strip", "strip-contact", {"mesh": "16x1"}, {"load_fraction": "5"})
-    options = "--mesh 16x1 --model full --set load_fraction=5 --set epsilon=10000"
+    options = "--mesh 16x1 --set load_fraction=5 --set epsilon=10000"
     assert study.command(case, 1e4) == f"footprint solve strip-contact {options} --out DIR"
     assert "--set epsilon=inf" in study.command(case, np.inf)
 

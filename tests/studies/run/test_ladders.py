@@ -36,7 +36,8 @@ def sides(mesh: str) -> tuple[int, int]:
 
 def nodes(ladder: Ladder, mesh: str) -> np.ndarray:
     """(N, 2): those of the grid that is solved on."""
-    scene, request = resolve(ladder.scene, ladder.settings, mesh, measure=ladder.measure, model="full")
+    whole = {"model": "full"} if ladder.scene == "tyre" else {}
+    scene, request = resolve(ladder.scene, ladder.settings, mesh, measure=ladder.measure, **whole)
     return np.asarray(scene.build(request).shell.discretisation.grid.nodes)
 
 
