@@ -166,7 +166,7 @@ def _too_few(
     return FAILED.format(" and ".join(f"{mesh} ({lost[mesh]})" for mesh in missing)) if missing else ""
 
 
-def _state(result: Result, grids: Sequence[Sketch], too_few: str, *, cut: bool) -> None:
+def _state(result: Result, grids: Sequence[Sketch], too_few: str, *, cut: bool = False) -> None:
     """What the grids say, into the result; cut: their lines are those of a mesh that knows of no layer at edges."""
     if grids:
         result.timing[COARSER] = sum(each.seconds for each in grids)
@@ -192,11 +192,11 @@ def _stated(result: Result, grids: Sequence[Sketch], layer: EdgeLayer | None) ->
     for index, quantities in enumerate(steps):
         for name in _compared(quantities):
             values = [*(each.loads[index].get(name) for each in grids), quantities[name]]
-            yield _limit(result, grids, layer, index, name, values, last=index == len(steps) - 1)
+            yield _limit(result, grids, index, name, values, last=index == len(steps) - 1, layer=layer)
     for name in _compared(result.quantities):
         if not steps or name not in steps[-1]:
             values = [*(each.quantities.get(name) for each in grids), result.quantities[name]]
-            yield _limit(result, grids, layer, None, name, values, last=True)
+            yield _limit(result, grids, None, name, values, last=True, layer=layer)
 
 
 def _compared(quantities: Mapping[str, Any]) -> list[str]:
@@ -209,12 +209,12 @@ def _compared(quantities: Mapping[str, Any]) -> list[str]:
 def _limit(
     result: Result,
     grids: Sequence[Sketch],
-    layer: EdgeLayer | None,
     load: int | None,
     name: str,
     values: Sequence[Any],
     *,
     last: bool,
+    layer: EdgeLayer | None = None,
 ) -> MeshError:
     """What the values on all grids say; last: of the state that can be asked how it grows under a point load."""
     if not all(isinstance(value, float) and math.isfinite(value) for value in values):
