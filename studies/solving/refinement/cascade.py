@@ -18,8 +18,9 @@ import numpy as np
 
 from contact.problem import Outcome
 from studies.ask.request import Request
-from studies.ask.scene import RefinedScene, Scene, UsageError
+from studies.ask.scene import CutScene, RefinedScene, Scene, UsageError
 from studies.solving.refinement.adaptive_grids import Family, parts_of
+from studies.solving.refinement.edge_layer import EdgeLayer
 from studies.solving.refinement.error_control import TOO_LONG, solve_to_error
 from studies.solving.refinement.grids import element_size, near, ways
 from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estimate_of, of_judged
@@ -123,7 +124,11 @@ class Cascade:
 
     def _limit(self, values: Sequence[float]) -> Estimate | str:
         points = [Seen(grid.size, float(value)) for grid, value in zip(self.grids, values, strict=True)]
-        return estimate_of(points, touching=touches(self.last.end))
+        limit = estimate_of(points, touching=touches(self.last.end))
+        if not isinstance(limit, Estimate) or not isinstance(self.scene, CutScene):
+            return limit
+        layer = EdgeLayer.of(self.last, points[0].size / points[-1].size)
+        return limit if layer is None else layer.within(limit, abs(points[-1].value - points[0].value))
 
 
 def parse_budget(text: str | None, name: str = "budget") -> float:

@@ -28,6 +28,7 @@ from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E
 from studies.ask.scene import ShellSceneModel
 from studies.solving.refinement.limits import SAFETY, Estimate
+from studies.solving.refinement.nested import Sketch
 from studies.solving.refinement.records import SHEAR
 from studies.solving.result import Result
 
@@ -47,11 +48,12 @@ class EdgeLayer:
     before: float
 
     @classmethod
-    def of(cls, result: Result, coarser: float) -> EdgeLayer | None:
+    def of(cls, result: Result | Sketch, coarser: float) -> EdgeLayer | None:
         """At the last load; coarser: the elements of the first grid over those of the last. None without such edges."""
-        if not isinstance(result.model, ShellSceneModel) or result.last is None or result.end is None:
+        if not isinstance(result.model, ShellSceneModel) or result.end is None:
             return None
-        shell, u = result.model.moved(result.end.point.requested).shell, result.last.u
+        shell = result.model.moved(result.end.point.requested).shell
+        u = result.end.stage.lifted(result.end.point.solution).u
         strains, area = shell.mean_strains(u), shell.discretisation.geometry.weight
         energy = 0.5 * float(np.sum(area * np.sum(strains * shell.mean_resultants(u), axis=1)))
         elements, ends = _soft_edges(shell)

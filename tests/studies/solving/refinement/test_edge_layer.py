@@ -7,6 +7,7 @@ import pytest
 
 from studies.scenes.complete import complete
 from studies.scenes.mesh_file.scene import entered
+from studies.solving.refinement.cascade import answer
 from studies.solving.refinement.edge_layer import EdgeLayer
 from studies.solving.refinement.mesh_error import solve_with_error
 from studies.solving.result import Result
@@ -52,6 +53,17 @@ def test_the_interval_of_a_twisted_strip_has_what_finer_grids_find(tmp_path) -> 
         assert coarse.errors[name]["low"] <= 1.005 * fine[name] <= coarse.errors[name]["high"] < 1.05 * fine[name]
     (said,) = (note for note in coarse.notes if "director is free" in note)
     assert said.startswith("edges along which the director is free have a layer of 0.29 mm, elements there are 2.5 mm")
+
+
+def test_an_error_that_is_asked_for_allows_for_it(tmp_path) -> None:
+    """On grids that are finer and finer, from the mesh of the deck on."""
+    deck = strip(tmp_path, *TWISTED)
+    with entered(deck):
+        result, known = answer(*complete(deck, {}, (1, 1)), 0.03, "along_forces_mm")
+        fine = solve(*complete(deck, {}, (16, 16))).quantities["along_forces_mm"]
+    assert known
+    width = result.quantities["uncertainty"]
+    assert result.quantities["extrapolated_along_forces_mm"] * (1 + width) >= 1.005 * fine
 
 
 def test_bending_has_no_such_layer_and_a_sum_of_forces_no_wider_interval(tmp_path) -> None:
