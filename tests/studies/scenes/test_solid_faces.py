@@ -21,7 +21,6 @@ from studies.solving.result import Result
 from studies.solving.solve import solve
 from support.problems.differences import fitted_order
 
-AGREE = 1e-8
 BY_DIFFERENCES = 1e-6  # of the size
 FIRST = {"delta_mm": "0.025"}
 RIGID = {key: str(value) for key, value in STIFF.items() if key != "measure"}
@@ -141,7 +140,7 @@ def by_hertz(ratio: float = 1.0) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("slave", "ratio"), [("first", 1), ("second", 1), ("first", 10), ("second", 10)])
+@pytest.mark.parametrize(("slave", "ratio"), [("second", 1), ("first", 10), ("second", 10)])
 def test_cylinders_converge_to_hertz_whoever_is_the_master_and_the_stiffer(slave: str, ratio: float) -> None:
     """Pressures fall to zero as a root does: means over elements miss half of the last one, which is of order one."""
     values = [
@@ -160,17 +159,6 @@ def test_nodes_against_patches_have_the_force_of_hertz_and_peaks_that_scatter() 
     assert actual["P_over_ER"] == pytest.approx(by_hertz(), rel=1e-2)
     assert actual["half_width_over_hertz"] == pytest.approx(1, abs=2e-2)
     assert actual["peak_over_hertz"] == pytest.approx(1, abs=4e-2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scene", "mesh", "travel"), [("two-cylinders", "1x8", "0.01,0.025"), ("ring-on-layer", "1x12", "35")]
-)
-@pytest.mark.parametrize("name", ["augmented-lagrangian", "qp", "lcp"])
-def test_algorithms_agree(name: str, scene: str, mesh: str, travel: str) -> None:
-    ours, theirs = (solved(scene, mesh, contact=each, delta_mm=travel).quantities for each in (name, "semismooth"))
-    for key, value in theirs.items():
-        assert ours[key] == pytest.approx(value, rel=AGREE)
 
 
 @pytest.mark.slow
@@ -277,8 +265,7 @@ def test_half_spheres_that_rub_converge_inside_the_band_of_three_codes_up_to_5_m
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pairing", PAIRINGS)
-@pytest.mark.parametrize("slave", ["first", "second"])
+@pytest.mark.parametrize(("pairing", "slave"), [(PAIRINGS[0], "second"), (PAIRINGS[1], "first")])
 def test_half_spheres_rub_up_to_5_mm_whoever_is_the_master(pairing: str, slave: str) -> None:
     settings: dict[str, Any] = {"mu": 0.5, "through": 1, "delta_mm": "1,2,3,4,5", "pairing": pairing, "slave": slave}
     in_band(solved("half-spheres", "30x1", **settings), 0.5)
