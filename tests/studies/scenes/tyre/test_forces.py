@@ -142,7 +142,7 @@ def test_every_algorithm_finds_the_same_set_and_force(load: str, section: str) -
     ways += [("lcp", {"method": method}) for method in ("lemke", "active-set", "nnls")]
     ways += [("semismooth", {"epsilon": "1e4"}), ("trial-and-error", {}), ("regularised", {})]
     values = [
-        (contact, run({"load": load, "section": section, **more}, mesh="20x20", contact=contact))
+        (contact, run({"load": load, "section": section, **more}, mesh="14x14", contact=contact))
         for contact, more in ways
     ]
     for family in (values[:7], values[7:]):
