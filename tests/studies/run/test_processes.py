@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import json
-import math
 import os
 import random
 import re
@@ -34,7 +33,7 @@ from studies.scenes.complete import Cell
 from support.stores.campaigns import again, content, small
 
 ROOT = Path(__file__).parents[3]
-KILLS = 20
+KILLS = 10
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="asks the kernel for what only Linux has")
 
 
@@ -194,10 +193,11 @@ def kill_scheduler(process: subprocess.Popen[bytes]) -> None:
 
 
 @pytest.mark.slow
-def test_killed_twenty_times_and_resumed_it_is_the_same_store(tmp_path: Path) -> None:
-    """From the first import to the last cell; whenever it gets to its end before, it begins again from nothing.
+def test_killed_again_and_again_and_resumed_it_is_the_same_store(tmp_path: Path) -> None:
+    """By turns at the first look, before anything is imported, and while cells are written.
 
-    Many cells: a busy machine makes several between two looks at the folder.
+    Many cells: a busy machine makes several between two looks at the folder. Whenever it gets to its end before, it
+    begins again from nothing.
     """
     store, rng = tmp_path / "store", random.Random(2004)
     campaign = small(tmp_path)
@@ -206,26 +206,20 @@ def test_killed_twenty_times_and_resumed_it_is_the_same_store(tmp_path: Path) ->
     words = command(campaign, store, "--engine", "local:2")
     ways: Sequence[Callable[[subprocess.Popen[bytes]], None]] = [kill_scheduler]
     ways = [kill_scheduler, kill_all] if sys.platform == "linux" else ways
-    began = time.monotonic()
     subprocess.run(words, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    whole = time.monotonic() - began  # on this machine, as busy as it is
-    uninterrupted, cells = content(store), len(list((store / "cells").glob("*.json")))
+    uninterrupted, cells = content(store), len(written(store))
     shutil.rmtree(store)
     killed, moments = 0, set()
     while killed < KILLS:
+        enough = 0 if killed % 5 == 0 else rng.randint(min(len(written(store)) + 1, cells), cells)
         process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        # after a time, or after so many records: however busy the machine is, some kills find some of them there
-        until = time.monotonic() + rng.uniform(0.1, 1.0) * whole
-        enough = rng.choice([math.inf, rng.randrange(cells)])
         while process.poll() is None:
-            there = len(list((store / "cells").glob("*.json")))
-            if there >= enough or (enough == math.inf and time.monotonic() > until):
+            if len(written(store)) >= enough:
                 ways[killed % len(ways)](process)
                 process.wait()
                 killed += process.returncode != 0
             time.sleep(0.005)
-        written = (store / "cells").glob("*.json")  # but for what was being written when the kill came
-        records = [record for record in written if not record.name.startswith(PART)]
+        records = written(store)
         assert all(json.loads(record.read_text())["class"] == "converged" for record in records)
         moments.add(len(records))
         if process.returncode == 0:
@@ -233,6 +227,11 @@ def test_killed_twenty_times_and_resumed_it_is_the_same_store(tmp_path: Path) ->
     assert len(moments) > 2, moments  # with nothing done, with something, with more
     run(find(str(campaign)), store)
     assert content(store) == uninterrupted
+
+
+def written(store: Path) -> list[Path]:
+    """The records, but for what was being written when a kill came."""
+    return [record for record in (store / "cells").glob("*.json") if not record.name.startswith(PART)]
 
 
 HELD = """
