@@ -60,20 +60,17 @@ class Ladder:
     solve: Callable[[int], bodies.Answer]
     meshes: Sequence[int]
     order: float
-    answers: list[bodies.Answer] = field(default_factory=list)
-    seconds: list[float] = field(default_factory=list)
+    answers: list[bodies.Answer] = field(init=False)
+    seconds: list[list[float]] = field(init=False)  # of a mesh as often as it was solved
 
     def __post_init__(self) -> None:
-        for n in self.meshes:
-            self.seconds.append(self._timed(n))
+        answers, seconds = zip(*map(self._timed, self.meshes), strict=True)
+        self.answers, self.seconds = list(answers), [[spent] for spent in seconds]
 
-    def _timed(self, n: int) -> float:
+    def _timed(self, n: int) -> tuple[bodies.Answer, float]:
         start = time.process_time()
         answer = self.solve(n)
-        spent = time.process_time() - start
-        if len(self.answers) < len(self.meshes):
-            self.answers.append(answer)
-        return spent
+        return answer, time.process_time() - start
 
     def limit(self, quantity: str) -> float:
         """Richardson's of the two finest meshes."""
@@ -92,9 +89,9 @@ class Ladder:
         first = next((i for i in range(len(good)) if all(good[i:])), None)
         if first is None:
             return math.nan, math.nan
-        spent = [self.seconds[first]]
-        if spent[0] < LONG:
-            spent += [self._timed(self.meshes[first]) for _ in range(REPEATS - 1)]
+        spent = self.seconds[first]
+        while spent[0] < LONG and len(spent) < REPEATS:  # but for the quantities before, of the same mesh
+            spent.append(self._timed(self.meshes[first])[1])
         return self.answers[first].unknowns, statistics.median(spent)
 
 
