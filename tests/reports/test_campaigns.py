@@ -105,7 +105,6 @@ def test_what_depends_on_the_clock_is_not_compared(own: Path, pages: dict[str, s
     assert again["data.md"] != pages["data.md"]
     assert compare_pages(again, tmp_path / "pages") == []
     assert check_pages(own, tmp_path / "pages") == []
-    assert rendered(load_store(own)) == rendered(load_store(own))
 
 
 def test_advice_is_told_where_its_tables_are_of_this_campaign_and_whole(own: Path) -> None:

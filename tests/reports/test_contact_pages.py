@@ -148,8 +148,8 @@ def test_three_stops_are_shown_of_any_number() -> None:
 
 
 @pytest.mark.slow
-def test_pictures_of_friction_are_drawn(loaded: Store) -> None:
+def test_pictures_of_friction_are_drawn(loaded: Store, drawn: dict[str, str]) -> None:
     pictures = friction_page(loaded).pictures
     assert len(pictures) == 4
-    assert all(draw().count("<svg") == 1 for draw in pictures.values())
+    assert all(drawn[f"figures/{name}"].count("<svg") == 1 for name in pictures)
     assert filmstrip(patch().assign(friction_z_N=0.0))().startswith("<?xml")

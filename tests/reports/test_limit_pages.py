@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.extremes import LOOKS, cause, outcome_maps, plain_ticks
+from reports.chapters.extremes import LOOKS, cause, plain_ticks
 from reports.chapters.invariance import shared_curves
 from reports.chapters.shell_limits import PARTS, errors, ring_part
 from reports.figures.drawing import drawn
@@ -59,14 +59,6 @@ def test_ticks_are_several_and_different(values: np.ndarray) -> None:
     assert places == sorted(places)
     numbers = [float(label) for label in labels if "$" not in label]
     assert all(values.min() * (1 - 1e-9) <= number <= values.max() for number in numbers if number > 0)
-
-
-@pytest.mark.slow
-def test_a_map_is_drawn_the_same_twice(loaded: Store) -> None:
-    points, maps = loaded.table("extremes"), loaded.table("extremes_maps")
-    first, second = (outcome_maps(points, maps[~maps["y_named"].astype(bool)])() for _ in range(2))
-    assert first == second
-    assert first.startswith("<?xml")
 
 
 def test_measures_with_the_same_strain_share_a_curve() -> None:
