@@ -1,6 +1,7 @@
 """Balances of energy and force: closed on sound answers, open when a force, a potential or a support is wrong."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from contact.problem import ContactProblem, ContactSolution, Linearisation, Outc
 from contact.verify import judge
 from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
 from support.problems.differences import fitted_order
@@ -113,7 +115,10 @@ def test_no_potential_no_balance(chain) -> None:
 # --- shells -------------------------------------------------------------------------------------------------------
 
 
-def pressed(name: str, n: int = 6, **options):
+@cache
+def pressed(
+    name: str, measure: str = "exact", interpolation: str = "curvilinear", n: int = 6, follower: bool = False
+) -> tuple[ShellModel, ContactProblem, ContactSolution]:
     """A clamped patch pushed by its pressure against a drum beside its middle; model, problem, answer."""
     patch = PATCHES[name]
     grid = patch.grid(n, n, 0.5)
@@ -123,8 +128,9 @@ def pressed(name: str, n: int = 6, **options):
     ]
     edges = np.unique(np.concatenate([grid.on_line(axis, value) for axis, value in lines]))
     fixed[edges] = True
-    pressure = Pressure(0.4, options.pop("follower", False))
+    pressure = Pressure(0.4, follower)
     laminate = Laminate((Ply.isotropic(60.0, 0.3, 0.08),), d_minus=-0.03)
+    options = {"measure": measure, "interpolation": interpolation}
     shell = make_shell(patch.surface, grid, laminate, fixed=fixed, pressure=pressure, **options)
     part, free = shell.discretisation, np.setdiff1d(np.arange(grid.n_nodes), edges)
     candidates = Candidates(
@@ -151,7 +157,7 @@ def pressed(name: str, n: int = 6, **options):
 )
 def test_both_balances_close_on_a_shell(name, measure) -> None:
     interpolation = "isoparametric" if MEASURES[measure].kinematics == FULL else "curvilinear"
-    shell, problem, answer = pressed(name, measure=measure, interpolation=interpolation)
+    shell, problem, answer = pressed(name, measure, interpolation)
     assert shell.conservative
     verdict = judge(problem, answer.u, answer.pressure)
     assert verdict.energy <= CLOSED
@@ -163,7 +169,7 @@ def test_both_balances_close_on_a_shell(name, measure) -> None:
 
 
 def test_a_missing_support_or_load_leaves_a_force() -> None:
-    shell, problem, answer = pressed("sphere", interpolation="isoparametric")
+    shell, problem, answer = pressed("sphere", "exact", "isoparametric")
     reactions = shell.reactions(answer.u)
     assert np.abs(reactions).max() > OPEN
     held = np.argmax(np.abs(reactions[:, 4]))
@@ -177,7 +183,7 @@ def test_a_missing_support_or_load_leaves_a_force() -> None:
 
 def test_wrong_normals_leave_a_force() -> None:
     """The pressures act along the gradient of the gap; told otherwise, the resultant does not close."""
-    _, problem, answer = pressed("plate")
+    _, problem, answer = pressed("plate", "exact", "isoparametric")
     tilted = replace(
         problem, directions=lambda u: problem.directions(u) @ np.array([[1, 0, 0], [0, 1, 0], [0.01, 0, 1]])
     )
@@ -188,7 +194,7 @@ def test_the_papers_interpolation_does_not_translate_a_curved_shell() -> None:
     """Known of the element, and now measured in every contact: the force is lost with the square of the mesh size."""
     values = []
     for n in (6, 12):
-        shell, problem, answer = pressed("sphere", n)
+        shell, problem, answer = pressed("sphere", n=n)
         verdict = judge(problem, answer.u, answer.pressure)
         assert verdict.energy <= CLOSED
         assert verdict.failures() == ["force"]

@@ -1,6 +1,7 @@
 """Every contact algorithm against independent solutions: nnls, cvxpy, built-in answers, the law of epsilon."""
 
 import math
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -26,10 +27,12 @@ KINDS = ("obstacle", "definite", "inclined")
 each_pair = pytest.mark.parametrize(("name", "epsilon"), applicable(*EPSILONS))
 
 
-def by_cvxpy(data, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
+@cache
+def by_cvxpy(seed: int, kind: str, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
     """u and p of the primal; a finite epsilon gives every constraint a slack with the energy epsilon w s^2/2."""
     import cvxpy as cp  # slow to load
 
+    data = random_quadratic(np.random.default_rng(seed), kind)
     u, s = cp.Variable(len(data.f)), cp.Variable(len(data.w))
     energy = cp.quad_form(u, cp.psd_wrap(data.K)) / 2 - data.f @ u
     if math.isinf(epsilon):
@@ -50,7 +53,7 @@ def test_solution_is_that_of_nnls_and_cvxpy(name, epsilon) -> None:
         data = random_quadratic(np.random.default_rng(seed), kind)
         solution = solve_from_rest(name, data.problem(), len(data.f), epsilon)
         assert solution.outcome is Outcome.CONVERGED
-        for u, pressure in (dual_by_nnls(data, epsilon), by_cvxpy(data, epsilon)):
+        for u, pressure in (dual_by_nnls(data, epsilon), by_cvxpy(seed, kind, epsilon)):
             np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
             np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
             np.testing.assert_array_equal(solution.active, pressure > 10 * ORACLE)
