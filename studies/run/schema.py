@@ -169,7 +169,11 @@ def plan_fault(data: Mapping[str, Any]) -> str:
 def _faults(value: Any, kind: Kind, at: str) -> Iterator[str]:
     if kind is None:
         kind = {} if isinstance(value, dict) else Each(None) if isinstance(value, list) else scalar
-    if isinstance(kind, Maybe):
+    if callable(kind):  # most of all: first
+        if not kind(value):
+            meaning = str(kind.__doc__).rstrip(".")
+            yield f"{at} = {shortened(value)} must be {meaning[0].lower()}{meaning[1:]}"
+    elif isinstance(kind, Maybe):
         if value is not None:
             yield from _faults(value, kind.kind, at)
     elif isinstance(kind, Each):
@@ -178,7 +182,7 @@ def _faults(value: Any, kind: Kind, at: str) -> Iterator[str]:
             return
         for i, inside in enumerate(value):
             yield from _faults(inside, kind.kind, f"{at}[{i}]")
-    elif isinstance(kind, Named | Mapping):
+    else:
         if not isinstance(value, dict):
             yield f"{at} = {shortened(value)} must be a set of values by name"
             return
@@ -187,9 +191,6 @@ def _faults(value: Any, kind: Kind, at: str) -> Iterator[str]:
                 yield f"{at} has the name {shortened(key)}, which cannot be printed on a line"
             within = kind.kind if isinstance(kind, Named) else kind.get(key)
             yield from _faults(inside, within, f"{at}.{key}" if at else key)
-    elif not kind(value):
-        meaning = str(kind.__doc__).rstrip(".")
-        yield f"{at} = {shortened(value)} must be {meaning[0].lower()}{meaning[1:]}"
 
 
 def shortened(value: Any, most: int = 60) -> str:

@@ -74,7 +74,7 @@ class Units:
 
 FAR = 4.0**20  # 1.1e12
 UNITS = {
-    "far longer and softer": Units(length=FAR, stress=1 / FAR),
+    "far longer and softer": Units(length=FAR, stress=FAR**-4),  # forces and energies are small, too
     "far longer": Units(length=FAR),
     "far shorter": Units(length=1 / FAR),
     "far stiffer": Units(stress=FAR),
