@@ -7,7 +7,7 @@ elsewhere on every mesh, and its error with it: a sequence of meshes then scatte
 line on the rim only the size of the elements changes along a sequence.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -68,7 +68,7 @@ class ContactModel(ShellSceneModel):
     plane_at(t): the foundation.  measure_at(t, touch): what is read, {name_unit: value}.  body_at(t): the shell under
     its loads, t times those it has unless given.  lying: everything touches without pressure at rest.  units: of the
     problem.  face: that may touch.  rubs(t): the share of the coefficient of friction that acts at t, as 0 until the
-    body is wrapped.
+    body is wrapped.  at_rim: quantities that jump as the rim of contact passes from node to node.
     """
 
     shell: ShellModel
@@ -82,6 +82,7 @@ class ContactModel(ShellSceneModel):
     units: Units = Units()  # noqa: RUF009  frozen
     face: int = OUTER
     rubs: Callable[[float], float] = lambda t: 1.0
+    at_rim: Collection[str] = ()
 
     @cached_property
     def nodes(self) -> np.ndarray:

@@ -90,7 +90,7 @@ class PlateContact(Declared):
 
         shell, foundation = loaded_shell(quarter, request, forces=forces), RigidPlane(DOWN, H / 2 + GAP)
         clamp, pressures = quarter.grid.on_line(0, A), request.numbers("load_fraction")
-        return ContactModel(shell, clamp, pressures, lambda t: foundation, measured)
+        return ContactModel(shell, clamp, pressures, lambda t: foundation, measured, at_rim=("contact_radius",))
 
 
 SCENES = (PlateContact(),)

@@ -136,7 +136,8 @@ class ClampedStrip(Declared):
             return {"half_force": half_force, "free_length": begins, "edge_pressure": at_edge}
 
         clamp, plane = half.grid.on_line(0, 0.0), RigidPlane(UP, H / 2 + GAP)
-        return ContactModel(shell, clamp, request.numbers("load_fraction"), lambda q: plane, measured)
+        pressures = request.numbers("load_fraction")
+        return ContactModel(shell, clamp, pressures, lambda q: plane, measured, at_rim=("edge_pressure",))
 
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -27,6 +27,7 @@ from studies.solving.refinement.limits import FEW, FEWEST, Estimate, Seen, estim
 from studies.solving.refinement.mesh_error import round_of
 from studies.solving.refinement.nested import LOOSE, Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import default_quantity, no_limit, record_estimate, record_grids, record_loads
+from studies.solving.refinement.rim import rims_of
 from studies.solving.result import Result
 
 FINER = math.sqrt(2)  # elements along a coordinate from grid to grid, at the most
@@ -82,7 +83,8 @@ class Cascade:
 
     def stated(self) -> Estimate | str:
         """What all grids so far say of the limit, or why they do not."""
-        return self._limit(self.values)
+        (rim,) = rims_of(self.last, [self.last.quantities])
+        return self._limit(self.values, rim)
 
     @property
     def values(self) -> list[float]:
@@ -103,7 +105,8 @@ class Cascade:
         if any(step.get(self.name) is None for each in self.grids for step in each.loads):
             return []
         rows = [[float(step[self.name]) for step in each.loads] for each in self.grids]
-        limits = [self._limit(values) for values in zip(*rows, strict=True)]
+        rims = rims_of(self.last, [*self.last.loads, self.last.quantities])
+        limits = [self._limit(*each) for each in zip(zip(*rows, strict=True), rims, strict=False)]
         return [
             of_judged(limit, sketched, value) if isinstance(limit, Estimate) else limit
             for limit, sketched, value in zip(limits, rows[-1], judged, strict=False)
@@ -122,9 +125,9 @@ class Cascade:
             for each in self.grids
         ]
 
-    def _limit(self, values: Sequence[float]) -> Estimate | str:
+    def _limit(self, values: Sequence[float], rim: Mapping[str, float]) -> Estimate | str:
         points = [Seen(grid.size, float(value)) for grid, value in zip(self.grids, values, strict=True)]
-        limit = estimate_of(points, touching=touches(self.last.end))
+        limit = estimate_of(points, touching=touches(self.last.end), rim=rim.get(self.name, 0.0))
         if not isinstance(limit, Estimate) or not isinstance(self.scene, CutScene):
             return limit
         layer = EdgeLayer.of(self.last, points[0].size / points[-1].size)

@@ -55,6 +55,7 @@ ORDERS = (1, 2)  # that errors scatter about in contact
 FEWEST = 3  # grids that state a limit; whose first has often no order yet
 FEW = "fewer than three grids"
 GROWING = "it does not converge on these grids"
+NARROW = "a patch of contact shorter by one element does not have it"
 
 
 @dataclass(frozen=True)
@@ -106,20 +107,38 @@ def _twice(grids: Sequence[Seen], k: int) -> int | None:
     return min(range(k), key=lambda i: abs(math.log2(grids[i].size / grids[k].size) - 1), default=None)
 
 
-def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str:
+def estimate_of(grids: Sequence[Seen], *, touching: bool = False, rim: float = 0.0) -> Estimate | str:
     """What grids, coarse to fine, say of the limit, or why they do not.
 
-    touching: the quantity depends on the rim of a patch of contact.
+    touching: the quantity depends on the rim of a patch of contact.  rim: what its place within an element leaves
+    unknown, in the unit of the quantity; infinite where a patch one element shorter has no such quantity.
     """
+    if math.isinf(rim):
+        return NARROW
+    now = _stated(grids, touching, rim)
+    if len(grids) <= FEWEST or isinstance(now, str):
+        return now
+    before = _stated(grids[:-1], touching, rim)
+    if isinstance(before, str):
+        return now if before == FEW else before
+    if before.interval["low"] <= now.limit <= before.interval["high"]:
+        return now
+    if not touching:
+        return GROWING
+    return _estimate(grids[-1].value, now.limit, max(now.uncertainty * abs(now.limit), abs(now.limit - before.limit)))
+
+
+def _stated(grids: Sequence[Seen], touching: bool, rim: float) -> Estimate | str:
+    """What they say, whatever those without the finest would."""
     last_three, fitted = three_of(grids), touching and len(grids) >= min(FITTED)
     if last_three is None:
-        return _fitted(grids[-max(FITTED) :]) if fitted else FEW
+        return _fitted(grids[-max(FITTED) :], rim) if fitted else FEW
     first, middle, last = last_three
     before, now = middle.value - first.value, last.value - middle.value
     if not (math.isfinite(before) and math.isfinite(now)) or abs(now) > max(abs(before), LARGE * abs(last.value)):
         return GROWING
     if fitted:
-        return _fitted(grids[-max(FITTED) :])
+        return _fitted(grids[-max(FITTED) :], rim)
     corrections = [
         correction((coarse.size, fine.size), (coarse.value, fine.value))
         for coarse, fine in ((first, middle), (middle, last))
@@ -140,7 +159,7 @@ def estimate_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | 
     if fast:
         slow = correction((middle.size, last.size), (middle.value, last.value), 1.0)
         moved = min(moved, max(abs(slow - corrections[1]), FAST * abs(before)))
-    within = max(moved, (SURE if sure else 1.0) * abs(corrections[1]), guard)
+    within = max(moved, (SURE if sure else 1.0) * abs(corrections[1]), guard, rim)
     return _estimate(last.value, limit, within)
 
 
@@ -172,7 +191,7 @@ def of_judged(known: Estimate, sketched: float, value: float) -> Estimate:
     return _estimate(value, known.limit + value - sketched, within)
 
 
-def _fitted(grids: Sequence[Seen]) -> Estimate | str:
+def _fitted(grids: Sequence[Seen], rim: float) -> Estimate | str:
     sizes, values = (np.array(each, float) for each in zip(*((g.size, g.value) for g in grids), strict=True))
     if not np.isfinite(values).all():
         return GROWING
@@ -180,7 +199,7 @@ def _fitted(grids: Sequence[Seen]) -> Estimate | str:
     limits, errors = np.transpose([_least_squares(h**order, values, h ** -FITTED[len(grids)]) for order in ORDERS])
     limit = float(limits.mean())
     within = float(np.ptp(limits)) / 2 + SPREAD * float(errors.max())
-    return _estimate(float(values[-1]), limit, max(within, abs(values[-1] - limit) / 2))
+    return _estimate(float(values[-1]), limit, max(within, abs(values[-1] - limit) / 2, rim))
 
 
 def _least_squares(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> tuple[float, float]:

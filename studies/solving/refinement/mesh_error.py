@@ -23,6 +23,7 @@ from studies.solving.refinement.limits import Estimate, Seen, estimate_of, three
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
 from studies.solving.refinement.richardson import order_of
+from studies.solving.refinement.rim import rims_of
 from studies.solving.result import COUNTS, SOLVED, Result, unit_of
 
 TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the table, and two times
@@ -189,14 +190,16 @@ def _stated(result: Result, grids: Sequence[Sketch], layer: EdgeLayer | None) ->
     steps = list[Mapping[str, Any]]()
     if all(len(each.loads) == len(result.loads) for each in grids):
         steps = [step.quantities for step in result.loads]
+    rims = rims_of(grids[-1], [*steps, result.quantities], element_size(result.request) / grids[-1].size)
     for index, quantities in enumerate(steps):
         for name in _compared(quantities):
             values = [*(each.loads[index].get(name) for each in grids), quantities[name]]
-            yield _limit(result, grids, index, name, values, last=index == len(steps) - 1, layer=layer)
+            rim = rims[index].get(name, 0.0)
+            yield _limit(result, grids, index, name, values, rim, last=index == len(steps) - 1, layer=layer)
     for name in _compared(result.quantities):
         if not steps or name not in steps[-1]:
             values = [*(each.quantities.get(name) for each in grids), result.quantities[name]]
-            yield _limit(result, grids, None, name, values, last=True, layer=layer)
+            yield _limit(result, grids, None, name, values, rims[-1].get(name, 0.0), last=True, layer=layer)
 
 
 def _compared(quantities: Mapping[str, Any]) -> list[str]:
@@ -212,16 +215,20 @@ def _limit(
     load: int | None,
     name: str,
     values: Sequence[Any],
+    rim: float = 0.0,
     *,
     last: bool,
     layer: EdgeLayer | None = None,
 ) -> MeshError:
-    """What the values on all grids say; last: of the state that can be asked how it grows under a point load."""
+    """What the values on all grids say; last: of the state that can be asked how it grows under a point load.
+
+    rim: what the place of the rim of contact leaves unknown.  layer: what that at free edges does.
+    """
     if not all(isinstance(value, float) and math.isfinite(value) for value in values):
         return MeshError(load, name, values[-1], "a coarser grid does not have it")
     sizes = [*(each.size for each in grids), element_size(result.request)]
     points = [Seen(size, value) for size, value in zip(sizes, values, strict=True)]
-    limit = estimate_of(points, touching=touches(grids[-1].end))
+    limit = estimate_of(points, touching=touches(grids[-1].end), rim=rim)
     if isinstance(limit, Estimate) and layer is not None:
         limit = layer.within(limit, abs(values[-1] - values[0]))
     if isinstance(limit, Estimate) and last:

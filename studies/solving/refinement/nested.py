@@ -45,6 +45,7 @@ class Sketch:
     loads: a row a requested load, or the last point of a curve.
     quantities: the headline values.  clocks: CPU and wall time [s].  work: floating-point operations by kind.
     strayed: by stage the largest distance of a state from its start on a coarser grid, over its step; 0 without one.
+    loaded: which of the visits the rows of ``loads`` are read off.
     """
 
     request: Request
@@ -57,6 +58,7 @@ class Sketch:
     clocks: Mapping[str, float]
     work: Mapping[str, int]
     strayed: Mapping[str, float] = field(default_factory=dict)
+    loaded: Sequence[int] = ()
 
     @property
     def seconds(self) -> float:
@@ -166,7 +168,7 @@ def _sketched(
     tolerance: float,
 ) -> Sketch | str:
     """The path, or why it does not reach its end.  smallest: fraction of a step below which it is not cut."""
-    visits, loads, quantities = list[Visited](), list[dict[str, Any]](), dict[str, float]()
+    visits, loads, quantities, loaded = list[Visited](), list[dict[str, Any]](), dict[str, float](), list[int]()
     try:
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
     except ValueError as error:  # an invalid parameter: the solve reports it
@@ -184,12 +186,13 @@ def _sketched(
             quantities |= visited.stage.summarise(visited.trace.points)
         if observation.step is not None:
             loads.append(observation.step)
+            loaded.append(len(visits) - 1)
     if not loads:
         return "nothing is read off it"
     strayed = dict[str, float]()
     for visited in visits:
         strayed[visited.stage.name] = max(strayed.get(visited.stage.name, 0.0), given.strayed(visited))
-    return Sketch(request, model.n_unknowns, model, visits, tolerance, loads, quantities, {}, {}, strayed)
+    return Sketch(request, model.n_unknowns, model, visits, tolerance, loads, quantities, {}, {}, strayed, loaded)
 
 
 @dataclass(frozen=True, eq=False)
