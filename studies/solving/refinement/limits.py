@@ -6,7 +6,7 @@ Bilinear elements converge with the square of their size h. Of two grids with si
 
 and of three grids, each about half as coarse as the one before, how well: L is within ::
 
-    u = max(SAFETY |L - L_before|, s |c|, guard)
+    u = max(SAFETY |L - L_before|, s |c|, guard, rim)
 
 of the limit; s = 1, or SURE where more than three grids have corrections c that fall as the order 2 has them fall, and
 SAFETY times what their limits have moved since the middle one is no more than SURE |c|: one ratio may be luck.
@@ -15,6 +15,9 @@ little. The first term is then no more than what the correction of the order 1 d
 difference before the last one.
 guard: where differences change their sign, the last one; where they grow, SAFETY times the larger one. Where they grow
 and are large there is no statement, in contact or not.
+rim: what the rim of contact leaves unknown (:mod:`studies.solving.refinement.rim`), on any number of grids. On more
+than three a limit has to lie where the grids without the finest have stated it: else there is none, or in contact one
+that is known to no better than what the two differ by.
 
 The rim of a patch of contact jumps from node to node: errors scatter about an order of 1 to 2. There L is the mean of
 two limits by least squares on the last four or five grids, J = L_p + c h^p for p = 1 and 2, and ::

@@ -6,9 +6,10 @@ and grids whose errors come out alike by luck do not show it. So no limit is sta
     max(LEAST n^-2 |J|, |J' - J|)
 
 The first is the error that n elements along a coordinate have at the least: theirs of bilinear ones is of the order
-(h/L)^2. The second is for what a model says to be read at the rim: J' is read off the same state with the forces of the
-rim handed to the nodes inside it, as if the patch ended one element before. Also where elements become as small as the
-layer in which the wall is squeezed at a rim, of the length of its thickness, does such a reading not move by more.
+(h/L)^2. The second is for what a model says to be read at the rim: J' is read off the same state with the forces of
+the rim handed to the nodes inside it, as if the patch ended one element before. At a rim the wall is squeezed over
+about its thickness, which changes what is read there as soon as elements show it, and not before: for such a reading
+elements count in n as no shorter than LAYER thicknesses, however fine they are.
 Nothing is solved, and no scene may enter here.
 """
 
@@ -25,10 +26,11 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution
 from studies.ask.scene import ShellSceneModel
 from studies.scenes.walk import Visited
-from studies.solving.refinement.grids import ways
+from studies.solving.refinement.grids import several_elements, ways
 from studies.solving.refinement.nested import Sketch, touches
 
-LEAST = 3.0  # of (h/L)^2; 2 is enough on strips, plates, rings and rollers at 106 loads, 1 was too little at 3
+LAYER = 2.0  # one leaves a pressure at the edge of a strip false on 64 to 256 elements, 1.6 to 0.4 thicknesses long
+LEAST = 3.0  # of (h/L)^2; 2 is enough on strips and plates at 106 loads, 3 on 94 others, 1 was too little at 3
 
 
 @runtime_checkable
@@ -48,11 +50,13 @@ def rims_of(path: Sketch, rows: Sequence[Mapping[str, object]], finer: float = 1
     """
     if not touches(path.end):
         return [{} for _ in rows]
-    least = LEAST * (finer * _size(path)) ** 2
+    size, layer = finer * _size(path), _layer(path)
     visits = [*(path.visits[k] for k in path.loaded), path.end][-len(rows) :]
     return [
         {
-            name: max(least * abs(value), finer * jumps.get(name, 0.0))
+            name: max(
+                LEAST * (max(size, layer) if name in jumps else size) ** 2 * abs(value), finer * jumps.get(name, 0.0)
+            )
             for name, value in row.items()
             if isinstance(value, float)
         }
@@ -65,6 +69,17 @@ def _size(path: Sketch) -> float:
     if not isinstance(path.model, ShellSceneModel):
         return path.size
     return float(len(path.model.shell.discretisation.grid.elements) ** (-1 / max(ways(path.request), 1)))
+
+
+def _layer(path: Sketch) -> float:
+    """The size, in the unit of the other, of elements as long as LAYER thicknesses; 0 if nothing is read at a rim."""
+    model = path.model
+    if not isinstance(model, RimModel) or not isinstance(model, ShellSceneModel) or not model.at_rim:
+        return 0.0
+    body = model.shell.discretisation
+    lengths = 2 * body.grid.half * body.surface.geometry(*body.grid.centre.T).A
+    length = float(np.exp(np.mean(np.log(lengths[:, several_elements(path.request)]))))
+    return _size(path) * LAYER * body.laminate.thickness / length
 
 
 def _jumps(model: object, visited: Visited) -> dict[str, float]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies.solving.refinement.limits import FEW, GROWING, SAFETY, Estimate, Seen, estimate_of, three_of
+from studies.solving.refinement.limits import FEW, GROWING, NARROW, SAFETY, Estimate, Seen, estimate_of, three_of
 
 
 def ladder(order: float, count: int = 5, factor: float = 2.0, scatter: float = 0.0, seed: int = 0) -> list[Seen]:
@@ -120,3 +120,19 @@ def test_one_ratio_of_the_order_two_is_not_enough_to_be_sure() -> None:
     correction = abs(exact[-1].value - 100)
     assert sure.uncertainty * sure.limit == pytest.approx(0.25 * correction)
     assert unsure.uncertainty * unsure.limit >= 0.99 * correction
+
+
+def test_a_limit_takes_the_grid_before_to_have_had_one() -> None:
+    """Deflection of the hemisphere by Sanders at 0.8 of the load: 3.67 at 23 elements, 4.39 at 64, growing."""
+    value = {4: 4.634, 6: 4.598, 8: 4.225, 11: 3.959, 16: 3.709, 23: 3.668, 32: 3.828}
+    grids = [Seen(1 / n, each) for n, each in value.items()]
+    assert estimate_of(grids[:-1]) == GROWING
+    assert estimate_of(grids) == GROWING
+
+
+def test_a_limit_in_contact_is_not_better_known_than_its_rim() -> None:
+    """Edge pressure of a strip, which is 889.2 on 1024 elements."""
+    grids = [Seen(1 / n, each) for n, each in ((16, 889.854), (32, 889.843), (64, 889.866))]
+    assert known(grids, touching=True).uncertainty < 1e-4
+    assert known(grids, touching=True, rim=0.7).uncertainty * 889.9 == pytest.approx(0.7, rel=1e-3)
+    assert estimate_of(grids, touching=True, rim=math.inf) == NARROW
