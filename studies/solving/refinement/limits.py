@@ -52,6 +52,7 @@ SURE = 0.25  # of the last correction, where two of them have shown the order
 SHOWN = (0.7, 1.4)  # of the factor by which the order 2 has corrections fall
 FAST = 0.05  # of the difference before the last one, where corrections fall faster
 LARGE = 0.1  # of the value, above which growing differences say nothing
+SLOWEST = 0.3  # of an order that a limit in contact is bound by
 LEAST = 1e-9  # of the value: what the iteration leaves
 FITTED, SPREAD = {4: 1, 5: 2}, 3.0  # grids: power of 1/h in their weights
 ORDERS = (1, 2)  # that errors scatter about in contact
@@ -156,6 +157,11 @@ def _stated(grids: Sequence[Seen], touching: bool, rim: float) -> Estimate | str
     guard = max(abs(before), abs(now)) if touching else 0.0
     if before * now <= 0:
         guard = max(guard, abs(now))
+    if touching and 0 < now / (before or math.inf) < 1:  # below the order 1 most of the error is still to come
+        slow = max(math.log(before / now) / math.log(first.size / middle.size), SLOWEST)
+        if slow < 1:
+            rest = correction((middle.size, last.size), (middle.value, last.value), slow)
+            guard = max(guard, abs(rest - corrections[1]))
     if abs(now) > abs(before):
         guard = max(guard, SAFETY * abs(now))
     moved = SAFETY * abs(limit - known_before)

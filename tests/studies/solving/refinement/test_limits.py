@@ -136,3 +136,9 @@ def test_a_limit_in_contact_is_not_better_known_than_its_rim() -> None:
     assert known(grids, touching=True).uncertainty < 1e-4
     assert known(grids, touching=True, rim=0.7).uncertainty * 889.9 == pytest.approx(0.7, rel=1e-3)
     assert estimate_of(grids, touching=True, rim=math.inf) == NARROW
+
+
+def test_three_grids_in_contact_below_the_order_one_are_bound_by_what_is_to_come() -> None:
+    """Lift of a heavy strip, 1.474 on 256 elements, where it falls on by more than a hundredth a halving."""
+    lift = known(list(map(Seen, (4, 2, 1), (1.79541, 1.6943, 1.60016))), touching=True)
+    assert lift.interval["low"] < 1.39
