@@ -158,6 +158,8 @@ def sweep(
     for place in order(swept.ranges):
         request = swept.requests[place]
         read = None if kept is None or isinstance(request, str) else kept.read(request)
+        if read is not None:  # another sweep may have kept it, over other settings
+            read = replace(read, settings=settings_at(swept.ranges, place))
         member = read or _member(swept, place, request, grids)
         if member.solved and not swept.quantity:
             swept.quantity = quantity or default_quantity(swept.scene, member.quantities)
