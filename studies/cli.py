@@ -150,8 +150,8 @@ def _main(arguments: Sequence[str] | None) -> int:
 
 def _line(error: Exception) -> str:
     """The message of an error; of a system error the file first, without its number."""
-    if isinstance(error, OSError) and error.filename is not None and error.strerror:
-        return f"{error.filename}: {error.strerror}"
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror if error.filename is None else f"{error.filename}: {error.strerror}"
     return str(error)
 
 

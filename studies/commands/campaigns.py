@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 CAMPAIGN = "of footprint list campaigns, or a .toml file that was run"
 
 
+def _name(text: str) -> str:
+    """What a store calls the campaign of a file."""
+    return Path(text).stem if text.endswith(".toml") else text
+
+
 def add_run(parser: argparse.ArgumentParser) -> None:
     """The campaign, its store, the engine and the limits of a cell."""
     from studies.fuzz import examine as fuzz
@@ -120,7 +125,7 @@ def _seeds(text: str) -> range:
 
 def add_table(parser: argparse.ArgumentParser) -> None:
     """The campaign and which of its rows."""
-    parser.add_argument("campaign", help=CAMPAIGN)
+    parser.add_argument("campaign", type=_name, help=CAMPAIGN)
     add_store(parser)
     parser.add_argument("--where", action="append", default=[], metavar="COLUMN=VALUE", help="only these rows")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="write all columns as CSV")
@@ -145,8 +150,9 @@ def run_table(options: argparse.Namespace) -> int:
         write_table(options.csv, table)
     print(f"{'outcome':15s}{'cell':60s}reason")
     for outcome, label, reason in zip(table["outcome"], table["label"], table["reason"], strict=True):
-        print(f"{outcome:15s}{label:60s}{'' if outcome == 'converged' else reason}".rstrip())
-    print(f"{len(table)} cells: " + ", ".join(f"{n} {name}" for name, n in table["outcome"].value_counts().items()))
+        print(f"{outcome:15s}{label:59s} {'' if outcome == 'converged' else reason}".rstrip())
+    counts = ", ".join(f"{n} {name}" for name, n in table["outcome"].value_counts().items())
+    print(f"{len(table)} cells: {counts or 'none'}")
     return OK
 
 
@@ -195,7 +201,7 @@ def run_merge(options: argparse.Namespace) -> int:
 
 def add_analyse(parser: argparse.ArgumentParser) -> None:
     """The campaign and its store."""
-    parser.add_argument("campaign", help=CAMPAIGN)
+    parser.add_argument("campaign", type=_name, help=CAMPAIGN)
     add_store(parser)
 
 

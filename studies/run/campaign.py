@@ -107,6 +107,8 @@ def read(path: Path, *, trust: bool = False) -> Campaign:
         cells += _crossed(path, cross, MOST_CELLS - len(cells))
     unique = _without_repeats(path, cells)
     tables = tuple(dict.fromkeys(table for listed in lists for table in listed.tables))
+    if not unique and not tables:
+        raise UsageError(f"campaign {path} has nothing to solve: it needs lists, or [[cross]] with scenes")
     return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""))
 
 
@@ -138,9 +140,14 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
     for scene in _listed(path, {"scenes": list(cross["scenes"])}, "scenes", SCENES):
         own = cross["scenes"][scene]
         _known(path, own, "of_a_scene")
-        asked = {**cross, **own}
-        constant = {**cross.get("set", {}), **own.get("set", {})}
-        axes = _axes(path, asked)
+        held = own.get("set", {})
+        asked = {**cross, **own, "vary": {**cross.get("vary", {}), **own.get("vary", {})}}
+        constant = {**cross.get("set", {}), **held}
+        varied = [set(_axes(path, level)) for level in (cross, own)]
+        for level, keys in zip((cross, own), varied, strict=True):
+            for key in keys & set(level.get("set", {})):
+                raise UsageError(f"campaign {path}: {key} of {scene} is set, and an axis: it can be one of both")
+        axes = {key: values for key, values in _axes(path, asked).items() if key in varied[1] or key not in held}
         if "contact" in axes and not has_contact(SCENES[scene]):
             axes["contact"] = [Request.contact]  # one stands for all: the others would solve the same
         most -= math.prod(map(len, axes.values()))
@@ -164,7 +171,11 @@ def _axes(path: Path, asked: Mapping[str, Any]) -> dict[str, list[str]]:
     vary = asked.get("vary", {})
     named = {name: key for name, key in {**OPTIONS, **SETTINGS}.items() if name in asked}
     axes = {key: _listed(path, asked, name, CATALOGUES.get(name)) for name, key in named.items()}
-    return axes | {key: _listed(path, vary, key, None) for key in vary}
+    axes |= {key: _listed(path, vary, key, None) for key in vary}
+    for key, values in axes.items():
+        if not values:
+            raise UsageError(f"campaign {path}: the axis {key} has no value")
+    return axes
 
 
 def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[str, Any] | None) -> list[str]:

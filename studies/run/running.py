@@ -81,6 +81,8 @@ def run(
     if resume and not archive.index_path(campaign.name).exists():
         raise UsageError(f"--resume: {store} has no campaign {campaign.name!r} yet; leave --resume out to begin it")
     rows = plan(campaign)
+    if rows and not campaign.tables and all(row.id is None for row in rows):
+        raise UsageError(f"{campaign.name}: no cell can be solved: {rows[0].reason}")
     with archive.claimed(), keeping_what_is_finished(store):
         tasks = _begun(archive, campaign, rows, say, fields=fields)
         done, summary = len(rows) - len(tasks), Summary(len(rows), asked=len(campaign.tables))

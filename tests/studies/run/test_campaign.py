@@ -81,6 +81,38 @@ def test_a_cross_is_the_product_of_its_axes_and_a_scene_says_the_last_word(tmp_p
     )
 
 
+def test_what_a_scene_sets_counts_before_an_axis_of_all(tmp_path: Path) -> None:
+    path = tmp_path / "c.toml"
+    path.write_text(
+        '[[cross]]\ntolerances = [1e-3, 1e-6]\nvary = { nu = [0.2, 0.3] }\nset = { delta_mm = "0.2" }\n'
+        "[cross.scenes.panel]\nset = { tolerance = 1e-9 }\nvary = { delta_mm = [0.1] }\n"
+    )
+    assert [dict(cell.settings) for cell in find(str(path)).cells] == [
+        {"tolerance": "1e-09", "nu": nu, "delta_mm": "0.1"} for nu in ("0.2", "0.3")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "has nothing to solve: it needs lists, or [[cross]] with scenes"),
+        ("[[cross]]\n[cross.scenes]\n", "has nothing to solve"),
+        ("[[cross]]\nmeasures = []\n[cross.scenes.panel]\n", "the axis measure has no value"),
+        (
+            "[[cross]]\n[cross.scenes.panel]\ntolerances = [1e-3]\nset = { tolerance = 1e-9 }\n",
+            "tolerance of panel is set, and an axis: it can be one of both",
+        ),
+        ('[[cross]]\n[cross.scenes.panel]\nset = { nu = "0.6" }\n', "no cell can be solved: nu = '0.6' must be"),
+    ],
+)
+def test_a_campaign_that_solves_nothing_or_contradicts_itself_is_one_line(text, says, tmp_path: Path, capsys) -> None:
+    (tmp_path / "c.toml").write_text(text)
+    assert main(["run", str(tmp_path / "c.toml"), "--store", str(tmp_path / "store")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert says in line
+    assert not (tmp_path / "store").exists()
+
+
 def test_a_number_of_a_file_is_solved_with_all_its_digits(tmp_path: Path) -> None:
     """Six digits are enough for a label, and not for a modulus."""
     path = tmp_path / "c.toml"
@@ -146,6 +178,16 @@ def test_modules_out_of_the_folder_are_refused_trusted_or_not(name: str, tmp_pat
     assert not (tmp_path / "ran").exists()
 
 
+def test_a_campaign_is_named_by_its_file_too_and_a_long_label_is_no_part_of_a_reason(tmp_path: Path, capsys) -> None:
+    name = "x" * 70
+    text = f'[[cross]]\nname = "{name}"\n[cross.scenes.cantilever]\nmeshes = ["2x1", "0x1"]\nset.load_fraction = 0.1\n'
+    (tmp_path / "own.toml").write_text(text)
+    store = tmp_path / "store"
+    assert main(["run", str(tmp_path / "own.toml"), "--store", str(store)]) == 0
+    assert main(["table", str(tmp_path / "own.toml"), "--store", str(store)]) == 0
+    assert f"{name} cantilever 0x1 mesh '0x1' must have at least 1" in capsys.readouterr().out
+
+
 def test_rows_are_selected_by_whole_numbers_too(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def said(where: str) -> str:
         code = main(["table", "small", "--store", str(solved), "--where", where])
@@ -153,7 +195,7 @@ def test_rows_are_selected_by_whole_numbers_too(solved: Path, capsys: pytest.Cap
         return printed.out if code == 0 else printed.err
 
     assert said("n1=8").endswith("\n2 cells: 2 converged\n")
-    assert said("c.dofs=-1").endswith("\n0 cells: \n")
+    assert said("c.dofs=-1").endswith("\n0 cells: none\n")
     assert "'n1=eight': this column has numbers" in said("n1=eight")
     assert "'n3=8' must be COLUMN=VALUE with one of label, " in said("n3=8")
 
