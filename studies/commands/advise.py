@@ -85,7 +85,8 @@ def _beyond(options: argparse.Namespace, question: Question, given: dict[str, st
 
 def _choose(options: argparse.Namespace, given: dict[str, str]) -> str:
     """The command line that answers for the reader's own settings."""
-    words = [f"--set {shlex.quote(f'{key}={text}')}" for key, text in given.items()] + use_options()
+    words = [f"--of {shlex.quote(options.quantity)}"] if options.quantity else []
+    words += [f"--set {shlex.quote(f'{key}={text}')}" for key, text in given.items()] + use_options()
     return " ".join(["footprint choose", options.scene, f"--error {options.error}", *words, "--out DIR"])
 
 

@@ -91,7 +91,7 @@ def lines(result: Sweep) -> Iterator[str]:
     yield f"{len(members) - len(lost)} solved, {unstable} of them unstable, {len(lost)} without an answer"
     if result.error is not None:
         errors = [error for member in members if (error := member.error(name)) is not None]
-        most = f", the largest known is {100 * max(errors):.2g} %" if errors else ""
+        most = f", the largest known is {100 * max(errors):.2g} %" if errors else ", none is known"
         yield f"error of {name} within {100 * result.error:g} %: {result.within} of {len(members)}{most}"
     cold = result.cold
     price = f"; one from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} for its price" if cold else ""

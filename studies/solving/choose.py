@@ -84,6 +84,7 @@ def choose(
     cascade = Cascade(scene, error, quantity)
     with clock.share(OF_REFERENCE):
         stopped = follow(cascade, request, clock, progress)
+    cascade.check_quantity(0)  # however few grids there was time for
     choice = Choice(question, request, budget, quantity or "", stopped)
     limit = limit_stated(cascade)
     if isinstance(limit, str):

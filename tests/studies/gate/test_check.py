@@ -177,7 +177,9 @@ def test_advice_on_the_command_line(solved: Path, capsys: pytest.CaptureFixture[
     assert main([*asked, "0.01%"]) == 1
     assert "none qualifies of 3 cells" in capsys.readouterr().out  # the linear ones are wrong, not inaccurate
     assert main([*asked, "1%", "--quantity", "force_N"]) == 2
-    assert "no verified quantity 'force_N'" in capsys.readouterr().err
+    of_it = "for your own scene: footprint choose cantilever --error 1% --of force_N --out DIR\n"
+    assert (said := capsys.readouterr().err).endswith(of_it)
+    assert "no verified quantity 'force_N'" in said
     assert main([*asked, "1%", "--set", "load_fraction=0.3"]) == 2
     choose = "footprint choose cantilever --error 1% --set load_fraction=0.3 --out DIR"
     assert capsys.readouterr().err.endswith(f"; for your own scene: {choose}\n")

@@ -200,6 +200,7 @@ def test_a_point_load_has_no_limit() -> None:
         (["ring", "--contact", "magic"], "must be one of"),
         (["ring", "--mesh", "big"], "N1xN2"),
         ([*RING, "--of", "weight_N"], "has no quantity 'weight_N'; it has P_R2_over_EI"),
+        ([*RING, "--of", "weight_N", "--budget", "0.01s"], "has no quantity 'weight_N'; it has P_R2_over_EI"),
     ],
 )
 def test_wrong_use_is_one_line_and_writes_nothing(words, says, tmp_path, capsys) -> None:
