@@ -93,6 +93,8 @@ def lines(result: Sweep) -> Iterator[str]:
         errors = [error for member in members if (error := member.error(name)) is not None]
         most = f", the largest known is {100 * max(errors):.2g} %" if errors else ", none is known"
         yield f"error of {name} within {100 * result.error:g} %: {result.within} of {len(members)}{most}"
+    else:
+        yield "the error of the mesh is not known: --error E asks for it"
     cold = result.cold
     price = f"; one from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} for its price" if cold else ""
     yield f"{result.seconds:.3g} CPU s{price}"

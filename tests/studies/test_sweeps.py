@@ -212,12 +212,13 @@ def test_a_member_that_is_damaged_or_of_others_is_solved_anew(tmp_path: Path, so
     capsys.readouterr()
 
 
-def test_a_member_that_another_sweep_has_kept_stands_under_its_own_settings(tmp_path: Path, solved: list) -> None:
+def test_a_member_that_another_sweep_has_kept_stands_under_its_own_settings(tmp_path, solved: list, capsys) -> None:
     for over in ("delta_mm=0.5:1:2", "tolerance=1e-9:1e-8:2"):  # 1 mm and 1e-9 are the defaults: one request of both
         assert main([*PANEL, "--over", over, "--out", str(tmp_path)]) == OK
     assert len(solved) == 3
     assert list(table(tmp_path)["tolerance"]) == [1e-9, 1e-8]
     assert "delta_mm" not in table(tmp_path)
+    assert capsys.readouterr().out.count("the error of the mesh is not known: --error E asks for it") == 2
 
 
 def test_a_member_that_fails_is_recorded_and_the_others_go_on(tmp_path: Path, capsys) -> None:
