@@ -15,18 +15,17 @@ from scipy import sparse
 from formulations.conditions.boundary import Hangers
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.element.on_grid import Walls, at_faces, geometry_on, wall_on
-from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import GAUSS, N_DOF, ElementGeometry, shape_functions
 from formulations.geometry.grid import Grid, QuadGrid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import Surface, normal
-from formulations.section.laminate import Laminate
-from formulations.section.sampling import BETWEEN_FACES, Sampling
+from formulations.section.laminate import BETWEEN_FACES, Laminate
 from formulations.strains.quantities import FULL, N_V, Kinematics
 
 if TYPE_CHECKING:
     from formulations.element.walls.geometry import WallGeometry
+    from formulations.section.sampling import Sampling
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +80,7 @@ class Discretisation:
             order = elimination_order(grid, followed, positions)
         hangers = Hangers.of(grid, surface, laminate, interpolation, fixed, hinged)
         carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
-        sampling = None if surfaces == BETWEEN_FACES else Sampling.of(laminate, surfaces)
+        sampling = None if surfaces == BETWEEN_FACES else _sampling(laminate, surfaces)
         inside = () if sampling is None else sampling.inside
         dof_map = DofMap.build(fixed, hinged, images, order, carried, inside)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
@@ -243,15 +242,11 @@ class Discretisation:
 
     def gauss_frames(self) -> np.ndarray:
         """Frames (E, 4, 3, 3) at the Gauss points, to whose directions ``geometry.value`` belongs."""
-        if isinstance(self.geometry, QuadGeometry):
-            return self.geometry.frame
-        return self.surface.frame(*np.moveaxis(self.grid.points(GAUSS), -1, 0))
+        return self.geometry.frames_on(self.surface, self.grid)
 
     def left_handed(self) -> np.ndarray:
         """(E,) bool: whether the corners of an element go round against its normal."""
-        if isinstance(self.geometry, QuadGeometry):
-            return self.geometry.left_handed
-        return np.asarray(np.linalg.det(self.surface.frame(*self.grid.centre.T)) < 0)
+        return self.geometry.left_handed_on(self.surface, self.grid)
 
     def nodal_areas(self, face: str) -> np.ndarray:
         """Area (N,) of the nodes, int N_r dA, of the "mid" surface (mubar) or of the "outer" face."""
@@ -269,3 +264,9 @@ class Discretisation:
             return mass
         shares = self.grid.hanging.shares
         return sparse.csr_matrix(shares.T @ mass @ shares)
+
+
+def _sampling(laminate: Laminate, surfaces: str) -> Sampling:
+    from formulations.section.sampling import Sampling  # loaded with surfaces inside the wall alone
+
+    return Sampling.of(laminate, surfaces)

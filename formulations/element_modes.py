@@ -30,8 +30,7 @@ import numpy as np
 from scipy import sparse
 
 from formulations.element.mixed import N_M
-from formulations.element.quad_sampling import mid_lines
-from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS
+from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, mid_lines
 from formulations.geometry.grid import CORNERS, Grid, QuadGrid, TensorGrid
 from formulations.geometry.nested_dissection import dissection, each_last
 from formulations.geometry.surfaces import NodalSurface

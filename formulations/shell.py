@@ -16,21 +16,16 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
-from formulations.element.arc_element import ArcElement, refusal
 from formulations.element.mixed import MixedElement
 from formulations.element.modal import ModalElement, Stiffness
-from formulations.element.quad_element import QuadElement
-from formulations.element.quad_geometry import QuadGeometry
 from formulations.element.strain_operator import N_DOF
-from formulations.loads import Couples, Pressure
-from formulations.section.laminate import SECTIONS
-from formulations.section.laws import LINEAR
+from formulations.section.laminate import LINEAR, SECTIONS
 from formulations.shell_readings import ShellReadings, along, less
 from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
 
 if TYPE_CHECKING:
-    from formulations.element.series import ElementSeries
+    from formulations.loads import Couples, Pressure
 
 NEWTONS = ("plain", "mixed")
 BENDINGS = ("chord", "arc")
@@ -104,9 +99,12 @@ class ShellModel(ShellReadings):
     def _built(self, shell: Discretisation, initial: np.ndarray) -> ModalElement:
         options, interpolation = (self.thickness_strain, self.membrane), shell.geometry.interpolation
         arcs = self.bending != BENDINGS[0]
-        why = refusal(self.thickness_strain, interpolation, self.measure, two_faces=shell.wall is None) if arcs else ""
-        if why:
-            raise ValueError(why)
+        if arcs:
+            from formulations.element.arc_element import ArcElement, refusal  # loaded with arcs alone
+
+            why = refusal(self.thickness_strain, interpolation, self.measure, two_faces=shell.wall is None)
+            if why:
+                raise ValueError(why)
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
                 raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
@@ -122,8 +120,12 @@ class ShellModel(ShellReadings):
             at = shell.surface.geometry(*shell.grid.centre.T)
             sides, thickness = 2 * shell.grid.half * at.A, shell.laminate.thickness
             return ArcElement.on(element, sides / thickness, at.k * sides, positions=interpolation == "isoparametric")
-        if not isinstance(shell.geometry, QuadGeometry):
+        if interpolation != "quads":
             return element
+        from formulations.element.quad_element import QuadElement  # loaded with quadrilaterals alone
+        from formulations.element.quad_geometry import QuadGeometry
+
+        assert isinstance(shell.geometry, QuadGeometry)
         own = shell.stiffness(self.section)
         return QuadElement.on(shell.geometry, element, own, initial, self.thickness_strain)
 
@@ -184,21 +186,19 @@ class ShellModel(ShellReadings):
             return f"measure {self.measure.name} is not quadratic in the displacements"
         if self.discretisation.hangers is not None:
             return "hanging nodes turn with the edges that carry them"
-        if not isinstance(self._element, MixedElement) or isinstance(self._element, QuadElement | ArcElement):
+        if type(self._element) is not MixedElement:
             return "quadrilaterals, arcs and surfaces inside the wall have no series yet"
         if self.couples is not None or (self.pressure is not None and self.pressure.follower):
             return "the load follows the shell"
         return None
 
-    def series(self, u: np.ndarray, order: int) -> ShellSeries:
-        """The recurrence of power series at the free displacements u (n,); raises ValueError where it is none."""
+    @property
+    def polynomial(self) -> MixedElement:
+        """The element of a shell whose path may be a power series; raises ValueError where it is none."""
         if self.quadratic is not None:
             raise ValueError(self.quadratic)
-        from formulations.element.series import ElementSeries  # loaded with power series alone
-
-        shell = self.discretisation
         assert isinstance(self._element, MixedElement)
-        return ShellSeries(shell, ElementSeries(self._element, shell.geometry, self._element_vectors(u), order))
+        return self._element
 
     def residual(self, u: np.ndarray) -> np.ndarray:
         """The residual of :meth:`linearise` alone."""
@@ -276,19 +276,6 @@ class ShellModel(ShellReadings):
         if self.pressure is not None and not self.pressure.follower:
             constant[:, :N_DOF] += self.pressure.dead_force(geometry)
         return constant
-
-
-@dataclass(frozen=True, eq=False)
-class ShellSeries:
-    """What the orders of a power series of u leave to the next one, on the unknowns; see :mod:`element.series`."""
-
-    discretisation: Discretisation
-    elements: ElementSeries
-
-    def add(self, du: np.ndarray) -> np.ndarray:
-        """R_{k+1} (n,) [N] once u_k (n,) is known: called with k = 1, 2, ... in turn."""
-        shell = self.discretisation
-        return shell.gather(self.elements.add(shell.moved(du)))
 
 
 def _symmetric(D: np.ndarray) -> bool:

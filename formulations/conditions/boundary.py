@@ -11,15 +11,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 
-from formulations.geometry.arcs import Arcs
 from formulations.geometry.grid import Grid, Hanging
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate
 from formulations.strains.quantities import N_V
+
+if TYPE_CHECKING:
+    from formulations.geometry.arcs import Arcs
 
 FACES = ("inner", "outer")
 _ALL = (0, 1, 2)
@@ -210,6 +213,8 @@ def _of_positions(
     grid: Grid, hanging: Hanging, surface: Surface, laminate: Laminate, *, exact: bool
 ) -> tuple[Arcs, np.ndarray]:
     """Arcs of the positions, and the frames at the hanging nodes; ``exact``: their middles lie on the surface."""
+    from formulations.geometry.arcs import Arcs  # loaded with hanging nodes alone
+
     frames = surface.frame(*grid.nodes.T)
     at_ends = np.moveaxis(surface.position(*grid.nodes.T)[hanging.ends], 1, 0), np.moveaxis(frames[hanging.ends], 1, 0)
     x = [at + d * frame[:, 2] for at, frame in zip(*at_ends, strict=True) for d in (laminate.d_minus, laminate.d_plus)]

@@ -10,17 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from formulations.element.quad_geometry import QuadGeometry
-from formulations.element.quad_sampling import NodalFaces
 from formulations.element.strain_operator import ElementGeometry
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Surface, laminate_axes, normal
 from formulations.section.laminate import Laminate
-from formulations.section.sampling import Sampling
 from formulations.strains.quantities import Kinematics
 
 if TYPE_CHECKING:
+    from formulations.element.quad_sampling import NodalFaces
     from formulations.element.walls.geometry import WallGeometry
+    from formulations.section.sampling import Sampling
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +69,8 @@ def geometry_on(
         return ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
     if grid.hanging is not None:
         raise ValueError("quadrilaterals have no hanging nodes: cut every one of them")
+    from formulations.element.quad_geometry import QuadGeometry  # loaded with quadrilaterals alone
+
     return QuadGeometry.of(_nodal_faces(surface, grid, laminate, walls), kinematics)
 
 
@@ -85,7 +86,7 @@ def wall_on(
     from formulations.element.walls.geometry import WallGeometry  # loaded with surfaces inside the wall alone
     from formulations.element.walls.quad_wall import QuadWall
 
-    if not isinstance(geometry, QuadGeometry):
+    if geometry.interpolation != "quads":
         return WallGeometry.of(surface, grid, sampling, geometry)
     if walls is not None:
         raise ValueError("surfaces inside the wall need the same wall everywhere")
@@ -93,6 +94,8 @@ def wall_on(
 
 
 def _nodal_faces(surface: Surface, grid: Grid, laminate: Laminate, walls: Walls | None) -> NodalFaces:
+    from formulations.element.quad_sampling import NodalFaces
+
     at = np.moveaxis(grid.points(CORNERS), -1, 0)
     of_node = at_faces(laminate, walls, grid)
     if walls is None:

@@ -19,23 +19,27 @@ from formulations.element.quad_sampling import (
     across_normal,
     at_gauss_points,
     jacobian_of,
-    mid_lines,
     on_sides,
     turn_between,
     unit,
 )
-from formulations.element.strain_operator import AREAS, GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
-from formulations.geometry.grid import CORNERS
+from formulations.element.strain_operator import (
+    AREAS,
+    GAUSS,
+    N_DOF,
+    N_GAUSS,
+    ElementGeometry,
+    mid_lines,
+    shape_functions,
+)
+from formulations.geometry.grid import CORNERS, FoldedQuadError, Grid
+from formulations.geometry.surfaces import Surface
 from formulations.strains.quantities import E33, FULL, N_E, N_Q, N_V, Kinematics
 
 PLANE = np.arange(6)  # E11-+, E22-+, 2E12-+
 TAKEN = np.append(PLANE, E33)  # rows that are taken at the Gauss points
 NORM = np.array([1.0, 1.0, 0.5])  # E:E of (11, 22, 2 12)
 ACROSS = ((0, 1), (1, 0))  # the mode on which a strain along xi1, or along xi2, is linear
-
-
-class FoldedQuadError(ValueError):
-    """An element of a mesh that is no convex quadrilateral, or is bent too far around to be seen as one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +110,14 @@ class QuadGeometry(ElementGeometry):
             at_nodes=_directors(faces),
             steps=faces.steps,
         )
+
+    def frames_on(self, surface: Surface, grid: Grid) -> np.ndarray:
+        """Those of the inner face."""
+        return self.frame
+
+    def left_handed_on(self, surface: Surface, grid: Grid) -> np.ndarray:
+        """As it was found."""
+        return self.left_handed
 
     def point_areas(self, face: str) -> np.ndarray:
         """Area (E, 4) of the "mid" surface or of the "inner" or "outer" face at each Gauss point."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.element.strain_operator import GAUSS, N_GAUSS, shape_functions
+from formulations.element.strain_operator import GAUSS, N_GAUSS, mid_lines, shape_functions
 from formulations.strains.quantities import BETA, N_Q, N_V, OF_SURFACE, Kinematics
 
 SIDE_CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])  # of the two sides along xi1, and along xi2
@@ -78,11 +78,6 @@ def jacobian_of(frame: np.ndarray, x: np.ndarray, points: np.ndarray = GAUSS) ->
 def turn_between(at_points: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
     """e_i at a point . e_j at a node, (E, 4, 4, 3, 3): [point, node, i, j]."""
     return np.matmul(at_points[:, :, None], at_nodes[:, None].swapaxes(-1, -2))
-
-
-def mid_lines(x: np.ndarray) -> np.ndarray:
-    """Difference (E, 2, 3) of a nodal field across the element, along both of its middle lines."""
-    return 2.0 * np.einsum("br,erx->ebx", shape_functions(np.zeros((1, 2)))[1][0], x)
 
 
 def across_normal(x: np.ndarray, e3: np.ndarray) -> np.ndarray:

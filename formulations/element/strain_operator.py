@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 
-from formulations.geometry.arcs import Arcs
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Geometry, Surface
 from formulations.section.laminate import Laminate
@@ -44,6 +43,11 @@ def shape_functions(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     two = 1.0 + xi[..., None, 1] * CORNERS[:, 1]
     slope = np.stack([CORNERS[:, 0] * two, CORNERS[:, 1] * one], axis=-2)
     return 0.25 * one * two, 0.25 * slope
+
+
+def mid_lines(x: np.ndarray) -> np.ndarray:
+    """Difference (E, 2, 3) of a nodal field across the element, along both of its middle lines."""
+    return 2.0 * np.einsum("br,erx->ebx", shape_functions(np.zeros((1, 2)))[1][0], x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +116,14 @@ class ElementGeometry:
             value=shape_functions(GAUSS)[0][:, :, None, None] * turn,
             kinematics=kinematics,
         )
+
+    def frames_on(self, surface: Surface, grid: Grid) -> np.ndarray:
+        """Frames (E, 4, 3, 3) at the Gauss points, to whose directions ``value`` belongs."""
+        return surface.frame(*np.moveaxis(grid.points(GAUSS), -1, 0))
+
+    def left_handed_on(self, surface: Surface, grid: Grid) -> np.ndarray:
+        """(E,) bool: whether the corners of an element go round against its normal."""
+        return np.asarray(np.linalg.det(surface.frame(*grid.centre.T)) < 0)
 
     def point_areas(self, face: str) -> np.ndarray:
         """Area (E, 1 or 4) of the "mid" surface (mubar) or of the "inner" or "outer" face at each Gauss point."""
@@ -214,6 +226,8 @@ def _on_arcs(corners: np.ndarray, grid: Grid, h: float) -> np.ndarray:
         return corners
     at_nodes = np.empty((grid.n_nodes, 2, 3))
     at_nodes[grid.elements] = corners
+    from formulations.geometry.arcs import Arcs  # loaded with hanging nodes alone
+
     ends = at_nodes[grid.hanging.ends]
     bow = Arcs.between(ends.reshape(-1, 12), h, np.broadcast_to(np.eye(12), (len(ends), 12, 12))).bow
     at_nodes[grid.hanging.nodes] = ends.mean(axis=1) + bow

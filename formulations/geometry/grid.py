@@ -36,6 +36,10 @@ def graded_lines(breaks: Sequence[float], counts: Sequence[int]) -> np.ndarray:
     return np.append(np.concatenate(pieces), breaks[-1])
 
 
+class FoldedQuadError(ValueError):
+    """An element of a mesh that is no convex quadrilateral, or is bent too far around to be seen as one."""
+
+
 @dataclass(frozen=True, eq=False)
 class Hanging:
     """Nodes (k,) in the middle of an edge of a larger element, its ``owner`` (k,), whose ends do not hang.

@@ -7,15 +7,23 @@ No geometry of the surface and no element may enter here. Stresses are second Pi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from formulations.section.material import Law
 
 KNOWN = 1e-3  # part of the smallest modulus of an isotropic ply that rounding of the largest may take
 
 SECTIONS = ("constant-s33", "nonsymmetric", "full-3d")
+BETWEEN_FACES = "2"
+SURFACES = (BETWEEN_FACES, "3", "5", "7", "2/ply", "3/ply", "4/ply")  # through a wall, or through each of its plies
+LINEAR = "svk"  # the one of LAWS that is linear in the strain
 
 # Voigt order of a ply: 11, 22, 12 in the plane; 33; then 13, 23.
 PLANE, NORMAL, SHEAR = slice(0, 3), 3, slice(4, 6)
@@ -213,3 +221,15 @@ class Laminate:
             shape = np.stack([1 - upper, upper])
             yield ply, half * shape.sum(axis=1), half * shape @ shape.T
             bottom += ply.thickness
+
+
+def _law_of(name: str, ply: Ply) -> Law:
+    """By the law of ours of that name, which is loaded with surfaces inside a wall, and with solids."""
+    laws = import_module("formulations.section.laws")
+    law: Law = laws.OURS[name](ply)
+    return law
+
+
+LAWS: dict[str, Callable[[Ply], Law]] = {  # of a ply: see :mod:`formulations.section.laws`
+    name: partial(_law_of, name) for name in (LINEAR, "hencky", "neo-hooke", "mooney-rivlin", "ogden")
+}

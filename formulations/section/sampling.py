@@ -20,11 +20,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from formulations.section.laminate import Laminate
+from formulations.section.laminate import SURFACES, Laminate
 from formulations.section.material import bulk_stiffness
 
-BETWEEN_FACES = "2"
-SURFACES = (BETWEEN_FACES, "3", "5", "7", "2/ply", "3/ply", "4/ply")
 IN_VOIGT = (0, 1, 2, 4, 5, 3)  # E11, E22, 2E12, 2E13, 2E23, E33 among 11, 22, 12, 33, 13, 23
 
 
@@ -69,7 +67,7 @@ class Sampling:
 
     @classmethod
     def of(cls, laminate: Laminate, surfaces: str) -> Sampling:
-        """``surfaces``: of :data:`SURFACES`, how many there are, or how many a ply; raises ValueError for others."""
+        """``surfaces``: of SURFACES, how many there are, or how many a ply; raises ValueError for others."""
         if surfaces not in SURFACES:
             raise ValueError(f"surfaces {surfaces!r} is not one of {', '.join(SURFACES)}")
         count, _, each = surfaces.partition("/")

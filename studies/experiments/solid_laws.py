@@ -18,8 +18,7 @@ from contact.continuation.load_stepping import follow
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import Plate, Surface, cylinder
 from formulations.loads import Pressure
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS
+from formulations.section.laminate import LAWS, Laminate, Ply
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
 from studies.experiments import Row, tabulated

@@ -13,7 +13,7 @@ import numpy as np
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearised, without_contact
 from formulations.element.strain_operator import ON_LINES
-from formulations.section.sampling import BETWEEN_FACES
+from formulations.section.laminate import BETWEEN_FACES
 from studies.ask.request import Request
 from studies.ask.scene import UsageError, has_contact
 from studies.ask.settings import configured, rubbing

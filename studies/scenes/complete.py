@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
-from formulations.section.laws import LINEAR
+from formulations.section.laminate import LINEAR
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import Request, Settings, Value, names_for, text_of

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Unpack
 
@@ -16,6 +17,7 @@ from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactAlgorithm, Linearise, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
+from formulations.shell_series import ShellSeries
 from studies.ask.scene import Begun, CurveStage, Request, Setting, Stage, UsageError
 from studies.scenes.statics import LOAD_FRACTIONS, Loads, Reading, StaticModel
 
@@ -110,7 +112,7 @@ class CurveModel(StaticModel):
         assert self.shell.forces is not None
         unloaded = self.shell.scaled(0.0)
         path = ("curve", self._begin, self.fractions, self._observe)
-        shell = (unloaded.linearise, self.shell.forces, unloaded.series)
+        shell = (unloaded.linearise, self.shell.forces, partial(ShellSeries.of, unloaded))
         yield ArcStage(*path, self.continuation, self._summarise, *shell)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:

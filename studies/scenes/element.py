@@ -1,28 +1,29 @@
 """What the shells of scenes are discretised with: options of the element as settings, grids, walls, supports."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from formulations.conditions.boundary import Supports
 from formulations.conditions.dof_map import AllHeldError, Images
 from formulations.discretisation import Discretisation
-from formulations.element.arc_element import refusal
 from formulations.element.mixed import MEMBRANES, SHEAR_ROWS, THICKNESS_STRAINS
-from formulations.element.quad_geometry import FoldedQuadError
 from formulations.element.strain_operator import INTERPOLATIONS, ON_LINES
-from formulations.geometry.grid import DISTORTIONS, LARGEST, Grid, QuadGrid, TensorGrid, distorted
-from formulations.geometry.quadtree import Quadtree
+from formulations.geometry.grid import DISTORTIONS, LARGEST, FoldedQuadError, Grid, QuadGrid, TensorGrid, distorted
 from formulations.geometry.surfaces import Surface
-from formulations.section.laminate import SECTIONS, Laminate, Ply
-from formulations.section.laws import LAWS, LINEAR
-from formulations.section.sampling import BETWEEN_FACES, SURFACES
+from formulations.section.laminate import BETWEEN_FACES, LAWS, LINEAR, SECTIONS, SURFACES, Laminate, Ply
 from formulations.shell import BENDINGS
 from formulations.strains.catalogue import EXACT, MEASURES
 from formulations.strains.quantities import FULL, N_E
 from studies.ask.request import Request, text_of
 from studies.ask.scene import Setting, UsageError
+
+if TYPE_CHECKING:
+    from formulations.geometry.quadtree import Quadtree
 
 PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
@@ -170,6 +171,8 @@ def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_en
 
 def tree_over(request: Request, lines1: np.ndarray, lines2: np.ndarray, *, periodic: bool = False) -> Quadtree:
     """The tree asked for; a coordinate with one element is not cut: nothing varies along it."""
+    from formulations.geometry.quadtree import Quadtree  # loaded with a refined grid alone
+
     first, second = len(lines1) > 2, len(lines2) > 2
     cut = first or not second, second or not first
     return Quadtree.over(lines1, lines2, periodic=periodic, cut=cut, leaves=request.leaves)
@@ -228,6 +231,8 @@ def bending_of(request: Request) -> str:
     """Of chords or of arcs; raises UsageError where other settings rule arcs out."""
     bending = str(request.settings.get("bending", BENDINGS[0]))
     if bending != BENDINGS[0]:
+        from formulations.element.arc_element import refusal  # loaded with arcs alone
+
         options = request.choice("thickness_strain"), request.choice("interpolation"), MEASURES[request.measure]
         why = refusal(*options, two_faces=surfaces_of(request) == BETWEEN_FACES)
         if why:

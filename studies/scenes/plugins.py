@@ -19,7 +19,7 @@ from typing import Any
 
 from contact.algorithms.base import ContractError
 from contact.catalogue import ALGORITHMS
-from formulations.section.laws import LAWS
+from formulations.section.laminate import LAWS
 from formulations.strains.catalogue import MEASURES
 from studies.ask.request import PartError, Request, UsageError
 from studies.ask.scene import Scene, SceneModel, Setting

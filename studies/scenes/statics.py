@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypedDict, Unpack
+from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import numpy as np
 
@@ -13,11 +13,13 @@ from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.element_modes import element_modes
 from formulations.geometry.grid import Grid
-from formulations.loads import Couples, Pressure, edge_lengths
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import SOLVER, Begun, Observation, Request, Setting, ShellSceneModel, Stage
 from studies.scenes.element import ELEMENT, bending_of, law_of
+
+if TYPE_CHECKING:  # loaded with a scene that has such loads
+    from formulations.loads import Couples, Pressure
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
@@ -90,6 +92,8 @@ class Loads(TypedDict, total=False):
 
 def edge_shares(discretisation: Discretisation, axis: int, value: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes (m,) of the line a_{axis+1} = value and their shares of a uniform load on it; the sum of these is 1."""
+    from formulations.loads import edge_lengths  # as those
+
     nodes, lengths = edge_lengths(discretisation, axis, value)
     return nodes, lengths / lengths.sum()
 

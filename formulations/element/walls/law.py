@@ -25,8 +25,7 @@ import numpy as np
 from formulations.element.modal import ALL, Stiffness
 from formulations.element.walls.modes import FACTORS, N_OF_SURFACE, N_ROWS, ROWS, Counted, CountedStiffness
 from formulations.operations import product, spend
-from formulations.section.laminate import strain_rotation
-from formulations.section.laws import LAWS, LINEAR
+from formulations.section.laminate import LAWS, LINEAR, strain_rotation
 from formulations.section.material import Divided, Law, isotropic
 from formulations.section.sampling import IN_VOIGT, Points, Sampling, lagrange
 

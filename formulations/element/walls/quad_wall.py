@@ -31,10 +31,9 @@ from formulations.element.quad_sampling import (
     gradients_on_sides,
     half_sides,
     jacobian_of,
-    mid_lines,
     turn_between,
 )
-from formulations.element.strain_operator import GAUSS, N_GAUSS, shape_functions
+from formulations.element.strain_operator import GAUSS, N_GAUSS, mid_lines, shape_functions
 from formulations.element.walls.geometry import N_SURFACE, WallGeometry
 from formulations.element.walls.modes import E33, N_OF_SURFACE, N_ROWS, OF_E33, ROWS, mode_slices
 from formulations.section.laminate import strain_rotation

@@ -19,8 +19,7 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Surface
 from formulations.loads import Pressure
-from formulations.section.laminate import SECTIONS, Laminate
-from formulations.section.sampling import BETWEEN_FACES
+from formulations.section.laminate import BETWEEN_FACES, SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh

@@ -4,8 +4,7 @@ import numpy as np
 
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.sampling import SURFACES
+from formulations.section.laminate import SURFACES, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S13, WallStresses
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError

@@ -6,8 +6,7 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.loads import Pressure
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.sampling import SURFACES
+from formulations.section.laminate import SURFACES, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S13, S23, WallStresses
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting

@@ -10,8 +10,7 @@ stress. With surfaces inside the wall all are those of the law, the shears by eq
 import numpy as np
 
 from formulations.geometry.surfaces import Plate
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.sampling import BETWEEN_FACES
+from formulations.section.laminate import BETWEEN_FACES, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S11, S13, S23, WallStresses
 from studies.ask.declarations import LINEAR, Ladder, ShellLimit, meshes

@@ -11,8 +11,7 @@ from contact.problem import ContactProblem
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Surface, cylinder, sphere
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LINEAR
+from formulations.section.laminate import LINEAR, Laminate, Ply
 from formulations.section.material import Ogden
 from formulations.shell import ShellModel
 from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError

@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactProblem, ContactSolution
-from formulations.section.laws import LAWS
+from formulations.section.laminate import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import Request

@@ -25,8 +25,7 @@ from dataclasses import replace
 import numpy as np
 
 from formulations.geometry.surfaces import sphere
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS, LINEAR
+from formulations.section.laminate import LAWS, LINEAR, Laminate, Ply
 from formulations.solid_mesh import SolidMesh
 from studies.ask.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Sheet, UsageError
 from studies.scenes.data import Row, reference_rows, references

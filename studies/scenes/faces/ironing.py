@@ -28,8 +28,7 @@ from formulations.conditions.dof_map import Images
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS
+from formulations.section.laminate import LAWS, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh

@@ -17,8 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from formulations.geometry.surfaces import Plate
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS, LINEAR
+from formulations.section.laminate import LAWS, LINEAR, Laminate, Ply
 from formulations.solid.ties import TiedSolid
 from formulations.solid_mesh import SolidMesh
 from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting, Sheet

@@ -14,8 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
-from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS
+from formulations.section.laminate import LAWS, Laminate, Ply
 from formulations.solid_mesh import SolidMesh
 from studies.ask.scene import Request, SceneModel, Setting, UsageError
 from studies.scenes.data import references

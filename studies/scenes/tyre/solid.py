@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.obstacles.foundation import Candidates
 from formulations.geometry.surfaces import torus
-from formulations.section.laws import LAWS
+from formulations.section.laminate import LAWS
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
 from studies.ask.request import Request, Value

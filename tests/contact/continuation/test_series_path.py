@@ -1,7 +1,7 @@
 """Power series: curves in closed form, a shell's coefficients by differences of its path, and arc length."""
 
 import math
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from contact.continuation.equilibrium_curve import ArcPoint, Curve
 from contact.continuation.power_series import Piece
 from contact.continuation.series_path import PowerSeries
 from contact.problem import Linearisation, Outcome
+from formulations.shell_series import ShellSeries
 from studies.scenes.complete import complete as resolve
 from studies.scenes.curves import CurveModel
 
@@ -143,7 +144,7 @@ def both(**given: str) -> tuple[Trace, Trace]:
     shell = roof(**given).shell
     unloaded = shell.scaled(0.0)
     arc = ArcLength(0.01).trace(unloaded.linearise, shell.forces, [0.5, 1.0])
-    return PowerSeries().trace(unloaded.linearise, unloaded.series, shell.forces, [0.5, 1.0]), arc
+    return PowerSeries().trace(unloaded.linearise, partial(ShellSeries.of, unloaded), shell.forces, [0.5, 1.0]), arc
 
 
 @pytest.mark.parametrize("interpolation", [pytest.param("curvilinear", marks=pytest.mark.slow), "isoparametric"])

@@ -12,9 +12,9 @@ from formulations.element.walls.law import PointLaw
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.loads import Pressure
-from formulations.section.laminate import Laminate, Ply
+from formulations.section.laminate import SURFACES, Laminate, Ply
 from formulations.section.laws import LAWS
-from formulations.section.sampling import SURFACES, Sampling
+from formulations.section.sampling import Sampling
 from formulations.shell import ShellModel
 from formulations.short_waves import short_waves
 from formulations.strains.catalogue import MEASURES

@@ -12,6 +12,7 @@ from formulations.element.sparsity import LARGE, Pattern
 from formulations.element.strain_operator import ON_LINES
 from formulations.loads import Pressure
 from formulations.shell import ShellModel
+from formulations.shell_series import ShellSeries
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from support.problems.shells import PATCHES, make_shell
@@ -48,7 +49,7 @@ def test_what_lower_orders_leave_is_the_rest_of_the_force(options, rng) -> None:
     n = shell.discretisation.n_free
     u = rng.normal(size=(ORDER + 1, n)) * 0.05
     expected = force_coefficients(shell, u)
-    tangent, series = shell.linearise(u[0]).tangent.copy(), shell.series(u[0], ORDER)
+    tangent, series = shell.linearise(u[0]).tangent.copy(), ShellSeries.of(shell, u[0], ORDER)
     left = [np.zeros(n)] + [series.add(each).copy() for each in u[1:]]
     for k in range(1, ORDER + 1):
         rest = expected[k] - tangent @ u[k]
@@ -77,7 +78,7 @@ def test_what_is_no_polynomial_has_no_series() -> None:
     ):
         shell = make_shell(PATCH.surface, PATCH.grid(1, 1), **options)
         with pytest.raises(ValueError, match=reason):
-            shell.series(np.zeros(shell.discretisation.n_free), ORDER)
+            ShellSeries.of(shell, np.zeros(shell.discretisation.n_free), ORDER)
 
 
 NUMBER = np.array([[0, 1, 2, -1], [2, 1, 3, 4]])

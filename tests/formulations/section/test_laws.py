@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.section.laws import LAWS, Corded, NeoHooke, StVenantKirchhoff
+from formulations.section.laws import LAWS, OURS, Corded, NeoHooke, StVenantKirchhoff
 from formulations.section.material import VOIGT, Divided, Law, lame_constants, tensor
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
@@ -66,6 +66,10 @@ ENERGIES: dict[str, Energy] = {
 }
 every_law = pytest.mark.parametrize("name", LAWS)
 other_laws = pytest.mark.parametrize("name", [name for name in LAWS if name != "svk"])
+
+
+def test_the_names_of_the_laws_are_known_before_they_are_loaded() -> None:
+    assert list(LAWS) == list(OURS)
 
 
 def green(F: np.ndarray) -> np.ndarray:
