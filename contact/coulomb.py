@@ -24,8 +24,6 @@ from typing import Protocol, Self
 import numpy as np
 from scipy import sparse
 
-from contact.swept import Standing
-
 
 class State(enum.IntEnum):
     """What a candidate does."""
@@ -65,17 +63,6 @@ class Motion:
     def out(self, X: np.ndarray) -> np.ndarray:
         """Places x (m, 3) in space of places X (m, 3) in the moving frame."""
         return np.asarray((X - self.centre) @ self.rotation.T + self.centre + self.translation)
-
-
-@dataclass(frozen=True, eq=False)
-class Surface(Standing):
-    """The surface of a rigid foundation and the candidates before it, in a frame that is shifted with the foundation.
-
-    operator (3m, n): d positions/du, rows 3i to 3i + 2 of candidate i.  size [mm]: of what a position is a difference.
-    """
-
-    operator: sparse.csr_matrix = field(kw_only=True)
-    size: float = field(kw_only=True)
 
 
 class Sliding(Protocol):

@@ -1,4 +1,4 @@
-"""What happens on the way to a solution: a kind for programmes, a sentence for people; rows of history carry them.
+"""What happens on the way to a solution, and at its end: a kind for programmes, a sentence for people.
 
 Nothing may be decided by the sentence.
 """
@@ -9,6 +9,8 @@ import enum
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 
 class EventKind(enum.Flag):
@@ -39,6 +41,27 @@ class Event:
 
     def __add__(self, other: Event) -> Event:
         return Event(self.kind | other.kind, f"{self.text}; {other.text}")
+
+
+class PathEnd(enum.Enum):
+    """What there is at the end of a path."""
+
+    LIMIT_POINT = "limit point"
+    BIFURCATION = "bifurcation"
+    NEITHER = "neither"  # or not to be told
+
+
+@dataclass(frozen=True, eq=False)
+class Ending:
+    """Why a path ends, and in one sentence.
+
+    limit: the parameter of the limit point, where there is one; mode (n,): the unit vector along which u moves there.
+    """
+
+    kind: PathEnd
+    sentence: str
+    limit: float | None = None
+    mode: np.ndarray | None = None
 
 
 def events(history: Iterable[Mapping[str, Any]], kind: EventKind | None = None) -> list[Event]:

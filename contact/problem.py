@@ -13,14 +13,15 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Coulomb, Friction, Surface
-from contact.parameters import Parameter
-from contact.swept import Passable
+if TYPE_CHECKING:  # loaded with candidates, with friction, and with an algorithm
+    from contact.coulomb import Coulomb, Friction
+    from contact.parameters import Parameter
+    from contact.swept import Passable, Surface
 
 
 class Linearised(Protocol):

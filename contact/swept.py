@@ -14,11 +14,12 @@ Through a ball that is a chord longer than sqrt(2) times its radius. No algorith
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
+from scipy import sparse
 
 FREE = 0.9  # least cosine of the normals at both ends of a dip, of a point that is open at the start
 SLID = -0.1  # of one that touches there and may slide, by a right angle at an edge
@@ -51,6 +52,17 @@ class Standing:
         cosine = np.einsum("ij,ij->i", *(after.gradient(begin + s[:, None] * way) for s in (enters, leaves)))
         passes = np.flatnonzero(cosine < np.where(slides, SLID, FREE))
         return [Crossing(int(whose[i]), float(enters[i]), float(leaves[i])) for i in passes]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface(Standing):
+    """The surface of a rigid foundation and the candidates before it, in a frame that is shifted with the foundation.
+
+    operator (3m, n): d positions/du, rows 3i to 3i + 2 of candidate i.  size [mm]: of what a position is a difference.
+    """
+
+    operator: sparse.csr_matrix = field(kw_only=True)
+    size: float = field(kw_only=True)
 
 
 class Passable(Protocol):

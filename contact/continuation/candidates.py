@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.algorithms.base import answered
-from contact.continuation.critical_points import State
-from contact.coulomb import Friction
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearised
 
+State = tuple[float, ContactSolution]  # of a path, with its parameter
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 
 
@@ -125,6 +124,8 @@ def laid(problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """
     if problem.coulomb is None or problem.coulomb.sliding is None or start.friction is not None:
         return start
+    from contact.coulomb import Friction  # no solve without friction loads it
+
     places = problem.coulomb.sliding.places(start.u)
     return replace(start, friction=Friction(np.zeros((len(places), 2)), start.active.astype(np.int8), places, places))
 

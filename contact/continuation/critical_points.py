@@ -18,14 +18,15 @@ Analysis (2010), chapter 5; piecewise smooth paths: Kojima, Saigal, Math. Progra
 may enter here.
 """
 
-import enum
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from contact.continuation.candidates import State
 from contact.continuation.spectrum import Spectrum, cosines, negative_eigenvalues, spectrum
-from contact.problem import ContactProblem, ContactSolution
+from contact.events import Ending, PathEnd
+from contact.problem import ContactProblem
 from contact.solvers.sparse import SingularMatrixError
 
 NEAR = 0.1  # of the way from the first state: a limit point further ahead is not why the path ends
@@ -33,28 +34,6 @@ NEARLY_SINGULAR = 0.3  # of the eigenvalue at the first state: what is left at N
 ALONG = 0.1  # cosine of path and mode below which the path has no part in it
 SAME_MODE = 0.7  # cosine of two modes that are one
 FOLD_LAW = 0.5  # half-way between the exponents of the speed along the mode at a bifurcation, 0, and at a fold, 1
-State = tuple[float, ContactSolution]
-
-
-class PathEnd(enum.Enum):
-    """What there is at the end of a path."""
-
-    LIMIT_POINT = "limit point"
-    BIFURCATION = "bifurcation"
-    NEITHER = "neither"  # or not to be told
-
-
-@dataclass(frozen=True, eq=False)
-class Ending:
-    """Why a path ends, and in one sentence.
-
-    limit: the parameter of the limit point, where there is one; mode (n,): the unit vector along which u moves there.
-    """
-
-    kind: PathEnd
-    sentence: str
-    limit: float | None = None
-    mode: np.ndarray | None = None
 
 
 def why_it_ends(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.linalg import norm
@@ -17,16 +17,18 @@ from contact.continuation.candidates import (
     Good,
     Start,
     Starts,
+    State,
     after_in_vain,
     factorisations,
     none_known,
     solve_within_reach,
     why,
 )
-from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
-from contact.events import Event, EventKind
+from contact.events import Ending, Event, EventKind, PathEnd
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from contact.swept import crossings
+
+if TYPE_CHECKING:
+    from contact.swept import Crossing
 
 SMALLEST = 2.0**-10  # of the step asked for
 PATIENCE = 3  # attempts on the way to a target may fail before a path that has a travel is followed by arc length
@@ -173,11 +175,13 @@ class Stepper:
         before, state = self.states[-1]
         failure = None if solution.outcome.converged else why(solution)
         if failure is None and problem.standing is not None:  # where it was is only then looked at
-            through = crossings(self.problem_at(before).standing, state.u, problem.standing, solution.u)
+            through = passed_through(self.problem_at(before), state, problem, solution)
             failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
         beyond = 0
         counted = problem.coulomb is None  # friction has no potential: negative eigenvalues say nothing of its path
         if failure is None and self.cut and counted and solution.active.any():  # is the difficult way still the same?
+            from contact.continuation.critical_points import branches_passed  # loaded once a step has been cut
+
             more = branches_passed(self.problem_at, self.states[0], (trial, solution), self.algorithm.epsilon)
             beyond = max(0, more - self.passed)
         if beyond:
@@ -237,6 +241,8 @@ class Stepper:
             return Ending(PathEnd.NEITHER, "no step is nearer to balance than the digits of its displacements allow")
         if attempt.solution.friction is not None:
             return Ending(PathEnd.NEITHER, "with friction the tangent alone gives no reason")
+        from contact.continuation.critical_points import why_it_ends  # loaded at the end of a path alone
+
         return why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
 
     def _smooth(self, attempt: Attempt) -> bool:
@@ -285,3 +291,12 @@ class Stepper:
         if event is not None:
             rows[-1]["event"] = event
         return replace(self, counters=counters, history=(*self.history, *rows), cause=solution.outcome)
+
+
+def passed_through(
+    before: ContactProblem, state: ContactSolution, after: ContactProblem, reached: ContactSolution
+) -> list[Crossing]:
+    """What goes through the foundation on the way from a state to the next one."""
+    from contact.swept import crossings  # loaded with a foundation alone
+
+    return crossings(before.standing, state.u, after.standing, reached.u)

@@ -24,7 +24,6 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.continuation.spectrum import MODES, lowest, spectrum
 from contact.newton.held import holdable
 from contact.newton.saddle import bound
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised, Overlooked
@@ -136,6 +135,8 @@ def _apart(
     overlooked: Overlooked,
 ) -> Stability:
     """What is ``found``, the modes of elements apart, by the coordinate along which they move."""
+    from contact.continuation.spectrum import MODES  # loaded where something is unstable alone
+
     first, second = overlooked.stiffness
     stiffened = added(K, first)
     one = _counted(problem, state, stiffened, epsilon, overlooked.order)
@@ -165,6 +166,8 @@ def _alternating(
     problem: ContactProblem, state: ContactSolution, epsilon: float, negative: int, overlooked: Overlooked
 ) -> int:
     """How many of the negative eigenvalues have modes that alternate; at a critical point the body's has no size."""
+    from contact.continuation.spectrum import lowest, spectrum
+
     try:
         soft = spectrum(problem, state, epsilon)
         below = lowest(problem, state, epsilon, negative, soft)
@@ -179,6 +182,8 @@ def _divergent(
     problem: ContactProblem, state: ContactSolution, epsilon: float, inertia: Stability, overlooked: Overlooked | None
 ) -> Stability:
     """By the softest eigenvalues of an unsymmetric tangent whose symmetric part has the signs ``found``."""
+    from contact.continuation.spectrum import spectrum  # loaded where the signs alone do not decide
+
     spent = inertia.factorisations + 1
     try:
         softest = spectrum(

@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.continuation.arc_length import ArcLength, Trace
-from contact.continuation.critical_points import Ending, PathEnd, State, why_it_ends
+from contact.continuation.candidates import State
+from contact.continuation.critical_points import why_it_ends
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.pressed_curve import PressedCurve
-from contact.events import EventKind
+from contact.events import Ending, EventKind, PathEnd
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.exchange import Exchange
 from contact.newton.held import Ports
-from contact.newton.pivots import Pivots, holding
+from contact.newton.pivots import holding
 from contact.newton.saddle import bound
 from contact.newton.solves import LinearSolves
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
@@ -20,19 +19,6 @@ from contact.solvers.lcp_pivoting import unit
 from contact.solvers.sparse import SingularMatrixError, factor_flops, negative_pivots
 
 SETUP = 200.0  # operations that an entry of the matrix takes as long as, before it is factorised
-
-
-class LinearStep(Protocol):
-    """A linearised problem that knows its step on any set."""
-
-    def near(self, active: np.ndarray) -> LinearStep:
-        """The one to ask for the step on a set (m,): this one, or one that is factorised anew."""
-
-    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
-
-    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gaps and pressures (m,) after that step, less exact where that is cheaper."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,46 +112,6 @@ class Condensed(Exchange):
     def _closed(self, du: np.ndarray, forces: np.ndarray, active: np.ndarray) -> np.ndarray:
         """The du whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly."""
         return closed(du, self._now, self._ports.rows, self._ports.acting, self._compliance * forces, active)
-
-
-@dataclass(frozen=True, eq=False)
-class Substituted:
-    """The linearised problem, factorised anew on each set: the only way where pressures have to be unknowns."""
-
-    run: LinearSolves
-    lin: Linearised
-    u: np.ndarray
-    pressure: np.ndarray
-    known: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
-
-    def near(self, active: np.ndarray) -> Substituted:
-        """The same for every set."""
-        return self
-
-    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""
-        if active.tobytes() not in self.known:
-            self.known[active.tobytes()] = self._solved(active)
-        return self.known[active.tobytes()]
-
-    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gaps and pressures (m,) after the step."""
-        du, pressure = self.step(active)
-        return self.run.problem.gap(self.u) + self.run.problem.gap_jacobian(self.u) @ du, pressure
-
-    def _solved(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        run, nodes, pressure = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
-        pivots: Pivots | None = None
-        with run.tally.timed("contact_s"):
-            A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
-            if len(nodes):
-                pivots = Pivots.choose(run.problem, self.u, nodes, A, run.epsilon)
-                A, b = pivots.substitute(A, b)
-        du = run.solution(run.factorise(A), A, b)
-        if pivots is not None:
-            with run.tally.timed("contact_s"):
-                du, pressure[nodes] = pivots.resolve(du)
-        return du, pressure
 
 
 def closed(

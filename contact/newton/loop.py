@@ -6,18 +6,23 @@ not grow with the mesh, because no node waits for the next linearisation to leav
 Source: Josephy, MRC Report 1965, University of Wisconsin (1979); for its use as a globalisation, measured here.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contact.events import Event, EventKind
-from contact.newton.condensed import Condensed, LinearStep, Substituted
+from contact.newton.solves import LinearStep, Substituted
 from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import ContactSolution, Linearised, Outcome
-from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit
 from contact.solvers.sparse import SingularMatrixError
+
+if TYPE_CHECKING:  # loaded with candidates alone
+    from contact.newton.condensed import Condensed
 
 FEW_UPDATES = 12  # of the set on one linearisation, unless it is the last to decide; none counts that makes it smaller
 MOST_UPDATES = 60  # on the last one, and beyond one an iteration in all of a solve
@@ -121,6 +126,8 @@ def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most
     like that for hundreds of factorisations: it is given up then.
     Raises StepError, SingularMatrixError.
     """
+    from contact.newton.condensed import Condensed  # loaded with candidates alone
+
     if at.updates > 2 * most:
         raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {at.updates} times beyond one an iteration")
     if at.updates > most:
@@ -191,6 +198,9 @@ def settle_exactly(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.n
     Sources: Júdice, Pires, Comput. Oper. Res. 21 (1994) 587-596; Cottle, Pang, Stone, The Linear Complementarity
     Problem (1992), section 4.4; Murty, Linear Algebra Appl. 5 (1972) 65-108.
     """
+    from contact.newton.condensed import Condensed  # loaded with candidates alone
+    from contact.solvers.lcp_pivoting import LcpError
+
     if not isinstance(linear, Condensed):
         return _one_at_a_time(run, at, linear, active, c)
     try:
@@ -215,6 +225,8 @@ def _one_at_a_time(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.n
 
 def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray, left: np.ndarray) -> np.ndarray:
     """Who leaves the state that it has in the base set, from a guess of it; raises LcpError."""
+    from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit  # loaded with candidates alone
+
     size = unit(M)
     M, q = size[:, None] * M * size, size * q
     try:

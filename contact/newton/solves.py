@@ -3,10 +3,13 @@
 No set is chosen and no convergence is tested here.
 """
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
@@ -59,6 +62,19 @@ class Tally:
     def tell(self, event: Event, row: int = -1) -> None:
         """Write an event into a row of history, by default the last."""
         self.history[row]["event"] = event
+
+
+class LinearStep(Protocol):
+    """A linearised problem that knows its step on any set."""
+
+    def near(self, active: np.ndarray) -> LinearStep:
+        """The one to ask for the step on a set (m,): this one, or one that is factorised anew."""
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
+
+    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gaps and pressures (m,) after that step, less exact where that is cheaper."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,3 +167,43 @@ class Response:
             load = opened.loaded(force)
             du, pressures[self.nodes] = opened.resolve(self._run.solution(self._factor, self._matrix, load))
         return du, pressures
+
+
+@dataclass(frozen=True, eq=False)
+class Substituted:
+    """The linearised problem, factorised anew on each set: the only way where pressures have to be unknowns."""
+
+    run: LinearSolves
+    lin: Linearised
+    u: np.ndarray
+    pressure: np.ndarray
+    known: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+    def near(self, active: np.ndarray) -> Substituted:
+        """The same for every set."""
+        return self
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""
+        if active.tobytes() not in self.known:
+            self.known[active.tobytes()] = self._solved(active)
+        return self.known[active.tobytes()]
+
+    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gaps and pressures (m,) after the step."""
+        du, pressure = self.step(active)
+        return self.run.problem.gap(self.u) + self.run.problem.gap_jacobian(self.u) @ du, pressure
+
+    def _solved(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        run, nodes, pressure = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
+        pivots: Pivots | None = None
+        with run.tally.timed("contact_s"):
+            A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
+            if len(nodes):
+                pivots = Pivots.choose(run.problem, self.u, nodes, A, run.epsilon)
+                A, b = pivots.substitute(A, b)
+        du = run.solution(run.factorise(A), A, b)
+        if pivots is not None:
+            with run.tally.timed("contact_s"):
+                du, pressure[nodes] = pivots.resolve(du)
+        return du, pressure

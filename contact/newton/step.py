@@ -9,9 +9,8 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import norm
 
-from contact.newton.condensed import Condensed, Linear, LinearStep, Substituted
 from contact.newton.held import holdable
-from contact.newton.solves import LinearSolves
+from contact.newton.solves import LinearSolves, LinearStep, Substituted
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.rounding import ROUNDING_ALONE, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
@@ -188,6 +187,8 @@ class NewtonRun(LinearSolves):
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
         """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
         if holdable(self.problem):
+            from contact.newton.condensed import Condensed, Linear  # loaded with candidates alone
+
             return Condensed(self, Linear.at(self, lin, u, pressure), active)
         return Substituted(self, lin, u, pressure)
 

@@ -13,8 +13,8 @@ from typing import Protocol, Self
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Surface
 from contact.problem import ContactProblem, Linearisation, Linearise
+from contact.swept import Surface
 
 
 class Foundation(Protocol):

@@ -104,12 +104,13 @@ def _is_of_store(error: OSError, folder: Path | None) -> bool:
 
 
 def _record(task: Task, folder: Path | None) -> str:
-    from studies.run.record import record_of
+    from studies.scenes import SCENES
     from studies.scenes.plugins import load
+    from studies.solving.solve import record_of
 
     load(task.use)
     assert task.request is not None
-    return record_of(task.id, task.request, folder)
+    return record_of(task.id, SCENES[task.request.scene], task.request, folder)
 
 
 def _table(task: Task, folder: Path | None) -> str:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import SMALLEST
+from contact.events import PathEnd
 from contact.problem import Outcome
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel, UsageError

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.continuation.critical_points import PathEnd
-from contact.events import EventKind, events
+from contact.events import EventKind, PathEnd, events
 from contact.problem import Outcome
 from contact.verify import EQUILIBRIUM
 from contact.verify_friction import CHORD

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SCHEMA = 2
+LONGEST = 8000  # characters of a text
 OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu|pvd)")  # what an answer may have written beside its record
 PART = ".part-"  # how a file begins that is being written
 
@@ -46,6 +47,11 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
 def as_text(data: Mapping[str, Any]) -> str:
     """The text that write_json writes."""
     return json.dumps(plain(data), indent=1, allow_nan=False) + "\n"
+
+
+def as_line(text: str) -> str:
+    """A text of ours as a word: the messages of libraries may have several lines."""
+    return "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))[:LONGEST]
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:

@@ -19,8 +19,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO, Any
 
+from studies.output.atomic import as_line
 from studies.run.archive import Archive
-from studies.run.schema import as_line
 from studies.run.source_hash import ROOT
 from studies.run.task import KEPT, READY, Limits, Task
 

@@ -26,7 +26,7 @@ from studies.scenes.complete import Cell
 from studies.scenes.element import surfaces_of
 from studies.scenes.plugins import modules_of
 
-SOLVERS = ("studies.solving.solve", "studies.run.record")  # what solves a cell, besides its own scene
+SOLVERS = ("studies.solving.solve",)  # what solves a cell, besides its own scene
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-LONGEST = 8000  # characters of a text
+from studies.output.atomic import LONGEST
+
 ID = re.compile(r"[\w-]{1,100}")  # becomes the name of a file
 INFINITE = ("inf", "-inf")  # as JSON has infinities
 
@@ -21,11 +22,6 @@ INFINITE = ("inf", "-inf")  # as JSON has infinities
 def word(value: Any) -> bool:
     """A text that is printed on one line."""
     return isinstance(value, str) and len(value) <= LONGEST and value.isprintable()
-
-
-def as_line(text: str) -> str:
-    """A text of ours as a word: the messages of libraries may have several lines."""
-    return "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))[:LONGEST]
 
 
 def identity(value: Any) -> bool:

@@ -16,11 +16,11 @@ from contact.continuation.candidates import Starts, none_known
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from contact.swept import Crossing, crossings_along
 from studies.ask.scene import CurveStage, SceneModel, Stage, moved
 
 if TYPE_CHECKING:
     from contact.continuation.arc_length import Trace
+    from contact.swept import Crossing
 
 ENDS = 2  # of a step: both its problems are needed repeatedly, to solve and to observe
 
@@ -50,6 +50,8 @@ class Visited:
         """Candidates that come here from the point before through the foundation."""
         if self.problem.standing is None:
             return []
+        from contact.swept import crossings_along  # loaded with a foundation alone
+
         return crossings_along((self.problem_at(t).standing, state.u) for t, state in self.point.way)
 
     @property

@@ -8,16 +8,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contact.continuation.stability import Stability, stability
-from contact.diagnosis import diagnose
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised
-from contact.swept import Crossing
 from contact.verify import claim, gap_residuals, judge
+
+if TYPE_CHECKING:
+    from contact.swept import Crossing
 
 UNITS = {"penetration": "mm", "tension": "MPa", "complementarity": "MPa mm"}  # of the residuals that have one
 NO_STATE = "what the judge refuses is no equilibrium"
@@ -67,6 +68,8 @@ def certificate(
         diagnosis = [f"{name}: {sizes[name]:.2e}" for name in failures if name in sizes]
         standing = Stability(None, why=NO_POTENTIAL)
     elif failures:
+        from contact.diagnosis import diagnose  # loaded with a failure alone
+
         diagnosis = diagnose(problem, state.u, state.pressure, epsilon=epsilon)
         standing = Stability(None, why=NO_STATE)
     else:

@@ -13,10 +13,11 @@ from functools import partial
 import numpy as np
 
 from contact.continuation.candidates import laid
-from contact.coulomb import Motion, Surface
+from contact.coulomb import Motion
 from contact.faces.rubbings import rubbed as between_faces
 from contact.problem import ContactProblem, ContactSolution
 from contact.slip import with_friction
+from contact.swept import Surface
 from studies.ask.request import Settings, UsageError
 from studies.ask.scene import Begun, CurveStage, Observation, Setting, Stage
 from studies.ask.settings import DRAG, MU, TURN, WAY

@@ -8,9 +8,8 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from contact.continuation.critical_points import PathEnd
+from contact.events import PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.swept import Crossing, crossings
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageError
 from studies.output.atomic import Table, plain
@@ -20,6 +19,7 @@ from studies.solving.result import UNSTABLE, Frozen, Result, Step
 
 if TYPE_CHECKING:
     from contact.continuation.arc_length import Trace
+    from contact.swept import Crossing
 
 DRAWN = 8  # points of a curve that every piece of it has in its table
 ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
@@ -77,7 +77,11 @@ def _reached(visited: Visited) -> Iterator[Reached]:
             problem = replace(visited.problem_at(at.factor), energy=None)  # costs as much again
             spent = {"newton_iterations": at.iterations, "substeps": 1, "limit_point": int(at.limit)}
             standing = visited.problem_at(before.factor).standing  # led there in steps
-            passed = crossings(standing, before.u, problem.standing, state.u) if before.factor else []
+            passed: Sequence[Crossing] = ()
+            if before.factor and problem.standing is not None:
+                from contact.swept import crossings  # loaded with a foundation alone
+
+                passed = crossings(standing, before.u, problem.standing, state.u)
             yield Reached(problem, state, at.factor, passed, spent)
     elif visited.converged:
         spent = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}

@@ -14,11 +14,9 @@ from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from contact.continuation.critical_points import PathEnd
 from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
-from contact.events import EventKind, events
+from contact.events import EventKind, PathEnd, events
 from contact.problem import ContactSolution, Outcome
-from contact.swept import between_nodes
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel
 from studies.output.atomic import Table, forget, write_by, write_json
@@ -193,7 +191,11 @@ class Result:
         if self.end is None:
             return self.remarks
         problem, state = self.end.problem, self.end.point.solution
-        fine_foundation = between_nodes(problem.standing, problem.weights, state.active)
+        fine_foundation = ""
+        if problem.standing is not None:
+            from contact.swept import between_nodes  # loaded with a foundation alone
+
+            fine_foundation = between_nodes(problem.standing, problem.weights, state.active)
         apart = len(state.active) > 0 and not state.active.any()
         said = UNTOUCHED if problem.faces is None else APART
         notes = [each for each in (fine_foundation, said if apart else "") if each]

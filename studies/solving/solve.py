@@ -9,14 +9,16 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 from contact import operations as of_contact
 from contact.continuation.candidates import Starts
 from contact.problem import Outcome
 from formulations import operations as of_elements
-from studies.ask.request import Request
+from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene, SceneModel, Stage
 from studies.ask.settings import configured, rubbing
+from studies.output.atomic import SCHEMA, as_line, as_text
 from studies.scenes.plugins import blamed
 from studies.scenes.walk import Visited, no_starts, walk
 from studies.solving.recording import record
@@ -107,6 +109,21 @@ def solve(
     if result.outcome is Outcome.INTERRUPTED:
         raise Interrupted(result) from stop
     return result
+
+
+def record_of(cell_id: str, scene: Scene, request: Request, directory: Path | None) -> str:
+    """The record of a cell as JSON; its files go into the directory, if they are to be kept.
+
+    A scene that refuses to be built is a record, too. Raises what solving raises.
+    """
+    try:
+        result = solve(scene, request)
+    except UsageError as error:
+        result = Result(request, unsupported=str(error))
+    files = [] if directory is None or result.unsupported else result.write_artefacts(directory)
+    record = result.as_json()
+    record["reason"] = as_line(record["reason"])
+    return as_text({"schema": SCHEMA, "id": cell_id, **record, "files": files})
 
 
 def stages_of(model: SceneModel, request: Request) -> Iterable[Stage]:

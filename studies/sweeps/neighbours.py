@@ -12,8 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from contact.continuation.candidates import Start, Starts
-from contact.continuation.critical_points import State
+from contact.continuation.candidates import Start, Starts, State
 from contact.problem import ContactSolution
 from studies.ask.request import Request
 from studies.ask.scene import SceneModel, Stage

@@ -173,7 +173,7 @@ def test_without_the_check_the_ball_is_behind_the_net(monkeypatch: pytest.Monkey
     assert checked.outcome is Outcome.CONVERGED
     assert checked.solution.active.sum() == 1
     assert checked.solution.u[2 + 3 * 12] == pytest.approx(-0.99, abs=1e-9)
-    monkeypatch.setattr(load_stepping, "crossings", lambda *step: [])
+    monkeypatch.setattr(load_stepping, "passed_through", lambda *step: [])
     (blind,) = follow(BALL.problem_at, 0.0, [1.0], ALGORITHMS["semismooth"](), BALL.rest)
     assert blind.outcome is Outcome.CONVERGED
     assert judge(BALL.problem_at(1.0), blind.solution.u, blind.solution.pressure).failures() == []

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.continuation.critical_points import State
+from contact.continuation.candidates import State
 from contact.problem import ContactProblem, ContactSolution
 from contact.sensitivity import OFFSETS, Change, Fold, Rates, Sensitivity, slope
 from contact.slip import anchors_left, stretched

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.continuation.candidates import Start, Starts, none_known
-from contact.continuation.critical_points import State
+from contact.continuation.candidates import Start, Starts, State, none_known
 from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
 from formulations.geometry.transfer import Transfer

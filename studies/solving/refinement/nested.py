@@ -19,8 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.continuation.candidates import Start, Starts
-from contact.continuation.critical_points import State
+from contact.continuation.candidates import Start, Starts, State
 from contact.continuation.load_stepping import SMALLEST
 from studies.ask.request import Request
 from studies.ask.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage

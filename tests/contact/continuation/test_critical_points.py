@@ -7,10 +7,10 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import PathEnd, why_it_ends
+from contact.continuation.critical_points import why_it_ends
 from contact.continuation.load_stepping import follow
 from contact.continuation.spectrum import spectrum
-from contact.events import EventKind
+from contact.events import EventKind, PathEnd
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 
 EXACT = 1e-9

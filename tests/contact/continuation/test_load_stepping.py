@@ -10,7 +10,6 @@ from scipy import sparse
 import contact.events
 from contact.catalogue import ALGORITHMS
 from contact.continuation.candidates import EASY_ITERATIONS
-from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import (
     BRIEF,
     SMALLEST,
@@ -19,7 +18,7 @@ from contact.continuation.load_stepping import (
     Stepper,
     follow,
 )
-from contact.events import Event, EventKind
+from contact.events import Event, EventKind, PathEnd
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
 from support.problems.contact_problems import Quadratic
 

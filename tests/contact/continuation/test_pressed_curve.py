@@ -9,10 +9,10 @@ from scipy.optimize import brentq, minimize_scalar
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.arc_length import ArcLength
-from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import follow
 from contact.continuation.pressed_curve import PressedCurve
 from contact.continuation.turning_points import by_arc_length
+from contact.events import PathEnd
 from contact.obstacles.drum_sphere import Sphere
 from contact.obstacles.foundation import Candidates, RigidPlane, against, travelling
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome

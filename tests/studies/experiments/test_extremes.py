@@ -7,7 +7,7 @@ import pytest
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import PathEnd
+from contact.events import PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.ask.scene import UsageError
 from studies.cli import main

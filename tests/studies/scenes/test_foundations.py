@@ -112,7 +112,7 @@ def test_a_tyre_does_not_go_through_the_edge_of_a_box(monkeypatch: pytest.Monkey
     forces = {}
     for steps, checked in ((1, True), (1, False), (20, False)):
         if not checked:
-            monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
+            monkeypatch.setattr("contact.continuation.load_stepping.passed_through", lambda *step: [])
         solution = solve(*resolve("tyre", asked, "16x18", steps=steps))
         assert solution.outcome.converged == ((steps, checked) != (1, False))
         forces[steps, checked] = solution.quantities["force_N"]

@@ -9,8 +9,8 @@ import pytest
 from scipy.linalg import null_space
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import Ending, PathEnd
 from contact.continuation.load_stepping import PathPoint
+from contact.events import Ending, PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.ask.scene import Stage
 from studies.scenes.complete import complete
@@ -164,7 +164,7 @@ def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytes
     assert any("passes through the foundation" in cut for cut in solution.as_json()["cuts"])
     (note,) = solution.notes
     assert "0.05 mm, is below the size of an element there, 12.6 mm: nodes alone touch" in note
-    monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
+    monkeypatch.setattr("contact.continuation.load_stepping.passed_through", lambda *step: [])
     blind = solve(*asked)
     assert (blind.outcome.word, blind.verdict, blind.quantities["force_N"]) == ("wrong", "wrong", 0.0)
     assert blind.as_json()["reason"].startswith("swept: candidate 4 passes through the foundation")
