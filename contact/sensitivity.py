@@ -26,8 +26,7 @@ from contact.continuation.spectrum import spectrum
 from contact.coulomb import State
 from contact.newton.friction_run import FrictionalRun
 from contact.newton.friction_states import Laws, directed
-from contact.newton.held import holdable
-from contact.newton.solves import Response
+from contact.newton.solves import Response, holdable
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.scales import Stiffness, length

@@ -16,8 +16,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
-from contact.newton.pivots import Pivots
-from contact.newton.saddle import bound
+from contact.newton.solves import released
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import (
     SingularMatrixError,
@@ -113,6 +112,8 @@ def _compliance(
     """What forces (n,) move on the motions that the set leaves free; raises as :func:`spectrum` does."""
     nodes, pivots, A = np.flatnonzero(state.active), None, K
     if len(nodes):
+        from contact.newton.pivots import Pivots  # loaded with a contact set alone
+
         pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).opened(np.zeros(len(nodes)))
         A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
     factor = factorise(A, ordered=problem.ordered)
@@ -154,9 +155,8 @@ def _largest(
 
 def _negative(problem: ContactProblem, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, epsilon: float) -> int:
     """Negative eigenvalues of the symmetric tangent on what the set leaves free."""
-    held = bound(problem, u, nodes, K, epsilon)
-    forces = held.multipliers
-    return negative_pivots(held.matrix, ordered=problem.ordered or forces > 0, multipliers=problem.multipliers + forces)
+    free, forces = released(problem, u, nodes, K, epsilon)
+    return negative_pivots(free, ordered=problem.ordered or forces > 0, multipliers=problem.multipliers + forces)
 
 
 def cosines(v: np.ndarray, modes: np.ndarray) -> np.ndarray:

@@ -24,8 +24,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.newton.held import holdable
-from contact.newton.saddle import bound
+from contact.newton.solves import holdable, released
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised, Overlooked
 from contact.solvers.sparse import SingularMatrixError, added, negative_pivots, symmetric
 
@@ -116,13 +115,13 @@ def _counted(
     order: np.ndarray | None = None,
 ) -> Stability:
     """By the symmetric part of a tangent K (n, n); order (n,): of its elimination, where the unknowns have another."""
-    held = bound(problem, state.u, np.flatnonzero(state.active), K, epsilon)
-    M, multipliers = held.matrix, problem.multipliers + held.multipliers
+    M, forces = released(problem, state.u, np.flatnonzero(state.active), K, epsilon)
+    multipliers = problem.multipliers + forces
     conservative = symmetric(K)
     part = M if conservative else sparse.csc_matrix((M + M.T) / 2)
     if order is not None and not multipliers:
         part = sparse.csc_matrix(part[order][:, order])
-    negative, unsigned, spent = _signs(part, multipliers, ordered=problem.ordered or held.multipliers > 0)
+    negative, unsigned, spent = _signs(part, multipliers, ordered=problem.ordered or forces > 0)
     return Stability(negative, unsigned, conservative, factorisations=spent)
 
 

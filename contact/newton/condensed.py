@@ -11,8 +11,7 @@ from scipy import sparse
 from contact.newton.exchange import Exchange
 from contact.newton.held import Ports
 from contact.newton.pivots import holding
-from contact.newton.saddle import bound
-from contact.newton.solves import LinearSolves
+from contact.newton.solves import LinearSolves, bound
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit

@@ -192,8 +192,3 @@ class Held:
     def multipliers(self) -> int:
         """No unknown is a force."""
         return 0
-
-
-def holdable(problem: ContactProblem) -> bool:
-    """Whether every pressure is a force on its own candidate, so that it can be left out of the unknowns."""
-    return problem.coupling is None and bool(np.all(problem.weights > 0))

@@ -18,9 +18,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from contact.newton.held import Bound, Held, Ports
-from contact.newton.pivots import holding
-from contact.problem import ContactProblem
+from contact.newton.held import Ports
 from contact.solvers.sparse import least_degrees
 
 
@@ -100,16 +98,3 @@ class Saddle:
     def direct(self, ports: Ports, places: np.ndarray) -> np.ndarray:
         """Nothing goes past y: zeros (d, p)."""
         return np.zeros((ports.rows.shape[0], len(places)))
-
-
-def bound(problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float) -> Bound:
-    """The set of these candidates: condensed where each gap has an unknown of its own, with forces where not.
-
-    Raises ValueError when :func:`contact.newton.pivots.holding` does.
-    """
-    acting = problem.push(u)[nodes]
-    grip = holding(acting, nodes)
-    if grip.block is None:
-        return Held.on(problem, u, nodes, K, epsilon, grip)
-    rows = problem.gap_jacobian(u)[nodes] if problem.driven else acting
-    return Saddle.of(K, rows, acting, 1.0 / (epsilon * problem.weights[nodes]))

@@ -9,18 +9,19 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
 from contact.events import Event
-from contact.newton.held import Bound, holdable
-from contact.newton.pivots import Pivots
-from contact.newton.saddle import Saddle, bound
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
+
+if TYPE_CHECKING:
+    from contact.newton.held import Bound
+    from contact.newton.pivots import Pivots
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
@@ -93,13 +94,13 @@ class LinearSolves:
         with self.tally.timed("assembly_s"):
             return self.problem.linearise(u, memory)
 
-    def factorise(self, A: sparse.csc_matrix, of: Bound | Pivots | None = None) -> Factor:
+    def factorise(self, A: sparse.csc_matrix, of: Bound | None = None) -> Factor:
         """Factorise, counted and timed; ``of``: what the matrix is of.  Raises SingularMatrixError.
 
         A saddle point has an order of its own, and as many patterns as sets: to analyse them for fronts takes longer
         than SuperLU on all of it.
         """
-        saddle = isinstance(of, Saddle)
+        saddle = of is not None and of.multipliers > 0
         with self.tally.timed("factorisation_s"):
             solver = "splu" if saddle and self.solver == AUTO else self.solver
             factor = factorise(A, solver, ordered=self.problem.ordered or saddle)
@@ -126,7 +127,44 @@ class LinearSolves:
 
         As :class:`Response` says; raises SingularMatrixError, ValueError.
         """
+        if not len(nodes):
+            return self.solution(self.factorise(K), K, force), np.zeros(len(self.problem.weights))
         return Response(self, u, K, nodes)(force, np.zeros(len(nodes)))
+
+
+def holdable(problem: ContactProblem) -> bool:
+    """Whether every pressure is a force on its own candidate, so that it can be left out of the unknowns."""
+    return problem.coupling is None and bool(np.all(problem.weights > 0))
+
+
+def bound(problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float) -> Bound:
+    """The set of these candidates: condensed where each gap has an unknown of its own, with forces where not.
+
+    Raises ValueError when :func:`contact.newton.pivots.holding` does.
+    """
+    from contact.newton.held import Held  # loaded with a contact set alone
+    from contact.newton.pivots import holding
+    from contact.newton.saddle import Saddle
+
+    acting = problem.push(u)[nodes]
+    grip = holding(acting, nodes)
+    if grip.block is None:
+        return Held.on(problem, u, nodes, K, epsilon, grip)
+    rows = problem.gap_jacobian(u)[nodes] if problem.driven else acting
+    return Saddle.of(K, rows, acting, 1.0 / (epsilon * problem.weights[nodes]))
+
+
+def released(
+    problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
+) -> tuple[sparse.csc_matrix, int]:
+    """K (n, n) on the motions that the set of these candidates leaves free, and how many of its unknowns are forces.
+
+    Raises ValueError as :func:`bound` does.
+    """
+    if not len(nodes):
+        return K, 0
+    held = bound(problem, u, nodes, K, epsilon)
+    return held.matrix, held.multipliers
 
 
 class Response:
@@ -142,13 +180,16 @@ class Response:
         Raises SingularMatrixError, ValueError.
         """
         self._run, self.nodes = run, nodes
-        self._held: Bound | Pivots
+        self._held: Bound | None = None
+        self._pivots: Pivots | None = None
         if holdable(run.problem):
             self._held = bound(run.problem, u, nodes, K, run.epsilon)
             self._matrix = self._held.matrix
         else:
-            self._held = Pivots.choose(run.problem, u, nodes, K, run.epsilon).opened(np.zeros(len(nodes)))
-            self._matrix, _ = self._held.substitute(K, np.zeros(K.shape[0]))
+            from contact.newton.pivots import Pivots  # loaded with a contact set alone
+
+            self._pivots = Pivots.choose(run.problem, u, nodes, K, run.epsilon).opened(np.zeros(len(nodes)))
+            self._matrix, _ = self._pivots.substitute(K, np.zeros(K.shape[0]))
         self._factor = run.factorise(self._matrix, self._held)
 
     def compliance(self, nodes: np.ndarray) -> np.ndarray:
@@ -158,12 +199,13 @@ class Response:
     def __call__(self, force: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and dp (m,); raises SingularMatrixError."""
         problem, held, pressures = self._run.problem, self._held, np.zeros(len(self._run.problem.weights))
-        if not isinstance(held, Pivots):
+        if held is not None:
             y = self._run.solution(self._factor, self._matrix, held.load(force, -gap))
             du = held.motion(y, -gap)
             pressures[self.nodes] = held.forces(y, du, -force) / problem.weights[self.nodes]
         else:
-            opened = held.opened(gap)
+            assert self._pivots is not None
+            opened = self._pivots.opened(gap)
             load = opened.loaded(force)
             du, pressures[self.nodes] = opened.resolve(self._run.solution(self._factor, self._matrix, load))
         return du, pressures
@@ -200,6 +242,8 @@ class Substituted:
         with run.tally.timed("contact_s"):
             A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
             if len(nodes):
+                from contact.newton.pivots import Pivots  # loaded with a contact set alone
+
                 pivots = Pivots.choose(run.problem, self.u, nodes, A, run.epsilon)
                 A, b = pivots.substitute(A, b)
         du = run.solution(run.factorise(A), A, b)

@@ -9,8 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import norm
 
-from contact.newton.held import holdable
-from contact.newton.solves import LinearSolves, LinearStep, Substituted
+from contact.newton.solves import LinearSolves, LinearStep, Substituted, holdable
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.rounding import ROUNDING_ALONE, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length

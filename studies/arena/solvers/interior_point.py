@@ -13,8 +13,8 @@ from scipy.linalg import lapack
 from contact.catalogue import ALGORITHMS
 from contact.events import Event, EventKind
 from contact.newton.condensed import Condensed
-from contact.newton.held import holdable
 from contact.newton.loop import Decide, Step, iterate, settle_set
+from contact.newton.solves import holdable
 from contact.newton.step import Iterate, NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.parameters import SHARED, Parameter

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.continuation.candidates import Start, Starts, State, none_known
-from contact.coulomb import State as Rubs
 from contact.problem import ContactSolution
 from formulations.geometry.transfer import Transfer
 from formulations.strains.quantities import N_V
@@ -97,6 +96,8 @@ class Carrier:
         start = replace(start, pressure=np.where(active, self._at_candidates(state.pressure), 0.0), active=active)
         if state.friction is None:
             return start
+        from contact.coulomb import State as Rubs  # no solve without friction loads it
+
         weights = visited.problem_at(t).weights
         traction = state.friction.force / np.where(weights > 0, weights, 1.0)[:, None]
         slips, closed = (

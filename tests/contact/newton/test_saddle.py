@@ -7,8 +7,8 @@ import pytest
 from scipy import sparse
 
 from contact.newton.condensed import Condensed, Linear
-from contact.newton.saddle import Saddle, bound
-from contact.newton.solves import LinearSolves
+from contact.newton.saddle import Saddle
+from contact.newton.solves import LinearSolves, bound
 from contact.problem import ContactProblem
 from contact.solvers.sparse import negative_pivots
 from support.problems.contact_problems import linear_mechanics
