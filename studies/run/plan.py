@@ -19,7 +19,7 @@ from studies.ask.scene import UsageError, has_contact
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, plain
 from studies.run.campaign import Campaign
-from studies.run.source_hash import BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, OF_ARCS, OF_QUADS, sources_hash
+from studies.run.source_hash import BESIDE_A_CELL, ONLY_WITH, sources_hash
 from studies.run.task import Task
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
@@ -63,19 +63,27 @@ def identity(request: Request, *beside: str) -> str:
 
     beside: other modules that decide it.
     """
-    interpolation = request.settings.get("interpolation")  # of shells alone
-    unused = (
-        (not rubbing(request.settings), FRICTION),
-        (interpolation is not None and surfaces_of(request) == BETWEEN_FACES, INSIDE_A_WALL),
-        (interpolation in ON_LINES, OF_QUADS),
-        ("bending" not in request.settings, OF_ARCS),
-    )
-    without = (*BESIDE_A_CELL, *(name for never, names in unused if never for name in names))
     parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene, str(request.settings.get("law", "")))
+    # a part from outside may execute whatever it likes
+    unused = () if outside else (name for what, has in _having(request).items() if not has for name in ONLY_WITH[what])
+    without = (*BESIDE_A_CELL, *unused)
     sources = sources_hash((*SOLVERS, *beside, *parts, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def _having(request: Request) -> dict[str, bool]:
+    """Whether a request of parts of ours has what some modules are executed with alone, see ONLY_WITH."""
+    interpolation = request.settings.get("interpolation")  # of shells alone
+    return {
+        "friction": rubbing(request.settings),
+        "candidates": has_contact(SCENES[request.scene]),
+        "surfaces between the faces": interpolation is None or surfaces_of(request) != BETWEEN_FACES,
+        "quadrilaterals": interpolation not in ON_LINES,
+        "bending along arcs": "bending" in request.settings,
+        "hanging nodes": bool(request.leaves),
+    }
 
 
 def planned(cell: Cell) -> Row:

@@ -3,7 +3,7 @@
 Every import of our own modules counts, wherever in a file it stands, and their names in quotes, and the packages that a
 module lies in; so does a file of data beside a module that it names as ``Path(__file__).with_name("...")``. What is
 imported for annotations alone is never executed, and a module without statements does nothing: neither counts. For a
-cell some modules are not followed: see BESIDE_A_CELL, FRICTION, INSIDE_A_WALL, OF_QUADS, OF_ARCS.
+cell some modules are not followed: see BESIDE_A_CELL, and of parts of ours ONLY_WITH.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import ast
 import hashlib
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
@@ -23,26 +23,33 @@ PACKAGES = ("formulations", "contact", "studies")
 MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+")
 BESIDE_A_CELL = (
     *("studies.scenes", "contact.catalogue"),  # they name all of theirs, and a cell names its own
-    "studies.scenes.complete",  # it decides the request, which is hashed as such
+    # they decide the request, which is hashed as such, or what it is compared with
+    *("studies.scenes.complete", "studies.ask.scene", "studies.ask.declarations", "studies.scenes.data"),
     *("studies", "studies.scenes.plugins"),
     *("studies.output", "studies.output.provenance"),  # they tell of a solve, and do nothing in it
     "studies.solving.fields",  # it writes what a solve by itself has seen, of which a cell keeps less
     *("contact.interchange", "contact.interchange.*"),  # of frozen problems, which a cell does not keep
 )
-FRICTION = (  # what only a cell with friction executes
-    *("contact.slip", "contact.verify_friction", "contact.newton.friction_*", "contact.algorithms.tresca"),
-    "contact.continuation.friction_path",
-    *("studies.scenes.friction_readings", "studies.solving.friction_stages"),
-)
-INSIDE_A_WALL = (  # what only a shell with surfaces between its faces executes, and a solid
-    *(
-        "formulations.element.walls.*",
-        *(f"formulations.section.{name}" for name in ("laws", "material", "sampling")),
-        "formulations.wall_stresses",
+ONLY_WITH: Mapping[
+    str, tuple[str, ...]
+] = {  # what nothing but these executes, of which a request says whether it has any
+    "friction": (
+        *("contact.coulomb", "contact.slip", "contact.verify_friction", "contact.newton.friction_*"),
+        *("contact.algorithms.tresca", "contact.continuation.friction_path"),
+        *("studies.scenes.friction_readings", "studies.solving.friction_stages"),
     ),
-)
-OF_QUADS = ("formulations.element.quad_*",)  # what only quadrilaterals execute
-OF_ARCS = ("formulations.element.arc_element",)  # what only elements that bend along arcs do
+    "candidates": (  # for contact: sets of them, and a foundation that moves or is passed through
+        *(f"contact.newton.{name}" for name in ("condensed", "exchange", "held", "pivots", "saddle")),
+        *("contact.solvers.lcp_pivoting", "contact.swept", "contact.continuation.turning_points"),
+    ),
+    "surfaces between the faces": (  # and a solid
+        *("formulations.element.walls.*", "formulations.wall_stresses"),
+        *(f"formulations.section.{name}" for name in ("laws", "material", "sampling")),
+    ),
+    "quadrilaterals": ("formulations.element.quad_*",),
+    "bending along arcs": ("formulations.element.arc_element",),
+    "hanging nodes": ("formulations.geometry.arcs", "formulations.geometry.quadtree"),
+}
 
 
 def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> str:

@@ -16,7 +16,7 @@ from contact.continuation.candidates import Starts, none_known
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from studies.ask.scene import CurveStage, SceneModel, Stage, moved
+from studies.ask.model import CurveStage, SceneModel, Stage, moved
 
 if TYPE_CHECKING:
     from contact.continuation.arc_length import Trace

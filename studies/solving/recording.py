@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from contact.events import PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from studies.ask.request import Request
-from studies.ask.scene import CurveStage, Observation, ShellSceneModel, UsageError
+from studies.ask.model import CurveStage, Observation, ShellSceneModel
+from studies.ask.request import Request, UsageError
 from studies.output.atomic import Table, plain
 from studies.scenes.walk import Seen, Visited
 from studies.solving.certificate import certificate, refusal

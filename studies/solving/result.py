@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
 from contact.events import EventKind, PathEnd, events
 from contact.problem import ContactSolution, Outcome
+from studies.ask.model import SceneModel
 from studies.ask.request import Request
-from studies.ask.scene import SceneModel
 from studies.output.atomic import Table, forget, write_by, write_json
 from studies.output.provenance import provenance
 from studies.output.vtu import FIELDS

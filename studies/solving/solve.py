@@ -15,8 +15,9 @@ from contact import operations as of_contact
 from contact.continuation.candidates import Starts
 from contact.problem import Outcome
 from formulations import operations as of_elements
+from studies.ask.model import SceneModel, Stage
 from studies.ask.request import Request, UsageError
-from studies.ask.scene import Scene, SceneModel, Stage
+from studies.ask.scene import Scene
 from studies.ask.settings import configured, rubbing
 from studies.output.atomic import SCHEMA, as_line, as_text
 from studies.scenes.plugins import blamed

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import shutil
 import subprocess
 import sys
@@ -12,22 +13,20 @@ from pkgutil import resolve_name
 
 import pytest
 
-from contact.catalogue import ALGORITHMS
+from studies.ask.scene import has_contact
 from studies.run import plan
 from studies.run.lists import MAKERS
 from studies.run.plan import SOLVERS, planned
 from studies.run.source_hash import (
     BESIDE_A_CELL,
-    FRICTION,
-    INSIDE_A_WALL,
-    OF_ARCS,
-    OF_QUADS,
+    ONLY_WITH,
     PACKAGES,
     ROOT,
     closure,
     hashed,
     sources_hash,
 )
+from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 
 TYRE = (*SOLVERS, "studies.scenes.tyre.scene", "contact.algorithms.lcp")
@@ -43,7 +42,7 @@ def copied(tmp_path: Path) -> Path:
 def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path) -> None:
     decide = {
         *("formulations.element.mixed", "formulations.strains.quantities", "contact.newton.step"),
-        *("contact.algorithms.lcp", "studies.solving.solve", "studies.run.record", "studies.scenes.element"),
+        *("contact.algorithms.lcp", "studies.solving.solve", "studies.scenes.element"),
         *("studies.scenes.tyre.scene", "studies.scenes.tyre.press"),
     }
     nothing = {
@@ -66,40 +65,105 @@ def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path) 
         assert (sources_hash(TYRE, copied, without=BESIDE_A_CELL) != before) == matters
 
 
-def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With it they decide; without it nothing of theirs is called once it is loaded, but what tells there is none."""
-    asked: list[set[str]] = []
+TRACED = """
+import json, sys
+from dataclasses import replace
+from importlib import import_module
+from contact.catalogue import ALGORITHMS
+from studies.run import plan
+from studies.run.source_hash import BESIDE_A_CELL, closure
+from studies.scenes import SCENES
+from studies.scenes.complete import complete
+from studies.solving.solve import solve
 
-    def seen(modules, root=ROOT, *, without=()):
-        asked.append(closure(modules, root, without=without))
-        return ""
+STRIP, PANEL, BEAM = ("strip-contact", "4x1"), ("pressed-panel", "4x4"), ("cantilever", "4x1")
+ASKED = [
+    *((*STRIP, {}, name) for name in ALGORITHMS),
+    *((*STRIP, {"mu": "0.3"}, name) for name in ("semismooth", "qp")),
+    (*PANEL, {"element": "refined"}, "semismooth"),
+    *((*BEAM, asked, "semismooth") for asked in (
+        {}, {"element": "quads", "distort": "0.1"}, {"element": "arc", "bending": "arc"}, {"tolerance": "1e-14"},
+        {"surfaces": "3", "law": "neo-hooke"},
+    )),
+    *(("roof-a", "2x2", {"path": path}, "semismooth") for path in ("series", "arc-length")),
+    ("tyre", "6x6", {"delta_mm": "5"}, "semismooth"),
+    *((scene, "2x2", {}, "semismooth") for scene in ("panel", "pagano", "manufactured")),
+    ("inflated-membrane", "4x1", {"load_fraction": "1.2,2"}, "semismooth"),
+    ("hemisphere", "2x2", {"load_fraction": "0.1"}, "semismooth"),
+]
+cells = [complete(scene, asked, mesh, contact=contact) for scene, mesh, asked, contact in ASKED]
+scene, request = cells[-1]
+cut = ((0, 0, 1), (0, 1, 0), (0, 1, 1), (1, 0, 0), (1, 0, 1), (1, 1, 0), (1, 1, 1))
+cells.append((scene, replace(request, leaves=cut)))
+parts = [type(each).__module__ for each, _ in cells] + [each.__module__ for each in ALGORITHMS.values()]
+for name in closure([*plan.SOLVERS, *parts], without=BESIDE_A_CELL):
+    import_module(name)
+made, called, found = [], set(), []
+plan.sources_hash = lambda modules, *, without: made.append(closure(modules, without=without)) or ""
 
-    monkeypatch.setattr(plan, "sources_hash", seen)
-    for mu in ("0", "0.3"):
-        planned(Cell("a", "strip-contact", {"mesh": "4x1"}, {"mu": mu}))
-    smooth, rubbed = asked
-    rubs = {name for name in rubbed if any(fnmatchcase(name, each) for each in FRICTION)}
-    assert rubs > {"contact.newton.friction_run", "studies.solving.friction_stages"}
-    assert not smooth & rubs
-    code = "import sys; from studies.solving.solve import solve; import studies.run.record\n"
-    code += "from studies.scenes.complete import complete\n"
-    code += "from contact.catalogue import ALGORITHMS; list(ALGORITHMS.values())\n"
-    code += "from studies.scenes import SCENES; list(SCENES.values()); called = set()\n"
-    code += "sys.setprofile(lambda frame, *_: called.add(frame.f_globals.get('__name__')))\n"
-    code += f"for name in {tuple(ALGORITHMS)}: solve(*complete('strip-contact', {{}}, '4x1', contact=name))\n"
-    code += "for scene, mesh, asked in (\n"
-    code += "    ('panel', '2x2', {}), ('tyre', '6x6', {'delta_mm': '5'}), ('pagano', '2x2', {}),\n"
-    code += "    ('manufactured', '2x2', {}),\n"
-    code += "): solve(*complete(scene, asked, mesh))\n"
-    code += "solve(*complete('pressed-panel', {'element': 'refined'}, '4x4'))\n"
-    code += "sys.setprofile(None); print(*filter(None, called))"
-    called = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-    assert "contact.newton.loop" in called
-    assert not set(called) & rubs
-    assert not [name for name in called for each in (*INSIDE_A_WALL, *OF_QUADS, *OF_ARCS) if fnmatchcase(name, each)]
+def hear(frame, event, told):
+    if event == "call":
+        called.add(frame.f_globals.get("__name__") or "")
+
+for scene, request in cells:
+    plan.identity(request)
+    called.clear()
+    sys.setprofile(hear)
+    solve(scene, request)
+    sys.setprofile(None)
+    ours = {name for name in called if name.startswith(("formulations.", "contact.", "studies."))}
+    found.append([sorted(ours), sorted(made[-1])])
+print(json.dumps(found))
+"""
+ASIDE = {"contact.catalogue", "studies.scenes", "studies.scenes.plugins"}  # of BESIDE_A_CELL: they find parts
 
 
-@pytest.mark.parametrize(("scene", "files"), [("cantilever", 78), ("strip-contact", 81)])
+@pytest.fixture(scope="module")
+def traced() -> list[tuple[set[str], set[str]]]:
+    """Of cells of many kinds: the modules whose functions are called in a solve, and those that decide the identity."""
+    found = subprocess.run([sys.executable, "-c", TRACED], capture_output=True, text=True, check=True).stdout
+    return [(set(called), set(made)) for called, made in json.loads(found)]
+
+
+def test_nothing_is_called_in_a_cell_that_does_not_decide_its_identity(traced: list[tuple[set[str], set[str]]]) -> None:
+    for called, made in traced:
+        assert {"studies.solving.solve", "contact.verify"} <= called
+        assert called - made <= ASIDE
+    assert any("contact.continuation.critical_points" in called for called, _ in traced)  # at the end of a path
+
+
+@pytest.mark.parametrize("what", ONLY_WITH)
+def test_what_is_left_out_without_something_is_called_with_it(
+    what: str, traced: list[tuple[set[str], set[str]]]
+) -> None:
+    """And some cells are made without it: each reason is one."""
+
+    def alike(names: set[str]) -> set[str]:
+        return {name for name in names if any(fnmatchcase(name, each) for each in ONLY_WITH[what])}
+
+    assert any(alike(called) for called, _ in traced)
+    assert any(not alike(made) for _, made in traced)
+
+
+def test_a_scene_that_takes_no_contact_condition_makes_no_candidates() -> None:
+    """By what its module imports: obstacles, or faces."""
+    none = [name for name in SCENES if not has_contact(SCENES[name])]
+    assert {"cantilever", "hemisphere", "roof-a"} <= set(none)
+    for name in none:
+        modules = closure([type(SCENES[name]).__module__], without=BESIDE_A_CELL)
+        assert not [each for each in modules if each.startswith(("contact.obstacles.", "contact.faces."))], name
+
+
+def test_a_part_from_outside_leaves_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It may have candidates, quadrilaterals or friction of its own."""
+    asked: list[tuple[str, ...]] = []
+    monkeypatch.setattr(plan, "sources_hash", lambda modules, *, without: asked.append(without) or "")
+    monkeypatch.setattr(plan, "modules_of", lambda *names: ("stranger",))
+    planned(Cell("a", "cantilever", {"mesh": "4x1"}))
+    assert asked == [BESIDE_A_CELL]
+
+
+@pytest.mark.parametrize(("scene", "files"), [("cantilever", 58), ("strip-contact", 72)])
 def test_a_cell_is_made_of_few_files(scene: str, files: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every one that is hashed makes all cells anew when it is edited."""
     asked: list[dict[str, str]] = []
