@@ -22,9 +22,8 @@ Sources: Wriggers, Reese, CMAME 135 (1996) 201-209; Armero, IJNME 49 (2000) 1-40
 mixed elements under compression. No contact and no count of eigenvalues may enter here.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -114,11 +113,6 @@ class ElementModes:
     @cached_property
     def _shear(self) -> tuple[tuple[sparse.csr_matrix, sparse.csr_matrix, sparse.csr_matrix], ...]:
         return _shear_left_out(self.shell, self.u, 0), _shear_left_out(self.shell, self.u, 1)
-
-
-def element_modes(shell: ShellModel) -> Callable[[np.ndarray], ElementModes] | None:
-    """What elements leave out at a state; None where surfaces inside the wall have shears that are not looked at."""
-    return partial(ElementModes, shell) if shell.discretisation.wall is None else None
 
 
 def _hourglass(shell: ShellModel, u: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, TypedDict, Unpack
 
 import numpy as np
@@ -11,7 +12,6 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
 from formulations.element.strain_operator import GAUSS, N_GAUSS
-from formulations.element_modes import element_modes
 from formulations.geometry.grid import Grid
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -19,6 +19,7 @@ from studies.ask.scene import SOLVER, Begun, Observation, Request, Setting, Shel
 from studies.scenes.element import ELEMENT, bending_of, law_of
 
 if TYPE_CHECKING:  # loaded with a scene that has such loads
+    from formulations.element_modes import ElementModes
     from formulations.loads import Couples, Pressure
 
 REPORTED = "fractions of the published load to report"
@@ -135,9 +136,19 @@ def with_balances(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
 
 
 def with_elements(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
-    """The problem with what the judge sees of the elements of a shell: their modes, and which are inside out."""
+    """The problem with what the judge sees of the elements of a shell: their modes, and which are inside out.
+
+    Surfaces inside the wall have shears that are not looked at.
+    """
     volumes = None if shell.linear else shell.volume_ratios
-    return replace(problem, element_modes=element_modes(shell), volume_ratios=volumes)
+    modes = partial(_element_modes, shell) if shell.discretisation.wall is None else None
+    return replace(problem, element_modes=modes, volume_ratios=volumes)
+
+
+def _element_modes(shell: ShellModel, u: np.ndarray) -> ElementModes:
+    from formulations.element_modes import ElementModes  # loaded where something is unstable alone
+
+    return ElementModes(shell, u)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,6 @@ from formulations.loads import Traction, edge_force
 from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import (
     SOLVER,
@@ -27,6 +26,7 @@ from studies.ask.scene import (
     Observation,
     SceneModel,
     Setting,
+    Sheet,
     ShellSceneModel,
     Stage,
 )
