@@ -35,7 +35,6 @@ from scipy import sparse
 from contact.coulomb import Coulomb
 from contact.interchange.untrusted import parsed_object, read_arrays, text_of
 from contact.problem import ContactProblem, linear_mechanics
-from contact.solvers.sparse import symmetric
 
 FORMAT, VERSION = "footprint contact step", 1
 PARTS = ("data", "indices", "indptr")  # of a sparse matrix
@@ -63,18 +62,17 @@ class FrozenStep:
     meta: Mapping[str, Any] = field(default_factory=dict)
 
     def problem(self) -> ContactProblem:
-        """The same as a contact problem in du; its energy is known when K is symmetric."""
+        """The same as a contact problem in du.
 
-        def energy(du: np.ndarray) -> float:
-            return float(du @ (self.K @ du / 2 + self.r))
-
+        It tells no energy: of a linear step that balances by itself, and leaves the balance of forces once more, beside
+        a work that is nothing at its own answer.
+        """
         return ContactProblem(
             linear_mechanics(self.K, -self.r, self.scale),
             lambda du: self.gap + self.G @ du,
             lambda du: self.G,
             self.weights,
             self.coupling,
-            energy=energy if symmetric(self.K) else None,
         )
 
     def write(self, path: Path) -> None:

@@ -158,6 +158,14 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
     assert not any("alone" in line for line in whole.lines())
 
 
+@pytest.mark.parametrize(("scene", "mesh"), [("panel", "4x4"), ("plate-contact", "16x1")])
+def test_a_step_frozen_at_its_answer_is_sound(scene: str, mesh: str, tmp_path: Path) -> None:
+    """Nothing is left to move but by rounding, which does no work that could be balanced."""
+    path = tmp_path / "step.npz"
+    assert main(["solve", scene, "--mesh", mesh, "--freeze", str(path), "--out", str(tmp_path / "out")]) == 0
+    assert main(["resolve", str(path)]) == 0
+
+
 @pytest.mark.parametrize(
     "name",
     [
