@@ -12,6 +12,7 @@ import os
 import re
 import stat
 import struct
+import tokenize
 import tomllib
 import zipfile
 import zlib
@@ -36,6 +37,10 @@ DOTTED = re.compile(  # a key of TOML with more names than that: to read it take
     rf"(?<![\w-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST}}}"
 )
 KINDS = "fiuU"  # of arrays: numbers and text
+DAMAGED = (  # what readers of a zip and of the header of an array raise beside ValueError
+    *(zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, struct.error),
+    *(SyntaxError, tokenize.TokenError, RecursionError),
+)
 END, END_64 = b"PK\x05\x06", b"PK\x06\x07"  # of a zip, and of one that counts beyond 32 bits
 
 
@@ -121,7 +126,7 @@ def read_arrays(path: Path, wanted: Iterable[str], optional: Iterable[str] = ())
         try:
             with zipfile.ZipFile(file) as archive:
                 return _arrays(archive, tuple(wanted), tuple(optional))
-        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, struct.error, SyntaxError) as error:
+        except DAMAGED as error:
             raise ValueError(f"it is damaged: {(str(error) or type(error).__name__).splitlines()[0]}") from None
 
 

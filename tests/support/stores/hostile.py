@@ -132,6 +132,7 @@ ANSWERS: dict[str, tuple[str, Write, str]] = {
     "a pipe for arrays": (".npz", os.mkfifo, "no regular file"),
     "10^12 numbers": (".npz", npz({**ARRAYS, "du": header("(1000000000000,)")}), "du declares the shape"),
     "10^40 numbers": (".npz", npz({**ARRAYS, "du": header(f"({10**40},)")}), "du declares the shape"),
+    "a shape that does not end": (".npz", npz({**ARRAYS, "du": header("(((")}), "it is damaged"),
     "objects": (".npz", npz({**ARRAYS, "du": header("(1,)", "|O") + bytes(8)}), "only a pickle can hold"),
     "encrypted": (".npz", encrypted(npz(ARRAYS)), "du is encrypted"),
     "claims that nest": (".npz", npz({**ARRAYS, "claims": npy(DEEP)}), "nests deeper"),
