@@ -106,6 +106,14 @@ class ContractError(TypeError):
     """An algorithm has answered with what is no answer; one line that names it."""
 
 
+def unsupported(algorithm: ContactAlgorithm, problem: ContactProblem) -> str | None:
+    """None where the algorithm supports the problem, or its reason. Raises ContractError for anything else."""
+    said: object = algorithm.supports(problem)
+    if said is None or (isinstance(said, str) and said):
+        return said
+    raise ContractError(f"contact algorithm {algorithm.name!r}: supports returned {said!r}, not None or a reason")
+
+
 def answered(algorithm: ContactAlgorithm, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """What the algorithm answers; what it does not count is 0. Raises ContractError."""
     solution = algorithm.solve(problem, start)
@@ -133,9 +141,9 @@ def _wrong(returned: object, n: int, m: int) -> str:
         return f"outcome as {_named(returned.outcome)}, not as an Outcome"
     counts = returned.counters
     if not isinstance(counts, Mapping) or not all(
-        isinstance(value, int | float | np.number) for value in counts.values()
+        isinstance(value, int | float | np.number) and 0 <= value < np.inf for value in counts.values()
     ):
-        return "counters that are no numbers by name"
+        return "counters that are no finite numbers from 0 by name"
     rows = returned.history
     if not isinstance(rows, tuple) or not all(isinstance(row, Mapping) for row in rows):
         return "a history that is no tuple of rows"

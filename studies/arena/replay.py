@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.algorithms.base import answered, require_friction
+from contact.algorithms.base import answered, require_friction, unsupported
 from contact.catalogue import ALGORITHMS
 from contact.coulomb import State
 from contact.interchange import friction_oracle, oracle
@@ -110,7 +110,7 @@ def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, ask_oracle: b
     problem = step.problem()
     if isinstance(step, FrozenFrictionalStep):
         require_friction(algorithm)
-    refused = algorithm.supports(problem)
+    refused = unsupported(algorithm, problem)
     if refused is not None:
         raise UsageError(f"{algorithm.name} does not apply: {refused}")
     solution = answered(algorithm, problem, ContactSolution.at_rest(len(step.r), len(step.gap)))

@@ -206,6 +206,10 @@ def _check(label: str, group: str, part: Any) -> None:
         if missing or not isinstance(part, type):
             what = f"no default for {', '.join(missing)}" if missing else "to be a class, not an instance"
             raise UsageError(f"{label}: the part has {what}")
+        try:
+            part()
+        except Exception as error:
+            raise UsageError(f"{label}: as it is by default: {_line(error)}") from error
     elif group in ("footprint.measures", "footprint.scenes") and isinstance(part, type):
         raise UsageError(f"{label}: the part has to be an instance, not a class")
     elif group == "footprint.scenes" and not _is_mesh(mesh := getattr(part, "default_mesh", None)):

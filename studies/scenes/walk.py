@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from contact.algorithms.base import unsupported
 from contact.continuation.candidates import Starts, none_known
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
@@ -143,7 +144,7 @@ def walk(
             yield visited
         else:
             first = problem_at(stage.targets[0])
-            refused = first.unfit_for_friction or algorithm.supports(first)
+            refused = first.unfit_for_friction or unsupported(algorithm, first)
             if refused is not None:
                 unchanged = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
                 point = PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, unchanged, 0)

@@ -25,6 +25,8 @@ NO_STATE = "what the judge refuses is no equilibrium"
 NO_POTENTIAL = "friction has no potential whose second variation would be looked at"
 UNTOLD = "friction"  # of an answer without friction forces although candidates are pressed
 SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
+UNSET = "set"  # the failure of a contact set that is not that of the nodes that press
+CARRIES = 1e-8  # of the largest pressure, and of a large gap: less is neither pressed nor open
 INVERTED = "inverted"  # the failure of a state in which an element has no volume left, or less than none
 
 
@@ -43,6 +45,7 @@ def certificate(
     stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
+    A set that leaves out nodes that press, or has open ones in it, is UNSET: what is told of the patch is read off it.
     Where an element has no volume left INVERTED is a failure: St. Venant-Kirchhoff material resists that with finite
     forces, and balances them inside out.
     passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.
@@ -61,6 +64,7 @@ def certificate(
     record["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
     exceeded = verdict.exceeded(**claim(tolerance, len(state.u)))
     failures, inside_out = list(exceeded), _inside_out(problem, state.u)
+    set_wrong = "" if failures else _set_wrong(problem, state, epsilon, verdict.length)
     if friction is not None:
         if state.friction is None and forces.any():
             failures.append(UNTOLD)
@@ -74,7 +78,11 @@ def certificate(
         standing = Stability(None, why=NO_STATE)
     else:
         diagnosis = []
-        standing = Stability(None, why=NO_STATE) if inside_out else stability(problem, state, epsilon)
+        refused = bool(inside_out or set_wrong)
+        standing = Stability(None, why=NO_STATE) if refused else stability(problem, state, epsilon)
+    if set_wrong:
+        failures.append(UNSET)
+        diagnosis.append(set_wrong)
     if inside_out:
         failures.append(INVERTED)
         diagnosis.append(inside_out)
@@ -84,6 +92,16 @@ def certificate(
         diagnosis.append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
     record |= {"exceeded": exceeded} if exceeded else {}
     return {**record, "failures": failures, "diagnosis": diagnosis, "stability": standing.record}
+
+
+def _set_wrong(problem: ContactProblem, state: ContactSolution, epsilon: float, length: float) -> str:
+    """How many nodes that press are not in the contact set, and how many open ones are; empty where none."""
+    pressed = state.pressure > CARRIES * float(np.max(state.pressure, initial=0.0))
+    opened = problem.gap(state.u) + state.pressure / epsilon > CARRIES * length
+    left_out, extra = int(np.sum(pressed & ~state.active)), int(np.sum(opened & ~pressed & state.active))
+    if not left_out and not extra:
+        return ""
+    return f"{UNSET}: {left_out} nodes that press are not in the contact set, {extra} open ones are"
 
 
 def _inside_out(problem: ContactProblem, u: np.ndarray) -> str:

@@ -67,7 +67,13 @@ NO_ANSWER = {
         "solve returned pressure as int64 of shape ({m},), not as floats of shape ({m},)",
     ),
     "a word": ("return replace(found, outcome='converged')", "solve returned outcome as str, not as an Outcome"),
-    "a counter": ("return replace(found, counters={'a': 'b'})", "solve returned counters that are no numbers by name"),
+    **{
+        name: (
+            f"return replace(found, counters={{'newton_iterations': {count}}})",
+            "solve returned counters that are no finite numbers from 0 by name",
+        )
+        for name, count in {"a word for a counter": "'b'", "no number": "np.nan", "less than none": "-5"}.items()
+    },
     "a list of rows": ("return replace(found, history=[])", "solve returned a history that is no tuple of rows"),
     "a told event": (
         "return replace(found, history=({'event': 'gave up'},))",
@@ -147,6 +153,21 @@ def test_a_lie_is_judged_wrong_and_never_stable(lie: str, scene: str, odd, tmp_p
     assert record["steps"][-1]["stability"]["word"] == "not counted"
 
 
+@pytest.mark.parametrize(
+    ("nodes", "says"),
+    [
+        ("np.zeros(m, bool)", "set: 2 nodes that press are not in the contact set, 0 open ones are"),
+        ("np.ones(m, bool)", "set: 0 nodes that press are not in the contact set, 7 open ones are"),
+    ],
+)
+def test_a_set_that_is_not_that_of_the_nodes_that_press_is_wrong(nodes: str, says: str, odd) -> None:
+    """The patch is read off it, and a right u and p are no excuse."""
+    code, said, errors = odd(f"return replace(found, active={nodes})")
+    assert code == 1
+    assert errors == f"footprint: judged wrong: {says} at load_fraction 1\n"
+    assert "wrong: " in said
+
+
 @pytest.mark.parametrize("scene", SCENES)
 def test_an_answer_without_counters_and_history_is_one(scene: str, odd, tmp_path: Path) -> None:
     code, _, errors = odd("return ContactSolution(found.u, found.pressure, found.active, found.outcome)", scene)
@@ -155,6 +176,24 @@ def test_an_answer_without_counters_and_history_is_one(scene: str, odd, tmp_path
     assert record["class"] == "converged"
     assert {record["counters"][name] for name in ("newton_iterations", "factorisations")} == {0}
     assert record["steps"][0]["newton_iterations"] == 0
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_support_is_none_or_a_reason(scene: str, odd, tmp_path: Path) -> None:
+    code, _, errors = odd("return found", scene, "True")
+    assert code == 1
+    assert errors == "footprint: contact algorithm 'odd': supports returned True, not None or a reason\n"
+
+
+def test_an_algorithm_that_cannot_be_made_is_refused_in_a_line(put_back: None, tmp_path: Path, capsys) -> None:
+    path = tmp_path / "odd.py"
+    path.write_text(
+        ALGORITHM.replace("    def supports", "    def __post_init__(self):\n        1 / 0\n\n    def supports")
+    )
+    words = ["panel", "--contact", "odd", "--use", str(path), "--out", str(tmp_path)]
+    path.write_text(path.read_text().replace("{supports}", "None").replace("{solve}", ""))
+    assert main(["solve", *words]) == 2
+    assert capsys.readouterr().err.endswith("as it is by default: ZeroDivisionError: division by zero\n")
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -16,8 +16,9 @@ from itertools import product
 
 import numpy as np
 
+from contact.algorithms.base import answered, unsupported
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactSolution
+from contact.problem import ContactProblem, ContactSolution
 from contact.verify import judge
 from studies.arena.answers import Scales
 from studies.arena.card.problems import (
@@ -71,13 +72,15 @@ class Tried:
         """[MPa/mm]."""
         return epsilon_of(self.name)
 
-    def solve(self, data: Quadratic, start: ContactSolution | None = None) -> ContactSolution:
-        """From ``start``, by default from rest; raises UsageError where the algorithm refuses."""
-        algorithm, problem = ALGORITHMS[self.name](epsilon=self.epsilon), data.problem()
-        refused = algorithm.supports(problem)
+    def solve(
+        self, data: Quadratic, start: ContactSolution | None = None, problem: ContactProblem | None = None
+    ) -> ContactSolution:
+        """From ``start``, by default from rest; ``problem``: that of the data. Raises UsageError where it refuses."""
+        algorithm, problem = ALGORITHMS[self.name](epsilon=self.epsilon), problem or data.problem()
+        refused = unsupported(algorithm, problem)
         if refused is not None:
             raise UsageError(refused)
-        return algorithm.solve(problem, start or ContactSolution.at_rest(len(data.f), len(data.w)))
+        return answered(algorithm, problem, start or ContactSolution.at_rest(len(data.f), len(data.w)))
 
     def off(self, data: Quadratic, u: np.ndarray, pressure: np.ndarray, start: ContactSolution | None = None) -> float:
         """Largest deviation of its answer from u and pressure; infinite without convergence, NaN for NaN."""
@@ -169,14 +172,28 @@ def _same_twice(tried: Tried) -> Iterator[Measurement]:
         yield max(float(np.max(np.abs(one.u - two.u))), float(one.outcome is not two.outcome)), ""
 
 
-def _start_kept(tried: Tried) -> Iterator[Measurement]:
-    """The number of entries of the start that it has overwritten."""
+def _kept(tried: Tried) -> Iterator[Measurement]:
+    """The number of entries of the start, of stiffness, gap Jacobian and areas that it has overwritten."""
     data = random_quadratic(np.random.default_rng(3), "definite")
-    first = tried.solve(data)
-    parts = (first.u, first.pressure, first.active)
-    before = [part.copy() for part in parts]
-    tried.solve(data, first)
-    yield float(sum(np.sum(part != kept) for part, kept in zip(parts, before, strict=True))), ""
+    problem, first = data.problem(), tried.solve(data)
+
+    def parts() -> Iterator[np.ndarray]:
+        yield from (first.u, first.pressure, first.active, problem.weights)
+        yield from (problem.linearise(first.u, None).tangent.toarray(), problem.gap_jacobian(first.u).toarray())
+
+    before = [part.copy() for part in parts()]
+    tried.solve(data, first, problem)
+    yield float(sum(np.sum(part != kept) for part, kept in zip(parts(), before, strict=True))), ""
+
+
+def _set(tried: Tried) -> Iterator[Measurement]:
+    """The number of candidates in exactly one of its set and of those that press in a built-in answer."""
+    for kind in KINDS:
+        states = np.array([OPEN, PRESSED, OPEN, PRESSED, PRESSED])
+        solution = tried.solve(manufactured(np.random.default_rng(7), kind, states, tried.epsilon)[0])
+        if solution.outcome.converged:
+            yield float(np.sum(solution.active != (states == PRESSED))), kind
+    yield 0.0, ""
 
 
 def _no_answer(tried: Tried) -> Iterator[Measurement]:
@@ -204,7 +221,8 @@ LAWS: tuple[tuple[str, Callable[[Tried], Iterator[Measurement]], float], ...] = 
     ("the size of the numbers does not matter", _sizes, ORACLE),
     ("a restart from the answer stays there", _restart, ORACLE),
     ("the same question has the same answer", _same_twice, ORACLE),
-    ("the start is left as it was", _start_kept, 0.0),
+    ("the start and the problem are left as they were", _kept, 0.0),
+    ("the set is that of the nodes that press", _set, 0.0),
     ("what has no answer is not said to be solved", _no_answer, 0.0),
     ("without a candidate it is plain equilibrium", _no_candidate, 1e-12),
 )

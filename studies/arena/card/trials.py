@@ -15,6 +15,7 @@ from types import FrameType, MappingProxyType
 
 import numpy as np
 
+from contact.algorithms.base import answered, unsupported
 from contact.catalogue import ALGORITHMS
 from contact.newton.solves import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -39,6 +40,7 @@ ALIKE = 1e-8  # relative, of displacements and contact forces
 CARRIES = 1e-8  # of the largest pressure: smaller ones count as zero
 AGREES, DIFFERS = "agrees", "differs"
 COSTS = ("iterations", "factorisations", "operations", "seconds")
+BRIEF_S = 10.0  # wall time in which an algorithm says whether it supports a problem
 REPEATS, QUICK_S = 2, 0.02  # a quick solve is repeated; the least time counts
 
 
@@ -93,7 +95,7 @@ class Metered(Watched):
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Solve, and add the cost."""
         with counted() as work:
-            seconds, solution = timed(lambda: self.inside.solve(problem, start))
+            seconds, solution = timed(lambda: answered(self.inside, problem, start))
         counts = (solution.counters.get(key, 0) for key in ("newton_iterations", "factorisations"))
         for cost, spent in zip(COSTS, (*counts, sum(work.values()), seconds), strict=True):
             self.spent[cost] += spent
@@ -113,7 +115,8 @@ class Ended:
 def epsilon_of(name: str) -> float:
     """The epsilon [MPa/mm] of the trials of an algorithm: infinity where it supports it, otherwise its default."""
     own, any_problem = ALGORITHMS[name], random_quadratic(np.random.default_rng(0), "definite").problem()
-    return math.inf if own(epsilon=math.inf).supports(any_problem) is None else own().epsilon
+    exact = guarded(lambda: Ended(unsupported(own(epsilon=math.inf), any_problem) or ""), BRIEF_S)
+    return math.inf if not exact.ended else own().epsilon
 
 
 def alone(name: str, case: Posed, limit_s: float) -> Ended:
@@ -122,7 +125,7 @@ def alone(name: str, case: Posed, limit_s: float) -> Ended:
     problem = case.problem
 
     def solve() -> Ended:
-        refused = algorithm.supports(problem)
+        refused = unsupported(algorithm, problem)
         if refused is not None:
             return Ended(REFUSED, refused)
         tried: list[Ended] = []
@@ -218,9 +221,9 @@ def guarded(solve: Callable[[], Ended], limit_s: float) -> Ended:
             return Ended(LATE, f"stopped after {limit_s:g} s")
         except UsageError as error:
             return Ended(REFUSED, str(error))
-        except (MemoryError, KeyboardInterrupt):
+        except KeyboardInterrupt:
             raise
-        except Exception as error:  # the code under trial may raise anything
+        except (Exception, SystemExit) as error:  # the code under trial may raise anything
             return Ended(RAISED, " ".join(f"{type(error).__name__}: {error}".split()))
 
 

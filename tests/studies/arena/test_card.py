@@ -8,7 +8,7 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 
@@ -25,7 +25,19 @@ from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, laws_of
 from studies.arena.card.problems import sample
 from studies.arena.card.runs import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
-from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, asked, within
+from studies.arena.card.trials import (
+    DIFFERS,
+    FAILED,
+    FALSE,
+    LATE,
+    RAISED,
+    REFUSED,
+    SOLVED,
+    alone,
+    asked,
+    epsilon_of,
+    within,
+)
 from studies.arena.card.trials import OvertimeError as Overtime
 from studies.cli import main
 from studies.experiments.conformance import Check
@@ -222,12 +234,55 @@ def test_parameters_of_what_is_no_dataclass_break_their_law() -> None:
     assert not first.passed
 
 
-def test_an_exception_and_a_loop_without_end_are_ends() -> None:
+class EmptySet(Semismooth):
+    """Forgets which nodes press."""
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        found = super().solve(problem, start)
+        return replace(found, active=np.zeros_like(found.active))
+
+
+class Doubled(Semismooth):
+    """Leaves a stiffness behind that is not that of the body."""
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        found = super().solve(problem, start)
+        problem.linearise(start.u, None).tangent.data[:] *= 2
+        return found
+
+
+@pytest.mark.parametrize(
+    ("kind", "broken"),
+    [
+        (EmptySet, ["the set is that of the nodes that press"]),
+        (Doubled, ["the start and the problem are left as they were"]),
+    ],
+)
+def test_what_no_answer_shows_is_a_law_that_is_broken(kind: type[Semismooth], broken: list[str]) -> None:
+    ALGORITHMS["semismooth"] = kind
+    assert [law.law for law in laws_of("semismooth") if not law.passed] == broken
+
+
+def test_an_algorithm_that_takes_no_infinite_epsilon_is_tried_with_its_own() -> None:
+    @dataclass(frozen=True)
+    class Springs(Semismooth):
+        epsilon: float = 1e4
+
+        def __post_init__(self) -> None:
+            if math.isinf(self.epsilon):
+                raise ValueError("it needs springs")
+
+    ALGORITHMS["springs"] = Springs
+    assert epsilon_of("springs") == 1e4
+
+
+@pytest.mark.parametrize("error", [KeyError("lost"), SystemExit(0), MemoryError("a dense matrix")])
+def test_an_exception_and_a_loop_without_end_are_ends(error: BaseException) -> None:
     case = next(iter(problems.made(math.inf)))
 
     class Raising(Semismooth):
         def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-            raise KeyError("lost")
+            raise error
 
     class Endless(Semismooth):
         def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
