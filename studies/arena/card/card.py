@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,13 @@ from formulations.strains.quantities import FULL
 from studies.arena.card.laws import laws_of, solver_laws
 from studies.arena.card.problems import GROUPS, HARD
 from studies.arena.card.runs import ALGORITHM, EXACT, MEASURE, REFERENCE, SOLVER, Subject, element, trials
-from studies.arena.card.trials import ALIKE, DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
+from studies.arena.card.trials import ALIKE, DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED, Ended, guarded
 from studies.arena.solver_summaries import within
 from studies.experiments.conformance import LINES1, LINES2, TORUS, Check, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup
 
 TWICE = 2.0  # of the least cost: what is within it counts as cheap
+LAWS_S = 60.0  # of all laws of a measure on an element, processor time
 AT_REST = 1e-12  # relative, of tangents
 FIGURES = {"solved share": "", "operations": "operations", "seconds": "seconds"}
 Tell = Callable[[str], None]
@@ -129,7 +131,7 @@ class Card:
         rows = self.tries.merge(put, on=["group", "problem"])
         rows = rows[rows["ended"] != REFUSED]
         places = []
-        for figure, cost in FIGURES.items():
+        for figure, cost in FIGURES.items() if len(put) else ():
             known = len(put)
             if cost:
                 solved = rows["ended"] == SOLVED
@@ -221,7 +223,7 @@ def _kit(subject: Subject) -> Iterator[Check]:
     suited = [each for each in dict.fromkeys(Element(**{**vars(e), **fixed}) for e in ELEMENTS) if each.suits(measure)]
     by_law: dict[str, list[Check]] = {}
     for each in suited:
-        for check in conformance(measure, each):
+        for check in _tried(partial(conformance, measure, each)):
             by_law.setdefault(check.law, []).append(
                 replace(check, said=": ".join([" ".join(vars(each).values()), *filter(None, [check.said])]))
             )
@@ -232,7 +234,19 @@ def _kit(subject: Subject) -> Iterator[Check]:
             worst, said=f"broken on {broken} of {len(laws)}, as {worst.said}" if broken else f"on {len(laws)}"
         )
     if subject.kind == MEASURE:
-        yield _at_rest(subject.name)
+        yield from _tried(lambda: [_at_rest(subject.name)])
+
+
+def _tried(looked_at: Callable[[], list[Check]]) -> list[Check]:
+    """These laws, or the one that a part breaks with which they cannot be looked at."""
+    checks: list[Check] = []
+
+    def look() -> Ended:
+        checks.extend(looked_at())
+        return Ended("")
+
+    ended = guarded(look, LAWS_S)
+    return checks if not ended.ended else [Check("its laws can be looked at", math.nan, said=ended.reason)]
 
 
 def _at_rest(name: str) -> Check:

@@ -43,7 +43,7 @@ ORACLE = 1e-7  # agreement with independent solutions, all quantities are of the
 KINDS = ("obstacle", "definite", "inclined")
 SEEDS = range(4)
 SIZES = (1e-6, 1e6)
-LIMIT_S = 20.0  # of a law, wall time
+LIMIT_S = 20.0  # of a law, processor time
 STATES = {
     "all open": [OPEN] * 5,
     "all pressed": [PRESSED] * 5,

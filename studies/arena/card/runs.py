@@ -1,15 +1,14 @@
 """The subject of a card and its trials, kind by kind: the new part and ours, one problem after another.
 
 The subject is a part that a file adds to a catalogue, or one of ours by its name. The results are not evaluated here.
-The new part has BUDGET_S in all and LIMIT_S per trial, wall time; trials that are left when the budget is spent are not
-started.
+The new part has BUDGET_S in all and LIMIT_S per trial, processor time; trials that are left when the budget is spent
+are not started.
 """
 
 from __future__ import annotations
 
 import math
 import pickle
-import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import closing
@@ -177,7 +176,7 @@ class Field:
             return attempt(LIMIT_S)
         if self.left_s <= 0:
             return Ended(LATE, f"not begun: {BUDGET_S:g} s were spent before")
-        seconds, result = timed(partial(attempt, min(LIMIT_S, self.left_s)), time.monotonic)
+        seconds, result = timed(partial(attempt, min(LIMIT_S, self.left_s)))
         self.left_s -= seconds
         return result
 

@@ -19,7 +19,9 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
+from formulations.strains.catalogue import MEASURES
 from reports.arena_pages import card_page
+from studies.arena.card import card as card_module
 from studies.arena.card import problems, runs
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, laws_of
@@ -261,6 +263,41 @@ class Doubled(Semismooth):
 def test_what_no_answer_shows_is_a_law_that_is_broken(kind: type[Semismooth], broken: list[str]) -> None:
     ALGORITHMS["semismooth"] = kind
     assert [law.law for law in laws_of("semismooth") if not law.passed] == broken
+
+
+@pytest.mark.parametrize("breaks", [SystemExit(0), ValueError("one\ntwo"), None])
+def test_a_measure_that_breaks_has_a_card_that_says_so(
+    breaks: BaseException | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    exact = MEASURES["exact"]
+
+    class Odd:
+        name = "odd"
+
+        def __getattr__(self, key: str) -> object:
+            return getattr(exact, key)
+
+        def strain(self, *a: object) -> np.ndarray:
+            if breaks is not None:
+                raise breaks
+            return np.nan * exact.strain(*a)
+
+    MEASURES["odd"] = Odd()
+    monkeypatch.setattr(card_module, "ELEMENTS", card_module.ELEMENTS[:1])
+    broken = [law for law in card_module._kit(Subject(MEASURE, "odd", "", ("exact",))) if not law.passed]
+    assert broken
+    assert all("\n" not in law.said for law in broken)
+
+
+def test_who_refuses_every_problem_has_no_place(few: None) -> None:
+    class Never(Semismooth):
+        def supports(self, problem: ContactProblem) -> str:
+            return "not today"
+
+    ALGORITHMS["never"] = Never
+    card = card_of(Subject(ALGORITHM, "never", "", ("semismooth",)))
+    assert (card.own["ended"] == REFUSED).all()
+    assert "it solves 0 of 7 problems, refused on 7" in card_page([card.told], "footprint card never.py", "1")
 
 
 def test_an_algorithm_that_takes_no_infinite_epsilon_is_tried_with_its_own() -> None:
