@@ -25,6 +25,7 @@ from studies.ask.request import PartError, Request, UsageError
 from studies.ask.scene import Scene, SceneModel, Setting
 from studies.scenes import SCENES
 
+NAME = re.compile(r"\w[\w .,+=-]{0,79}")  # of a part: a word of commands, tables and files
 UNEXPECTED = re.compile(r"([\w.]+)\(\) got an unexpected keyword argument ")
 OURS = ("contact", "formulations", "reports", "studies")
 
@@ -158,6 +159,8 @@ def load_file(path: Path) -> None:
 
 def _check_named(label: str, group: str, name: str, before: Mapping[str, Any]) -> None:
     part = GROUPS[group][name]
+    if not isinstance(name, str) or not NAME.fullmatch(name):
+        raise UsageError(f"{label}: the name must be 1 to 80 letters, digits, spaces and any of _ . , + = -")
     if name in before:
         raise UsageError(f"{label}: {TAKEN}")
     if getattr(part, "name", name) != name:

@@ -185,6 +185,18 @@ def test_support_is_none_or_a_reason(scene: str, odd, tmp_path: Path) -> None:
     assert errors == "footprint: contact algorithm 'odd': supports returned True, not None or a reason\n"
 
 
+@pytest.mark.parametrize("name", ["../../evil", "two\\nlines", "<img src=x>", "a|b"])
+def test_a_name_that_is_no_word_is_refused_in_a_line(name: str, put_back: None, tmp_path: Path, capsys) -> None:
+    """It would be a path of the card, a row of a table, and HTML."""
+    path = tmp_path / "odd.py"
+    text = ALGORITHM.replace("{supports}", "None").replace("{solve}", "")
+    path.write_text(text.replace('"odd"', f'"{name}"'))
+    assert main(["card", str(path), "--out", str(tmp_path)]) == 2
+    errors = capsys.readouterr().err
+    assert errors.endswith("the name must be 1 to 80 letters, digits, spaces and any of _ . , + = -\n")
+    assert errors.count("\n") == 1
+
+
 def test_an_algorithm_that_cannot_be_made_is_refused_in_a_line(put_back: None, tmp_path: Path, capsys) -> None:
     path = tmp_path / "odd.py"
     path.write_text(
