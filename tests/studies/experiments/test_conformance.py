@@ -122,6 +122,16 @@ def test_a_wrong_gradient_is_found() -> None:
     assert {TANGENT, ENERGY} <= failed(Wrong(gradient=gradient))
 
 
+def test_a_gradient_of_products_that_is_a_little_wrong_is_found() -> None:
+    """By the ten-thousandth part, beside which the work of the loads is not small."""
+
+    def gradient(q: np.ndarray) -> np.ndarray:
+        at_rest = EXACT.gradient(np.zeros_like(q))
+        return at_rest + (1 + 1e-4) * (EXACT.gradient(q) - at_rest)
+
+    assert ENERGY in failed(Wrong(gradient=gradient))
+
+
 def test_a_forgotten_or_unsymmetric_geometric_stiffness_is_found() -> None:
     def forgotten(q: np.ndarray, H: np.ndarray) -> np.ndarray:
         return np.zeros((*q.shape, q.shape[-1]))
