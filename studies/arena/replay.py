@@ -45,6 +45,7 @@ class Resolved:
         """The report for the user."""
         step, solution, meta = self.step, self.solution, self.step.meta
         rubs = isinstance(step, FrozenFrictionalStep)
+        meta = {key: " ".join(str(value).split()) for key, value in meta.items()}  # no line feeds
         origin = ", ".join(f"{key} {meta[key]}" for key in ("scene", "mesh", "stage", "parameter") if key in meta)
         size = f"{len(step.r)} unknowns, {len(step.gap)} candidates{' with friction' if rubs else ''}"
         lines = [

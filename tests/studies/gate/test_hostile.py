@@ -135,11 +135,12 @@ def test_an_array_that_nobody_asked_for_is_not_unpacked(tmp_path: Path, capsys: 
 
 
 def test_escapes_in_what_a_problem_says_of_itself_are_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    meta = {"format": "footprint contact step", "format_version": 1, "scene": ESCAPE}
+    meta = {"format": "footprint contact step", "format_version": 1, "scene": ESCAPE, "model": "a\nconverged"}
     step_with(meta=json.dumps(meta))(tmp_path / "problem.npz")
     assert main(["resolve", str(tmp_path / "problem.npz")]) == 0
     printed = capsys.readouterr().out
     assert r"scene \x1b]0;owned\x07\x1b[31m" in printed
+    assert "of the model a converged alone" in printed
     assert not CONTROL.search(printed.replace("\n", ""))
 
 
