@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from contact.catalogue import ALGORITHMS
+from contact.interchange.linearised_step import FrozenStep
 from contact.problem import ContactSolution, Outcome
 from formulations.element.mixed import THICKNESS_STRAINS
 from formulations.strains.catalogue import MEASURES
@@ -33,6 +34,7 @@ from studies.arena.card.trials import (
     FAILED,
     FALSE,
     LATE,
+    RAISED,
     REFUSED,
     SOLVED,
     Ended,
@@ -41,12 +43,13 @@ from studies.arena.card.trials import (
     alone,
     asked,
     epsilon_of,
+    guarded,
 )
 from studies.arena.solver_table import judged
 from studies.arena.solvers.base import Answer as SolverAnswer
 from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.process import Child
+from studies.arena.solvers.process import DIED, Child
 from studies.ask.scene import UsageError
 from studies.fuzz.comparing import Answer, difference
 from studies.output.stopwatch import timed
@@ -253,16 +256,29 @@ def _solvers(subject: Subject, tell: Tell) -> Iterator[Trial]:
             scales = Scales.of(step)
             for tolerance, solver in product(TOLERANCES, everyone):
                 name = f"{case.name} to {tolerance:g}"
-                refused = solver.missing() or solver.applies(step)
-                if refused is not None:
-                    yield Trial(solver.name, case.group, name, REFUSED, refused)
+                refused = guarded(partial(_asked, solver, step), LIMIT_S)
+                if refused.ended:
+                    yield Trial(solver.name, case.group, name, refused.ended, refused.reason)
                 elif killed[solver.name] >= PATIENCE:
                     yield Trial(solver.name, case.group, name, LATE, f"not begun: killed {PATIENCE} times before")
                 else:
                     answer, _ = child.solve(solver, step, tolerance)
                     killed[solver.name] += bool(np.isnan(answer.seconds))
+                    if (answer.du.shape, answer.pressure.shape) != (step.r.shape, step.gap.shape):
+                        shapes = f"an answer of the shapes {answer.du.shape} and {answer.pressure.shape}"
+                        yield Trial(solver.name, case.group, name, RAISED, shapes)
+                        continue
+                    if answer.reason == DIED:
+                        yield Trial(solver.name, case.group, name, RAISED, DIED)
+                        continue
                     worth = judged(answer, step, tolerance, scales)
                     yield _row(solver.name, case, name, answer, worth)
+
+
+def _asked(solver: Solver, step: FrozenStep) -> Ended:
+    """Whether it is there, and applies."""
+    refused = solver.missing() or solver.applies(step)
+    return Ended("") if refused is None else Ended(REFUSED, str(refused))
 
 
 def _row(who: str, case: Posed, name: str, answer: SolverAnswer, worth: Mapping[str, object]) -> Trial:

@@ -73,8 +73,9 @@ class Solver(ABC):
 
     def _tried(self, step: FrozenStep, tolerance: float) -> Answer:
         try:
-            return self.answer(step, tolerance)
-        except (KeyboardInterrupt, SystemExit, MemoryError):
+            answer = self.answer(step, tolerance)
+            return replace(answer, du=np.asarray(answer.du, float), pressure=np.asarray(answer.pressure, float))
+        except (KeyboardInterrupt, MemoryError):
             raise
         except BaseException as error:  # a panic of Rust is not even an Exception
             return Answer.none(step, " ".join(f"{type(error).__name__}: {error}".split()))

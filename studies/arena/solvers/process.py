@@ -31,6 +31,7 @@ from studies.run.task import READY, end_with, limit, status_MB
 STARTUP_S = 600.0  # on the clock, as on a machine that leaves it one part in a hundred (measured: 170 s for 0.7 s)
 PATIENCE = 20  # times as long may a solve sleep; one that only waits for a processor does not sleep
 WATCH_S = 0.1
+DIED = "the process died"
 RESET = Path("/proc/self/clear_refs")
 
 
@@ -60,7 +61,7 @@ class Child:
                 answer, peak = running.pipe.recv()
                 return answer, peak
         except (EOFError, OSError):
-            reason = "the process died"
+            reason = DIED
         self.close()
         return Answer.none(step, reason), np.nan
 

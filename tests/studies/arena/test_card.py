@@ -289,6 +289,29 @@ def test_a_measure_that_breaks_has_a_card_that_says_so(
     assert all("\n" not in law.said for law in broken)
 
 
+BAD_SOLVER = """from dataclasses import dataclass
+import numpy as np
+from studies.arena.solvers.base import Answer, Solver
+from studies.arena.solvers.catalogue import SOLVERS
+@dataclass(frozen=True)
+class Bad(Solver):
+    def applies(self, step):
+        return {applies}
+    def answer(self, step, tolerance):
+        return Answer(np.zeros(1), [0.0], True)
+SOLVERS["bad"] = Bad("bad")
+"""
+
+
+@pytest.mark.parametrize("applies", ["None", "1 / 0", "exit()"])
+def test_a_solver_with_no_answer_has_a_card_of_exceptions(applies: str, few: None, tmp_path: Path) -> None:
+    path = tmp_path / f"nothing{len(applies)}.py"
+    path.write_text(BAD_SOLVER.replace("{applies}", applies))
+    card = card_of(*subjects(str(path)))
+    assert (card.own["ended"] == RAISED).all()
+    assert card.broken
+
+
 def test_who_refuses_every_problem_has_no_place(few: None) -> None:
     class Never(Semismooth):
         def supports(self, problem: ContactProblem) -> str:
