@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -114,7 +115,8 @@ def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, ask_oracle: b
     refused = unsupported(algorithm, problem)
     if refused is not None:
         raise UsageError(f"{algorithm.name} does not apply: {refused}")
-    solution = answered(algorithm, problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+    lent = deepcopy(step).problem()  # what is judged is the file, whatever the algorithm overwrites
+    solution = answered(algorithm, lent, ContactSolution.at_rest(len(step.r), len(step.gap)))
     confirmation: Confirmation | str | None = None
     if ask_oracle:
         try:

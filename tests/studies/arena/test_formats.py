@@ -17,6 +17,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS, is_exact
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import Confirmation
+from contact.problem import ContactProblem, ContactSolution
 from studies.arena.answers import accuracy
 from studies.arena.collected.candidates import of_complementarity
 from studies.arena.collected.formats import FORMATS, export, read_lcp
@@ -156,6 +157,18 @@ def test_a_step_of_a_part_of_the_tyre_says_so(frozen, tmp_path) -> None:
     whole, half = (resolve_step(read_step(path), algorithm_of("semismooth")) for path in (frozen / "step.npz", part))
     assert note in half.lines()
     assert not any("alone" in line for line in whole.lines())
+
+
+def test_what_an_algorithm_overwrites_is_not_what_is_judged() -> None:
+    step = known_step()[0]
+
+    class Overwrites(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            problem.gap_jacobian(start.u).data[:] *= 2
+            return super().solve(problem, start)
+
+    assert resolve_step(step, Semismooth()).sound
+    assert not resolve_step(step, Overwrites()).sound
 
 
 @pytest.mark.parametrize(("scene", "mesh"), [("panel", "4x4"), ("plate-contact", "16x1")])
