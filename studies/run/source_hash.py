@@ -30,9 +30,8 @@ BESIDE_A_CELL = (
     "studies.solving.fields",  # it writes what a solve by itself has seen, of which a cell keeps less
     *("contact.interchange", "contact.interchange.*"),  # of frozen problems, which a cell does not keep
 )
-ONLY_WITH: Mapping[
-    str, tuple[str, ...]
-] = {  # what nothing but these executes, of which a request says whether it has any
+# what nothing else executes than what a request says that it has
+ONLY_WITH: Mapping[str, tuple[str, ...]] = {
     "friction": (
         *("contact.coulomb", "contact.slip", "contact.verify_friction", "contact.newton.friction_*"),
         *("contact.algorithms.tresca", "contact.continuation.friction_path"),
