@@ -95,10 +95,8 @@ def complete(
         ("model", request.model, models_of(scene)),
     ):
         if not isinstance(value, str) or value not in choices:
-            if len(choices) == 1:
-                one = f"{scene_name} has one {name}, as footprint show {scene_name} describes it"
-                raise UsageError(f"{name} {value!r}: {one}: {', '.join(choices)}")
-            raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
+            alone = f": {scene_name} has no other, see footprint show {scene_name}" if len(choices) == 1 else ""
+            raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}{alone}")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install -e '.[mkl]' in the checkout of Footprint")
     if has_contact(scene) and EPSILON.key not in settings:

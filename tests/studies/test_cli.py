@@ -258,7 +258,7 @@ WRONG = {
     **{
         f"model of {scene}, which is one": (
             ["solve", scene, "--model", "full"],
-            f"model 'full': {scene} has one model, as footprint show {scene} describes it: auto",
+            f"model 'full' must be one of auto: {scene} has no other, see footprint show {scene}",
         )
         for scene in ("pinched-ring", "ring", "crushed-ring-solid", "two-cylinders")
     },
