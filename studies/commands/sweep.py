@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -16,12 +17,12 @@ from studies.ask.request import Request, UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
 from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_bar
 from studies.solving.refinement.error_control import parse_error
-from studies.solving.result import UNSTABLE, WRONG
+from studies.solving.result import CONVERGED, UNSTABLE, WRONG
 from studies.sweeps.members import LONGEST, MOST, Member
 from studies.sweeps.sweep import MEMBERS, Sweep, sweep
 
 OVER = f"from A to B in N values, 2 to {LONGEST}; once or twice, {MOST} members in all"
-SHOWN = 5  # members without an answer, that are named
+SHOWN = 5  # members without an answer that are named, and notes
 
 
 def add_sweep(parser: argparse.ArgumentParser) -> None:
@@ -98,6 +99,8 @@ def lines(result: Sweep) -> Iterator[str]:
     cold = result.cold
     price = f"; one from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} for its price" if cold else ""
     yield f"{result.seconds:.3g} CPU s{price}"
+    noted = Counter(member.reason for member in members if member.verdict == CONVERGED and member.reason)
+    yield from (f"of {count} members: {note}" for note, count in noted.most_common(SHOWN))
     yield from (f"{each.verdict} at {_at(each)}: {each.reason}" for each in lost[:SHOWN])
     if len(lost) > SHOWN:
         yield f"and {len(lost) - SHOWN} more without an answer"

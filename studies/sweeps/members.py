@@ -118,7 +118,8 @@ def settings_at(ranges: Sequence[Range], place: Place) -> dict[str, float]:
 class Member:
     """The outcome of one member.
 
-    settings: its values of what is swept over.  verdict: of :data:`CLASSES`.  quantities: at the last load, and errors:
+    settings: its values of what is swept over.  verdict: of :data:`CLASSES`.  reason: of any other verdict than
+    converged; of that, what the answer does not show by itself.  quantities: at the last load, and errors:
     {quantity: {low, high}}, none where it is not solved.  seconds: CPU time of all its grids.  started_from: members,
     another grid, or REST.
     """

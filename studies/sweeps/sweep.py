@@ -220,7 +220,7 @@ def _member(swept: Sweep, place: Place, request: Request | str, grids: Sequence[
     return Member(
         settings,
         result.verdict,
-        "" if result.verdict == CONVERGED else str(result.as_json()["reason"]),
+        "; ".join(result.notes) if result.verdict == CONVERGED else str(result.as_json()["reason"]),
         {key: float(value) if math.isfinite(value) else None for key, value in quantities.items()},
         result.errors,
         int(result.counters.get("newton_iterations", 0)),
