@@ -32,15 +32,13 @@ def energy_balance(
     not from r. Exact up to the fourth degree of P, which strains quadratic in u make. Others may need Lobatto's rule
     with five points, up to the eighth, and more panels: a mismatch of the rule changes with them, one of the answer
     does not. Where the rule resolves no way, as through elements that turn inside out, there is no balance to tell.
-    Relative to the largest part, but to no less than forces known to their last digit can tell. Where what moves it is
-    below the imbalance that is let pass, as of a frozen step at its own answer, there is no work to balance.
+    Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
+    by rounding, a frozen step at its own answer, there is no work to balance.
     """
     if problem.energy is None:
         return None, 0.0
     du = u - since
     forces = max(at_end.scale, float(np.linalg.norm(contact)))
-    if np.linalg.norm(abs(at_end.tangent) @ np.abs(du)) < BALANCE * forces:
-        return None, 0.0
     last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
     ends = [problem.energy(u), -problem.energy(since)]
     # what the pressures say less what the model says, with the same weight whatever the rule and the panels
