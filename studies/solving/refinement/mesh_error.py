@@ -12,19 +12,20 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from studies.ask.request import Request
 from studies.ask.scene import CutScene, Scene
 from studies.output.atomic import Table
-from studies.solving.refinement.edge_layer import EdgeLayer
 from studies.solving.refinement.grids import FEWEST, alone, element_size, near, on_one_grid, quarter, ways
 from studies.solving.refinement.limits import Estimate, Seen, estimate_of, three_of
 from studies.solving.refinement.nested import Sketch, sketch, solve_from, touches
 from studies.solving.refinement.records import HALVINGS, growth
 from studies.solving.refinement.richardson import order_of
-from studies.solving.refinement.rim import rims_of
 from studies.solving.result import COUNTS, SOLVED, Result, unit_of
+
+if TYPE_CHECKING:
+    from studies.solving.refinement.edge_layer import EdgeLayer
 
 TABLE, HALF_SIZE, COARSER = "mesh_error", "half_size", "coarser_grids"  # the table, and two times
 NESTED, COLD = "nested", "cold"
@@ -175,7 +176,11 @@ def _state(result: Result, grids: Sequence[Sketch], too_few: str, *, cut: bool =
     if too_few:
         result.remarks.append(f"the error of the mesh is {too_few}")
         return
-    layer = EdgeLayer.of(result, grids[0].size / element_size(result.request)) if cut else None
+    layer = None
+    if cut:
+        from studies.solving.refinement.edge_layer import EdgeLayer  # loaded with a deck alone
+
+        layer = EdgeLayer.of(result, grids[0].size / element_size(result.request))
     errors = list(_stated(result, grids, layer))
     if layer is not None and layer.said:
         result.remarks.append(layer.said)
@@ -190,7 +195,11 @@ def _stated(result: Result, grids: Sequence[Sketch], layer: EdgeLayer | None) ->
     steps = list[Mapping[str, Any]]()
     if all(len(each.loads) == len(result.loads) for each in grids):
         steps = [step.quantities for step in result.loads]
-    rims = rims_of(grids[-1], [*steps, result.quantities], element_size(result.request) / grids[-1].size)
+    rims = [dict[str, float]()] * (len(steps) + 1)
+    if touches(grids[-1].end):
+        from studies.solving.refinement.rim import rims_of  # loaded with contact alone
+
+        rims = rims_of(grids[-1], [*steps, result.quantities], element_size(result.request) / grids[-1].size)
     for index, quantities in enumerate(steps):
         for name in _compared(quantities):
             values = [*(each.loads[index].get(name) for each in grids), quantities[name]]
