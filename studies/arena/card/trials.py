@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import signal
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -40,6 +41,7 @@ ALIKE = 1e-8  # relative, of displacements and contact forces
 CARRIES = 1e-8  # of the largest pressure: smaller ones count as zero
 AGREES, DIFFERS = "agrees", "differs"
 COSTS = ("iterations", "factorisations", "operations", "seconds")
+WATCH_S = 0.05
 ASLEEP = 20.0  # times its processor time may a trial take on the clock
 BRIEF_S = 10.0  # in which an algorithm says whether it supports a problem
 REPEATS, QUICK_S = 2, 0.02  # a quick solve is repeated; the least time counts
@@ -53,22 +55,25 @@ class OvertimeError(BaseException):
 def within(seconds: float) -> Iterator[None]:
     """Raises OvertimeError inside after so many seconds of processor time, on the clock ASLEEP times as many.
 
-    A loaded machine fails nobody. Compiled code returns first.
+    A loaded machine fails nobody. Compiled code returns first. A limit inside another one leaves that in force.
     """
+    spent, clock = time.process_time(), time.monotonic()
 
-    def late(number: int, frame: FrameType | None) -> None:
-        raise OvertimeError
+    def look(number: int, frame: FrameType | None) -> None:
+        if time.process_time() - spent > seconds or time.monotonic() - clock > ASLEEP * seconds:
+            signal.setitimer(signal.ITIMER_REAL, 0)  # once: what unwinds is not interrupted again
+            raise OvertimeError
 
-    clocks = ((signal.ITIMER_PROF, signal.SIGPROF, 1.0), (signal.ITIMER_REAL, signal.SIGALRM, ASLEEP))
-    before = [signal.signal(number, late) for _, number, _ in clocks]
-    for clock, _, times in clocks:
-        signal.setitimer(clock, times * max(seconds, 1e-3))
+    # looked at now and then: a timer of processor time makes that clock tick in 4 ms, by which trials are timed
+    every = min(max(seconds, 1e-3), WATCH_S)
+    handler = signal.signal(signal.SIGALRM, look)
+    timer = signal.setitimer(signal.ITIMER_REAL, every, every)
     try:
         yield
     finally:
-        for (clock, number, _), handler in zip(clocks, before, strict=True):
-            signal.setitimer(clock, 0)
-            signal.signal(number, handler)
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, handler)
+        signal.setitimer(signal.ITIMER_REAL, *timer)
 
 
 @dataclass(frozen=True)

@@ -382,6 +382,32 @@ def test_the_clock_is_put_back_and_no_except_keeps_it() -> None:
     assert signal.getitimer(signal.ITIMER_REAL)[0] == 0
 
 
+def busy(seconds: float) -> Iterator[float]:
+    """What the clock of the processor says, again and again."""
+    until = time.process_time() + seconds
+    while (now := time.process_time()) < until:
+        yield now
+
+
+def test_a_limit_inside_another_leaves_that_in_force() -> None:
+    """As the epsilon of an algorithm is asked for within a law of it."""
+
+    def both() -> None:
+        with within(0.3):
+            with within(60.0):
+                pass
+            assert list(busy(5.0))
+
+    with pytest.raises(Overtime):
+        both()
+
+
+def test_the_clock_of_a_trial_does_not_tick_slower_under_its_limit() -> None:
+    """A timer of processor time has it tick in 4 ms, which is as long as a quick trial takes."""
+    with within(60.0):
+        assert len(set(busy(0.1))) > 1000
+
+
 @pytest.mark.slow
 def test_the_sample_is_small_varied_and_certified() -> None:
     taken = sample()
