@@ -41,7 +41,7 @@ from studies.ask.request import UsageError
 from studies.scenes.complete import LARGEST_MESH
 from studies.scenes.mesh_file.cards import FIRST_ORDER, NAMED, RECOMBINE
 from studies.scenes.mesh_file.deck import Deck, Elastic, Layer, Section
-from studies.scenes.mesh_file.keywords import LARGEST_FILE, Said, listed, shown
+from studies.scenes.mesh_file.keywords import LARGEST, LARGEST_FILE, RANGE, Said, listed, shown
 
 NODES = {"vertex": 1, "line": 2, "quad": 4}  # of the cells that are read
 OTHERS = {
@@ -70,8 +70,8 @@ def read_mesh(path: Path) -> GmshMesh:
     """Raises UsageError for a file that is not such a mesh, and OSError."""
     mesh = _by_meshio(path)
     x = np.asarray(mesh.points, float)
-    if x.ndim != 2 or x.shape[1] != 3 or not np.isfinite(x).all():
-        raise UsageError(f"{path.name}: positions of nodes must be three finite numbers each")
+    if x.ndim != 2 or x.shape[1] != 3 or not (np.abs(x) <= LARGEST).all():
+        raise UsageError(f"{path.name}: positions of nodes must be three numbers in {RANGE} each")
     for block in mesh.cells:
         if len(block.data) and block.type not in NODES:
             why = OTHERS.get(block.type, f"elements {shown(block.type)}, understood are quadrilaterals")

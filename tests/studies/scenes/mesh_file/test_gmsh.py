@@ -233,6 +233,11 @@ def test_files_that_are_broken_are_refused_in_one_line(tmp_path, capsys, form, c
     assert "panel.msh" in said_of(put(tmp_path, broken), capsys)
 
 
+def test_positions_whose_products_would_be_no_numbers_are_refused(tmp_path, capsys) -> None:
+    says = "panel.msh: positions of nodes must be three numbers in [-1e+60, 1e+60] each"
+    assert says in said_of(put(tmp_path, format41(1e70 * X, STRIP)), capsys)
+
+
 def test_what_is_missing(tmp_path, capsys, monkeypatch) -> None:
     assert "needs panel.toml beside it" in said_of(put(tmp_path, format41(X, STRIP), None), capsys)
     asked = put(tmp_path, format41(X, STRIP))
