@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -61,6 +61,7 @@ class DeckScene:
         self.mesh = Mesh.of(self.deck)
         self.mesh = self.mesh.in_planes(planes_of(self.deck, self.mesh))
         self.plies = plies_of(self.deck)
+        self.words = words((*self.deck.seen, *self.deck.supports))
         parts = PARTS if PARTS**2 * len(self.mesh.elements) <= LARGEST_CUT else 1
         self.default_mesh: tuple[int, int] = (parts, parts)
         follows = FOLLOWER if self.deck.nonlinear else DEAD
@@ -81,7 +82,7 @@ class DeckScene:
             "along_forces_mm": "mean displacement along the forces, sum of F.u over sum of |F|",
             **{f"reaction_{i}_N": f"sum of the forces of the supports along axis {i}" for i in (1, 2, 3)},
             **{
-                f"reaction_{i}_{word(name)}_N": f"sum of those of the set {name}"
+                f"reaction_{i}_{self.words[name]}_N": f"sum of those of the set {name}"
                 for name in borne_by(self.deck, self.mesh)
                 for i in (1, 2, 3)
             },
@@ -134,7 +135,8 @@ class DeckScene:
             height = walls.at_nodes(mesh.elements, len(mesh.numbers))
         loads = loads_of(deck, mesh, height, request.measure, follower=request.choice("pressure") == FOLLOWER)
         left = max(request.number("tolerance"), RESIDUAL_TOLERANCE)
-        forces, borne = forces_of(self.deck, mesh), borne_by(deck, mesh)
+        forces = forces_of(self.deck, mesh)
+        borne = {self.words[name]: share for name, share in borne_by(deck, mesh).items()}
         reading = _Reading(shell, self.mesh.numbers, forces, self._sets(), borne, left)
         return shell, reading, loads
 
@@ -144,7 +146,7 @@ class DeckScene:
     def _sets(self) -> dict[str, np.ndarray]:
         """Sets that loads or output requests name, as far as they have elements; places in all meshes."""
         named = {name: self.mesh.at(self.deck.node_sets[name]) for name in self.deck.seen}
-        return dict([(name, nodes) for name, nodes in named.items() if len(nodes)][:MOST_SETS])
+        return dict([(self.words[name], nodes) for name, nodes in named.items() if len(nodes)][:MOST_SETS])
 
     def told(self) -> Iterator[str]:
         """What was read, for people."""
@@ -187,9 +189,17 @@ class DeckScene:
             yield f"read and without effect: {silent}"
 
 
-def word(name: str) -> str:
-    """The name of a set as a part of that of a quantity."""
-    return "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
+def words(names: Iterable[str]) -> dict[str, str]:
+    """The names of sets as parts of names of quantities: of those that would be alike, later ones have a number."""
+    made: dict[str, str] = {}
+    for name in dict.fromkeys(names):
+        plain = word = "".join(letter if letter.isascii() and letter.isalnum() else "_" for letter in name)
+        number = 1
+        while word in made.values():
+            number += 1
+            word = f"{plain}_{number}"
+        made[name] = word
+    return made
 
 
 def lengths(x: np.ndarray) -> np.ndarray:
@@ -201,8 +211,8 @@ def lengths(x: np.ndarray) -> np.ndarray:
 class _Reading:
     """Displacements are means of both faces; the forces of supports are read by :class:`DeckModel`.
 
-    numbers: of the nodes of the deck, which come first.  supports: by set what it bears of each node (N,).
-    left: what Newton's iteration, or rounding, may leave of the forces in balance.
+    numbers: of the nodes of the deck, which come first.  sets, supports: by the word of a set its nodes, and what it
+    bears of each node (N,).  left: what Newton's iteration, or rounding, may leave of the forces in balance.
     """
 
     shell: Discretisation
@@ -221,7 +231,7 @@ class _Reading:
         if total > 0:
             readings["along_forces_mm"] = float(np.sum(self.forces / total * middle))
         for name, nodes in self.sets.items():
-            readings |= {f"u{i + 1}_{word(name)}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
+            readings |= {f"u{i + 1}_{name}_mm": float(x) for i, x in enumerate(middle[nodes].mean(axis=0))}
         return readings
 
     def with_reactions(self, shell: ShellModel, u: np.ndarray, fraction: float) -> dict[str, float]:
@@ -237,7 +247,7 @@ class _Reading:
         borne = shell.reactions(u) - fraction * on_supports
         at_nodes, least = np.einsum("nif,nix->nx", borne.reshape(-1, 3, 2), axes), self.left * np.abs(borne).sum()
         readings = self(shell, u)
-        for name, of in (("", np.ones(len(axes))), *((f"_{word(name)}", of) for name, of in self.supports.items())):
+        for name, of in (("", np.ones(len(axes))), *((f"_{name}", of) for name, of in self.supports.items())):
             total = of @ at_nodes
             total = np.where(np.abs(total) > least, total, 0.0)
             readings |= {f"reaction_{i + 1}{name}_N": float(x) for i, x in enumerate(total)}
