@@ -242,9 +242,13 @@ def _line(error: BaseException) -> str:
 
 
 def _arguments(error: BaseException) -> list[str]:
-    """Those of what is ours, where that was called with an unknown one; else none."""
+    """Those of what is ours, where that was called with an unknown one; else none, as of its namesake in the caller."""
     called = UNEXPECTED.match(str(error)) if isinstance(error, TypeError) else None
     if called is None:
+        return []
+    *_, (caller, _) = traceback.walk_tb(error.__traceback__)
+    own = (caller.f_globals | caller.f_locals).get(called[1].partition(".")[0])
+    if own is not None and str(getattr(own, "__module__", "")).partition(".")[0] not in OURS:
         return []
     for name in [name for name in sys.modules if name.partition(".")[0] in OURS]:
         with suppress(AttributeError):

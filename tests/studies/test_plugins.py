@@ -259,7 +259,7 @@ def test_a_broken_file_is_one_line(text: str | None, says: str, tmp_path: Path, 
             "quadratic_measure() got an unexpected keyword argument 'source'; "
             "there are name, terms, reference, rigid_body_law, kinematics, meaning",
         ),
-        ("def given(a): return a\ngiven(b=1)", "given() got an unexpected keyword argument 'b'"),
+        ("def product(a): return a\nproduct(b=1)", "product() got an unexpected keyword argument 'b'"),
         ("from numpy import arange\narange(3, size=4)", "arange() got an unexpected keyword argument 'size'"),
         ("import shlex\nshlex.quote(word='a')", "quote() got an unexpected keyword argument 'word'"),
     ],
