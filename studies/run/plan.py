@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.algorithms.base import ContractError, unsupported
 from contact.catalogue import ALGORITHMS
 from contact.problem import Linearised, without_contact
 from formulations.element.strain_operator import ON_LINES
@@ -103,8 +104,8 @@ def _refusal(request: Request) -> str:
     if not has_contact(SCENES[request.scene]) and request.contact != Request.contact:
         return f"{request.scene} has no contact: {Request.contact} stands for every algorithm"
     try:
-        refused = configured(request.contact, request.settings).supports(_NO_MECHANICS)
-    except ValueError as error:
+        refused = unsupported(configured(request.contact, request.settings), _NO_MECHANICS)
+    except (ValueError, ContractError) as error:
         refused = str(error)
     return f"{request.contact} does not apply: {refused}" if refused else ""
 

@@ -8,16 +8,19 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
+from contact.problem import ContactProblem
 from formulations.strains.catalogue import MEASURES
 from studies.ask.scene import UsageError, has_contact
 from studies.cli import main
 from studies.run.campaign import SHIPPED, find, names
 from studies.run.collect import COLUMNS, collect
 from studies.run.lists import LISTS, MAKERS, add_tables
-from studies.run.plan import plan
+from studies.run.plan import plan, planned
 from studies.run.running import run
 from studies.scenes import SCENES
+from studies.scenes.complete import Cell
 from studies.scenes.plugins import used
 
 
@@ -111,6 +114,17 @@ def test_a_campaign_that_solves_nothing_or_contradicts_itself_is_one_line(text, 
     (line,) = capsys.readouterr().err.splitlines()
     assert says in line
     assert not (tmp_path / "store").exists()
+
+
+def test_a_cell_of_an_algorithm_whose_support_is_no_reason_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Odd(Semismooth):
+        def supports(self, problem: ContactProblem) -> str | None:
+            return True  # type: ignore[return-value]
+
+    monkeypatch.setitem(ALGORITHMS, "odd", Odd)
+    row = planned(Cell("a", "strip-contact", {"mesh": "4x1", "contact": "odd"}))
+    assert row.id is None
+    assert row.reason.endswith("supports returned True, not None or a reason")
 
 
 def test_a_number_of_a_file_is_solved_with_all_its_digits(tmp_path: Path) -> None:
