@@ -101,7 +101,7 @@ def _set_wrong(problem: ContactProblem, state: ContactSolution, epsilon: float, 
     left_out, extra = int(np.sum(pressed & ~state.active)), int(np.sum(opened & ~pressed & state.active))
     if not left_out and not extra:
         return ""
-    return f"{UNSET}: {left_out} nodes that press are not in the contact set, {extra} open ones are"
+    return f"{UNSET}: {left_out} nodes that press are left out of the contact set, {extra} open ones are in it"
 
 
 def _inside_out(problem: ContactProblem, u: np.ndarray) -> str:

@@ -185,8 +185,7 @@ class Result:
     def notes(self) -> list[str]:
         """What an answer does not show by itself.
 
-        A foundation finer than its elements, that nothing touches, elements too long, unstable states on the way,
-        remarks.
+        A foundation finer than its elements, no contact at all, elements too long, unstable states on the way, remarks.
         """
         if self.end is None:
             return self.remarks
@@ -196,7 +195,7 @@ class Result:
             from contact.swept import between_nodes  # loaded with a foundation alone
 
             fine_foundation = between_nodes(problem.standing, problem.weights, state.active)
-        apart = len(state.active) > 0 and not state.active.any()
+        apart = len(state.active) > 0 and not (state.active.any() or state.pressure.any())
         said = UNTOUCHED if problem.faces is None else APART
         notes = [each for each in (fine_foundation, said if apart else "") if each]
         return [*notes, *_of_elements(self.request, self.loads), *self.on_the_way, *self.remarks]
