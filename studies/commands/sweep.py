@@ -22,7 +22,7 @@ from studies.sweeps.members import LONGEST, MOST, Member
 from studies.sweeps.sweep import MEMBERS, Sweep, sweep
 
 OVER = f"from A to B in N values, 2 to {LONGEST}; once or twice, {MOST} members in all"
-SHOWN = 5  # members without an answer that are named, and notes
+SHOWN = 5  # members without an answer that are named, and different notes
 
 
 def add_sweep(parser: argparse.ArgumentParser) -> None:
@@ -100,7 +100,9 @@ def lines(result: Sweep) -> Iterator[str]:
     price = f"; one from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} for its price" if cold else ""
     yield f"{result.seconds:.3g} CPU s{price}"
     noted = Counter(member.reason for member in members if member.verdict == CONVERGED and member.reason)
-    yield from (f"of {count} members: {note}" for note, count in noted.most_common(SHOWN))
+    yield from (f"{count} of {len(members)} members: {note}" for note, count in noted.most_common(SHOWN))
+    if len(noted) > SHOWN:
+        yield f"and {len(noted) - SHOWN} other notes, in the column reason of sweep.csv"
     yield from (f"{each.verdict} at {_at(each)}: {each.reason}" for each in lost[:SHOWN])
     if len(lost) > SHOWN:
         yield f"and {len(lost) - SHOWN} more without an answer"

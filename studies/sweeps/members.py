@@ -118,10 +118,9 @@ def settings_at(ranges: Sequence[Range], place: Place) -> dict[str, float]:
 class Member:
     """The outcome of one member.
 
-    settings: its values of what is swept over.  verdict: of :data:`CLASSES`.  reason: of any other verdict than
-    converged; of that, what the answer does not show by itself.  quantities: at the last load, and errors:
-    {quantity: {low, high}}, none where it is not solved.  seconds: CPU time of all its grids.  started_from: members,
-    another grid, or REST.
+    settings: its values of what is swept over.  verdict: of :data:`CLASSES`.  reason: why it is not converged, or the
+    notes of an answer that is.  quantities: at the last load, and errors: {quantity: {low, high}}, none where it is not
+    solved.  seconds: CPU time of all its grids.  started_from: members, another grid, or REST.
     """
 
     settings: dict[str, float]
