@@ -85,7 +85,8 @@ class EdgeLayer:
         if self.left <= SAID:
             return ""
         layer = f"edges along which the director is free have a layer of {self.width:.2g} mm"
-        return f"{layer}, elements there are {self.length:.2g} mm: intervals allow for {100 * self.left:.2g} % by it"
+        missed = f"they may miss {100 * self.left:.2g} % of displacements"
+        return f"{layer}, elements there are {self.length:.2g} mm: {missed}"
 
 
 def _soft_edges(shell: ShellModel) -> tuple[np.ndarray, np.ndarray]:

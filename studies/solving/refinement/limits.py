@@ -14,10 +14,11 @@ Where they fall faster and all differences have one sign, as with elements that 
 little. The first term is then no more than what the correction of the order 1 differs from c by, or FAST of the
 difference before the last one.
 guard: where differences change their sign, the last one; where they grow, SAFETY times the larger one. Where they grow
-and are large there is no statement, in contact or not.
+and are large there is no statement, in contact or not. In contact, where they fall by an order p < 1, what the
+correction of that order, of SLOWEST at the least, differs from c by.
 rim: what the rim of contact leaves unknown (:mod:`studies.solving.refinement.rim`), on any number of grids. On more
-than three a limit has to lie where the grids without the finest have stated it: else there is none, or in contact one
-that is known to no better than what the two differ by.
+than three a limit has to lie where the grids without the finest have stated it: otherwise there is none, or in contact
+one that is known no better than the difference between the two.
 
 The rim of a patch of contact jumps from node to node: errors scatter about an order of 1 to 2. There L is the mean of
 two limits by least squares on the last four or five grids, J = L_p + c h^p for p = 1 and 2, and ::
