@@ -64,8 +64,8 @@ class FrozenStep:
     def problem(self) -> ContactProblem:
         """The same as a contact problem in du.
 
-        It tells no energy: of a linear step that balances by itself, and leaves the balance of forces once more, beside
-        a work that is nothing at its own answer.
+        It has no energy: the work of a linear step balances identically, but for the imbalance of forces, which is judged
+        as such; and relative to that work it says nothing where a step is frozen at its own answer and none is done.
         """
         return ContactProblem(
             linear_mechanics(self.K, -self.r, self.scale),
