@@ -9,10 +9,10 @@ Loads of a deck on the shell: forces, moments, pressures and the displacements o
 
 A deck with its elements cut: supports, loads and sets of its nodes and elements are carried over.
 
-What a new node bears is shared by the sets of the nodes between which it lies, as it shares their motion.
 A degree of freedom is held at a new node where it is at all nodes of the deck that it lies between, both ends of an
 edge or four corners, along one and the same axis: what an element of the deck cannot move stays. Forces stay on their
-nodes, pressures on the parts of their elements, sets have the nodes they had.
+nodes, pressures on the parts of their elements, sets have the nodes they had. What a new node bears is shared by the
+sets of the nodes between which it lies, as it shares their motion.
 """
 
 from dataclasses import dataclass, replace
