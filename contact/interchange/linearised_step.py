@@ -64,8 +64,8 @@ class FrozenStep:
     def problem(self) -> ContactProblem:
         """The same as a contact problem in du.
 
-        It has no energy: the work of a linear step balances identically, but for the imbalance of forces, which is judged
-        as such; and relative to that work it says nothing where a step is frozen at its own answer and none is done.
+        It has no energy: the work of a linear step balances identically, but for the imbalance of forces. That is
+        judged as such, and has no measure in a work that is zero, as that of a step frozen at its own answer.
         """
         return ContactProblem(
             linear_mechanics(self.K, -self.r, self.scale),
