@@ -95,7 +95,7 @@ def complete(
         ("model", request.model, models_of(scene)),
     ):
         if not isinstance(value, str) or value not in choices:
-            alone = f": {scene_name} has no other, see footprint show {scene_name}" if len(choices) == 1 else ""
+            alone = f": {scene_name} has no other" if len(choices) == 1 else ""
             raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}{alone}")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install -e '.[mkl]' in the checkout of Footprint")

@@ -258,7 +258,7 @@ WRONG = {
     **{
         f"model of {scene}, which is one": (
             ["solve", scene, "--model", "full"],
-            f"model 'full' must be one of auto: {scene} has no other, see footprint show {scene}",
+            f"model 'full' must be one of auto: {scene} has no other",
         )
         for scene in ("pinched-ring", "ring", "crushed-ring-solid", "two-cylinders")
     },
