@@ -24,7 +24,8 @@ from contact.solvers.sparse import asymmetry, negative_pivots, symmetric
 
 TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
 EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding
-SETTLINGS = 10
+SETTLINGS = 50
+REFINED = 3  # times that forces on a set are found
 LEFT, LOST = 1e-8, 0.1  # residual over the terms in it, and over the load, of a solution that is one
 AGREEMENT = 1e-7  # of forces and displacements, relative to the largest
 
@@ -147,17 +148,18 @@ def _settle(step: FrozenStep, epsilon: float, factor: SuperLU, pressed: np.ndarr
         x = factor.solve(force)
         return np.asarray(x + factor.solve(force - step.K @ x))
 
-    free = response(-step.r)
-    closed = step.gap + step.G @ free
     for _ in range(SETTLINGS):
-        nodes, f = np.flatnonzero(pressed), np.zeros(len(pressed))
-        du = free
+        nodes, f, du = np.flatnonzero(pressed), np.zeros(len(pressed)), response(-step.r)
         if len(nodes):
-            rows = step.G[nodes].toarray()
+            rows, soft = step.G[nodes].toarray(), 1 / (epsilon * step.weights[nodes])
             flexible = response(rows.T)
-            S = rows @ flexible + np.diag(1 / (epsilon * step.weights[nodes]))
-            f[nodes] = cho_solve(cho_factor((S + S.T) / 2), -closed[nodes])
-            du = free + flexible @ f[nodes]
+            S = rows @ flexible + np.diag(soft)
+            held = cho_factor((S + S.T) / 2)
+            for _ in range(REFINED):  # free and held motions are large beside their difference
+                du = du + response(rows.T @ f[nodes] - step.r - step.K @ du)
+                more = cho_solve(held, -(step.gap[nodes] + rows @ du + soft * f[nodes]))
+                f[nodes] += more
+                du = du + flexible @ more
         slack = step.gap + step.G @ du + f / (epsilon * step.weights)
         size = float(np.max(np.abs(step.gap) + np.abs(step.G @ du), initial=0.0))
         wrong = np.where(pressed, f < -EXACT * np.max(np.abs(f), initial=0.0), slack < -EXACT * size)

@@ -200,6 +200,16 @@ def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
     assert resolved.sound
 
 
+@pytest.mark.parametrize("scene", ["plate-contact", "ring", "heavy-strip"])
+def test_the_oracle_confirms_walls_that_bend_far_more_than_contact_lets_them(scene: str, tmp_path, capsys) -> None:
+    """Motions without contact are large beside those with it, and cancel: forces were apart by 1e-3."""
+    frozen = str(tmp_path / "step.npz")
+    assert main(["solve", scene, "--no-error", "--freeze", frozen, "--out", str(tmp_path)]) == 0
+    capsys.readouterr()
+    assert main(["resolve", frozen, "--oracle"]) == 0
+    assert "oracle agrees" in capsys.readouterr().out
+
+
 def test_the_command_prints_and_passes(frozen, capsys) -> None:
     assert main(["resolve", str(frozen / "step.npz"), "--oracle"]) == 0
     output = capsys.readouterr().out
