@@ -31,9 +31,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness, product
+from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
+from formulations.operations import product
 from formulations.strains.measure import StrainFunction, StrainMeasure, strain_and_gradient, through_thickness
 from formulations.strains.quantities import E33, N_BETA, N_E, N_Q, N_V
 

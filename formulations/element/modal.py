@@ -3,39 +3,20 @@
 An element takes strains somewhere, projects them on its modes (mode strains E, resultants H = dW/dE over the weights of
 the modes), and knows of each chunk: what the displacements bring there, B = dE/dv, the response of the law, and the
 geometric stiffness of resultants. No mode, no law and no place where strains are taken may enter here.
-
-Their floating-point operations are a clock of this process: read before and after, by nothing that is solved. A product
-of matrices (m, k) and (k, n) takes 2 m k n, each number added to a sparse matrix 1. Loads that follow, frames and the
-sizes of residuals are left out: they are a few in a hundred.
 """
 
 from abc import ABC, abstractmethod
-from collections import Counter
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from formulations.element.strain_operator import ElementGeometry
+from formulations.operations import spend
 from formulations.strains.measure import StrainMeasure
 
 ALL = slice(None)  # elements
 Samples = tuple[np.ndarray, ...]  # of q, or of derivatives by it, at the points where an element takes its strains
-ASSEMBLY = "assembly"
-SPENT: Counter[str] = Counter({ASSEMBLY: 0})
-
-
-def spend(operations: float) -> None:
-    """Count operations."""
-    SPENT[ASSEMBLY] += round(operations)
-
-
-def product(*sizes: int) -> int:
-    """Of a product of matrices, or of a batch of them."""
-    operations = 2
-    for size in sizes:
-        operations *= size
-    return operations
 
 
 class Operations(NamedTuple):
@@ -56,12 +37,12 @@ class Stiffness:
 
     def times(self, strains: np.ndarray) -> np.ndarray:
         """(e, m, j) of (e, m, j)."""
-        responses, start = np.empty_like(strains), 0
+        product, start = np.empty_like(strains), 0
         for block in self.blocks:
             rows = slice(start, start + block.shape[-1])
-            np.matmul(block, strains[:, rows], out=responses[:, rows])
+            np.matmul(block, strains[:, rows], out=product[:, rows])
             start = rows.stop
-        return responses
+        return product
 
 
 class ModalElement(ABC):

@@ -29,8 +29,8 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from formulations.element.mixed import MODE_WEIGHTS, N_M, MixedElement
-from formulations.element.modal import product, spend
 from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
+from formulations.operations import product, spend
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.quantities import N_E, N_Q, N_V
 

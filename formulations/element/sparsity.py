@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import sparse
 
-from formulations.element.modal import spend
+from formulations.operations import spend
 
 KEPT, LARGE = 6, 50_000  # patterns that were found last, of no more displacements of elements: 10 MB each
 NOTHING = np.zeros(0)

@@ -14,9 +14,9 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from formulations.element.modal import product, spend
 from formulations.element.sparsity import Pattern
 from formulations.loads import Pressure
+from formulations.operations import product, spend
 from formulations.section.laminate import Laminate, Ply
 from formulations.section.laws import StVenantKirchhoff
 from formulations.section.material import VOIGT, Law, tensor

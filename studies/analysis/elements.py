@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from formulations.element.mixed import THICKNESS_STRAINS
-from studies.ask.scene import Ladder
+from studies.ask.declarations import Ladder
 from studies.run.answers import Answer, Answers, number
 from studies.run.lists import COMPARED, SHARE_LABEL, meshes_of, read_at
 

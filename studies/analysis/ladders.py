@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.ask.scene import Ladder, Reference
+from studies.ask.declarations import Ladder
+from studies.ask.scene import Reference
 from studies.run.answers import Answer, Answers, ladders
 from studies.run.lists import BENCHMARKS, LADDER_LABEL, LADDERS
 from studies.scenes.complete import STEP_KEYS, holding

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from studies.ask.declarations import ShellLimit
 from studies.ask.request import Settings
-from studies.ask.scene import ShellLimit
 from studies.experiments.shell_limits.bodies import DEFAULT, MIDDLE, OF_SURFACES, REISSNER
 from studies.scenes import SCENES
 from studies.solving.refinement.richardson import power_of

@@ -1,6 +1,6 @@
 """The model that a scene builds for one request, and the stages of it which a solve walks through.
 
-How stages are solved does not enter here; what a scene declares is :mod:`studies.ask.scene`.
+How stages are solved does not enter here; what a scene declares is :mod:`studies.ask.declarations`.
 """
 
 from __future__ import annotations

@@ -89,7 +89,7 @@ def run_run(options: argparse.Namespace) -> int:
 
 def _limits_of(options: argparse.Namespace, usual: Limits) -> Limits:
     """Those that are given, and else the usual ones; raises UsageError."""
-    from studies.commands.options import LARGEST_MB, LARGEST_S
+    from studies.commands.limits import LARGEST_MB, LARGEST_S
     from studies.run.task import Limits
 
     time_s = usual.time_s if options.time_limit is None else options.time_limit

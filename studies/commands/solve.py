@@ -15,16 +15,12 @@ from studies.ask.request import Request, UsageError
 from studies.ask.scene import CutScene, Scene, ShellSceneModel, has_contact
 from studies.ask.settings import rubbing
 from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.commands.limits import add_limits, bound_of, code_of, limited, look_ahead
 from studies.commands.options import (
-    add_limits,
     add_settings,
     add_solving,
-    bound_of,
     check_directory,
     check_file,
-    code_of,
-    limited,
-    look_ahead,
     named,
     of_file,
     pairs,

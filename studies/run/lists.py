@@ -23,9 +23,10 @@ from typing import TYPE_CHECKING
 from contact.catalogue import ALGORITHMS
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import ON_LINES
+from studies.ask.declarations import BENCHMARKS as PUBLISHED
+from studies.ask.declarations import Ladder
 from studies.ask.request import text_of
-from studies.ask.scene import BENCHMARKS as PUBLISHED
-from studies.ask.scene import Ladder, ladders_of, sheet_of
+from studies.ask.scene import ladders_of, sheet_of
 from studies.scenes import SCENES
 from studies.scenes.complete import Cell
 

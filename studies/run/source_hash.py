@@ -24,7 +24,7 @@ MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+")
 BESIDE_A_CELL = (
     *("studies.scenes", "contact.catalogue"),  # they name all of theirs, and a cell names its own
     # they decide the request, which is hashed as such, or what it is compared with
-    *("studies.scenes.complete", "studies.ask.scene", "studies.scenes.data"),
+    *("studies.scenes.complete", "studies.ask.scene", "studies.ask.declarations", "studies.scenes.data"),
     *("studies", "studies.scenes.plugins"),
     *("studies.output", "studies.output.provenance"),  # they tell of a solve, and do nothing in it
     "studies.solving.fields",  # it writes what a solve by itself has seen, of which a cell keeps less

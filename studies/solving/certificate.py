@@ -45,7 +45,7 @@ def certificate(
     stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
-    A set that leaves out nodes that press, or has open ones in it, is UNSET: what is told of the patch is read off it.
+    A set that leaves out nodes that press, or has open ones in it, is UNSET: readings of the patch are taken from it.
     Where an element has no volume left INVERTED is a failure: St. Venant-Kirchhoff material resists that with finite
     forces, and balances them inside out.
     passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.

@@ -14,7 +14,7 @@ from pathlib import Path
 from contact import operations as of_contact
 from contact.continuation.candidates import Starts
 from contact.problem import Outcome
-from formulations.element import modal as of_elements
+from formulations import operations as of_elements
 from studies.ask.model import SceneModel, Stage
 from studies.ask.request import Request, UsageError
 from studies.ask.scene import Scene

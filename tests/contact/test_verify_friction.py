@@ -23,13 +23,13 @@ def made(seed: int = 3):
     return manufactured(np.random.default_rng(seed), len(STATES), STATES)
 
 
-def told(step):
-    """Its problem, and its energy, as that of a body is told."""
+def with_energy(step):
+    """Its problem with the energy that a frozen step does not state."""
     return replace(step.problem(), energy=lambda u: float(u @ (step.K @ u / 2 + step.r)))
 
 
 def judged(step, answer, **options):
-    return judge(told(step), answer.u, answer.normal, answer.friction, **options)
+    return judge(with_energy(step), answer.u, answer.normal, answer.friction, **options)
 
 
 def turned(t: np.ndarray, degrees: float) -> np.ndarray:
@@ -200,7 +200,7 @@ def test_forces_that_do_not_fit_are_refused() -> None:
 
 def test_a_slip_that_is_not_what_its_derivative_says_upsets_the_balance_of_work() -> None:
     step, answer = made()
-    problem = told(step)
+    problem = with_energy(step)
     law = replace(problem.coulomb, slip=lambda u: step.slip + 1.001 * (step.S @ u).reshape(-1, 2))
     longer = replace(problem, coulomb=law)
     assert "work" in judge(longer, answer.u, answer.normal, answer.friction).failures()

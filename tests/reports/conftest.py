@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from reports.site import rendered
 from reports.store import Store, load_store
 from studies.analysis.everything import compared, written
-from studies.ask.scene import Ladder
+from studies.ask.declarations import Ladder
 from studies.catalogue.bodies import built
 from studies.catalogue.tables import catalogue_tables
 from studies.experiments import epsilon as epsilon_study

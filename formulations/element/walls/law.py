@@ -22,8 +22,9 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from formulations.element.modal import ALL, Stiffness, product, spend
+from formulations.element.modal import ALL, Stiffness
 from formulations.element.walls.modes import FACTORS, N_OF_SURFACE, N_ROWS, ROWS, Counted, CountedStiffness
+from formulations.operations import product, spend
 from formulations.section.laminate import LAWS, LINEAR, strain_rotation
 from formulations.section.material import Divided, Law, isotropic
 from formulations.section.sampling import IN_VOIGT, Points, Sampling, lagrange

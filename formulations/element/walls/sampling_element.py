@@ -18,7 +18,7 @@ from itertools import product as pairs_of
 import numpy as np
 
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
-from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness, product
+from formulations.element.modal import ALL, ModalElement, Operations, Samples, Stiffness
 from formulations.element.strain_operator import ElementGeometry
 from formulations.element.walls.geometry import N_SURFACE, FaceDirector, WallGeometry
 from formulations.element.walls.law import WallLaw
@@ -35,6 +35,7 @@ from formulations.element.walls.modes import (
     on_every_surface,
     strains_at,
 )
+from formulations.operations import product
 from formulations.section.sampling import Sampling
 from formulations.strains.measure import StrainFunction, StrainMeasure, restricted, strain_and_gradient
 from formulations.strains.quantities import BETA, N_BETA, N_E, N_Q, OF_SURFACE, STRAINS_OF_SURFACE

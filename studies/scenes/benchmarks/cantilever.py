@@ -9,21 +9,8 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    BEAM,
-    BENCHMARKS,
-    FULL,
-    LONG,
-    ROTATIONS,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    ShellLimit,
-    thickness_over,
-)
+from studies.ask.declarations import BEAM, BENCHMARKS, FULL, LONG, ROTATIONS, Ladder, ShellLimit, thickness_over
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import LOAD_FRACTIONS, Reading, StaticModel, edge_forces

@@ -7,21 +7,18 @@ import numpy as np
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.scene import (
+from studies.ask.declarations import (
     BENCHMARKS,
     BENT,
     EDGES,
     ROTATIONS,
-    SOLVER,
-    Declared,
     Ladder,
-    Request,
-    SceneModel,
     Sheet,
     ShellLimit,
     meshes,
     thickness_over,
 )
+from studies.ask.scene import SOLVER, Declared, Request, SceneModel
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, discretise, even_grid
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces

@@ -12,18 +12,8 @@ import numpy as np
 
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
-from studies.ask.scene import (
-    LINEAR,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    UsageError,
-    meshes,
-)
+from studies.ask.declarations import LINEAR, Ladder, Sheet, meshes
+from studies.ask.scene import Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.harmonic import HarmonicShell, HarmonicSolid
 from studies.scenes.element import LINES, ShearCorrected, patch
 from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, area_load, normal_at

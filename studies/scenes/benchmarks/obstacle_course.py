@@ -7,20 +7,8 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    BENT,
-    LINEAR,
-    ROOF,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Sheet,
-    ShellLimit,
-    meshes,
-    thickness_over,
-)
+from studies.ask.declarations import BENT, LINEAR, ROOF, Ladder, Sheet, ShellLimit, meshes, thickness_over
+from studies.ask.scene import Declared, Reference, Request, SceneModel
 from studies.scenes.element import centred_laminate, patch
 from studies.scenes.statics import LOAD_FRACTION, SHELL_SETTINGS, StaticModel, area_load, normal_at, normal_forces
 

@@ -13,18 +13,8 @@ from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import BETWEEN_FACES, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.wall_stresses import S11, S13, S23, WallStresses
-from studies.ask.scene import (
-    LINEAR,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    ShellLimit,
-    UsageError,
-    meshes,
-)
+from studies.ask.declarations import LINEAR, Ladder, ShellLimit, meshes
+from studies.ask.scene import Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import centred_laminate, patch, surfaces_of
 from studies.scenes.statics import SHELL_SETTINGS, StaticModel, area_load, elements_at, loaded_shell

@@ -23,23 +23,8 @@ from formulations.geometry.surfaces import Surface, cylinder, sphere, torus
 from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    CLOSED,
-    FULL,
-    LONG,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    ShellLimit,
-    UsageError,
-    meshes,
-    thickness_over,
-)
+from studies.ask.declarations import CLOSED, FULL, LONG, Ladder, Sheet, ShellLimit, meshes, thickness_over
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel

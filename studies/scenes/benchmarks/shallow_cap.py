@@ -15,7 +15,8 @@ import numpy as np
 from formulations.geometry.surfaces import sphere
 from formulations.loads import edge_force
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.scene import SNAP, SOLVER, Declared, Ladder, Reference, Request, SceneModel, Setting
+from studies.ask.declarations import SNAP, Ladder
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
 from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, CurveModel
 from studies.scenes.element import ELEMENT, patch

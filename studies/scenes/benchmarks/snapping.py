@@ -9,26 +9,20 @@ import numpy as np
 
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.scene import (
+from studies.ask.declarations import (
     BENT,
     CANCEL,
     FULL,
     ROOF,
     ROTATIONS,
     SNAP,
-    SOLVER,
-    Declared,
     Ladder,
-    Reference,
-    Request,
-    Scene,
-    SceneModel,
-    Setting,
     Sheet,
     ShellLimit,
     meshes,
     thickness_over,
 )
+from studies.ask.scene import SOLVER, Declared, Reference, Request, Scene, SceneModel, Setting
 from studies.scenes.curves import ARC_STEP, CURVE_FRACTIONS, PATH, UNTIL, CurveModel, element_size, point_rise
 from studies.scenes.data import reference_rows, references, tabulated
 from studies.scenes.element import ELEMENT, LINES, patch

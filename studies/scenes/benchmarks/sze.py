@@ -8,23 +8,8 @@ import numpy as np
 from formulations.geometry.surfaces import annulus, cylinder
 from formulations.loads import Couples
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.scene import (
-    BEAM,
-    BENT,
-    EDGES,
-    ROTATIONS,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    ShellLimit,
-    meshes,
-    thickness_over,
-)
+from studies.ask.declarations import BEAM, BENT, EDGES, ROTATIONS, Ladder, Sheet, ShellLimit, meshes, thickness_over
+from studies.ask.scene import SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.benchmarks.cantilever import TIP, B, E, H, clamped_strip, tip_motion, tip_row
 from studies.scenes.data import reference_rows, references, tabulated
 from studies.scenes.element import ELEMENT, LINES, patch

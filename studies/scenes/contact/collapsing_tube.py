@@ -29,25 +29,9 @@ from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.geometry.surfaces import cylinder
 from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CONTACT, CRUSHED, Ladder, Sheet, ShellLimit, meshes, thickness_over
 from studies.ask.request import Request
-from studies.ask.scene import (
-    CONTACT,
-    CRUSHED,
-    EPSILON,
-    SOLVER,
-    Begun,
-    Declared,
-    Ladder,
-    Observation,
-    Reference,
-    SceneModel,
-    Setting,
-    Sheet,
-    ShellLimit,
-    Stage,
-    meshes,
-    thickness_over,
-)
+from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Observation, Reference, SceneModel, Setting, Stage
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid

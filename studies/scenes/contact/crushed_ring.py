@@ -12,19 +12,9 @@ import numpy as np
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import SurfaceOfRevolution, cylinder
 from formulations.section.laminate import Laminate, Ply
+from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
 from studies.ask.request import Request, Settings
-from studies.ask.scene import (
-    CRUSHED,
-    EPSILON,
-    SOLVER,
-    Declared,
-    Reference,
-    SceneModel,
-    Setting,
-    Sheet,
-    ShellLimit,
-    UsageError,
-)
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid

@@ -15,19 +15,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.scene import (
-    CRUSHED,
-    EPSILON,
-    SOLVER,
-    Declared,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    ShellLimit,
-    Units,
-    UsageError,
-)
+from studies.ask.declarations import CRUSHED, Sheet, ShellLimit
+from studies.ask.scene import EPSILON, SOLVER, Declared, Request, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise, moved_nodes
 from studies.scenes.statics import loaded_shell

@@ -11,20 +11,8 @@ from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import annulus
 from formulations.loads import edge_force
 from formulations.section.laminate import Ply
-from studies.ask.scene import (
-    CONTACT,
-    EPSILON,
-    PRESSED,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    ShellLimit,
-    thickness_over,
-)
+from studies.ask.declarations import CONTACT, PRESSED, Ladder, ShellLimit, thickness_over
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.contact import plate_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.element import ELEMENT, ShearCorrected, grid_over, on_grid, spaced_lines

@@ -17,22 +17,8 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.ask.scene import (
-    CONTACT,
-    CRUSHED,
-    EPSILON,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    ShellLimit,
-    meshes,
-    thickness_over,
-)
+from studies.ask.declarations import CONTACT, CRUSHED, Ladder, Sheet, ShellLimit, meshes, thickness_over
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.contact import flattened_ring
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import Row, references

@@ -9,22 +9,8 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    CONTACT,
-    EPSILON,
-    FULL,
-    LONG,
-    PRESSED,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    ShellLimit,
-    thickness_over,
-)
+from studies.ask.declarations import CONTACT, FULL, LONG, PRESSED, Ladder, ShellLimit, thickness_over
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.closed_forms.contact import lifted_strip, strip_contact
 from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import At, reference_rows, references

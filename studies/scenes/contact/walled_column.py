@@ -20,21 +20,8 @@ from contact.problem import ContactSolution
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    BEAM,
-    CONTACT,
-    EPSILON,
-    SOLVER,
-    Begun,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    ShellLimit,
-    thickness_over,
-)
+from studies.ask.declarations import BEAM, CONTACT, Ladder, ShellLimit, thickness_over
+from studies.ask.scene import EPSILON, SOLVER, Begun, Declared, Reference, Request, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid

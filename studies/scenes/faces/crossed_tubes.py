@@ -20,19 +20,8 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    CONTACT,
-    EPSILON,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    UsageError,
-    meshes,
-)
+from studies.ask.declarations import CONTACT, Ladder, Sheet, meshes
+from studies.ask.scene import EPSILON, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.pinched_tube import pinched_tube
 from studies.scenes.data import Row, references
 from studies.scenes.element import centred_laminate, grid_over, on_grid, spaced_lines

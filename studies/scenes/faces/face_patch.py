@@ -20,19 +20,8 @@ from formulations.geometry.surfaces import Plate, cylinder
 from formulations.loads import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import (
-    CONTACT,
-    EPSILON,
-    SOLVER,
-    Declared,
-    Ladder,
-    Reference,
-    Request,
-    SceneModel,
-    Setting,
-    Sheet,
-    UsageError,
-)
+from studies.ask.declarations import CONTACT, Ladder, Sheet
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.faces.bodies import Bodies, Placed, Side
 from studies.scenes.faces.model import DRAG, PAIRED, SLAVES, FacesModel, Facing, Meeting, of_second, uncut

@@ -13,7 +13,8 @@ import numpy as np
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.ask.scene import CONTACT, Ladder, Reference, Request, SceneModel, Setting, UsageError, meshes
+from studies.ask.declarations import CONTACT, Ladder, meshes
+from studies.ask.scene import Reference, Request, SceneModel, Setting, UsageError
 from studies.scenes.closed_forms.plates import navier_deflection
 from studies.scenes.data import references
 from studies.scenes.element import grid_over, on_grid

@@ -18,6 +18,7 @@ from formulations.loads import Traction, edge_force
 from formulations.section.laminate import SECTIONS, Laminate
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
+from studies.ask.declarations import Sheet
 from studies.ask.request import Request
 from studies.ask.scene import (
     SOLVER,
@@ -26,7 +27,6 @@ from studies.ask.scene import (
     Observation,
     SceneModel,
     Setting,
-    Sheet,
     ShellSceneModel,
     Stage,
 )

@@ -14,20 +14,9 @@ import numpy as np
 
 from formulations.loads import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
+from studies.ask.declarations import TYRE, Ladder, Sheet, ShellLimit, meshes
 from studies.ask.request import Request, Value
-from studies.ask.scene import (
-    EPSILON,
-    SOLVER,
-    TYRE,
-    Declared,
-    Ladder,
-    Reference,
-    Setting,
-    Sheet,
-    ShellLimit,
-    UsageError,
-    meshes,
-)
+from studies.ask.scene import EPSILON, SOLVER, Declared, Reference, Setting, UsageError
 from studies.scenes import foundations
 from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT

@@ -91,8 +91,8 @@ def _jumps(model: object, visited: Visited) -> dict[str, float]:
     shorter = _shorter(model, problem, state)
     if shorter is None:
         return {}
-    told, moved = (visited.stage.observe(problem, each, at).quantities for each in (state, shorter))
-    changes = {name: abs(moved.get(name, math.nan) - told[name]) for name in model.at_rim if name in told}
+    whole, moved = (visited.stage.observe(problem, each, at).quantities for each in (state, shorter))
+    changes = {name: abs(moved.get(name, math.nan) - whole[name]) for name in model.at_rim if name in whole}
     return {name: math.inf if math.isnan(change) else change for name, change in changes.items()}
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
-from contact.solvers import analysis as fronts
+from contact.solvers import tree
 from contact.solvers.analysis import PIECES, Analysis, analysed
 from contact.solvers.multifrontal import Multifrontal, PivotError
 from contact.solvers.sparse import (
@@ -55,10 +55,10 @@ SPARSE = {"n": st.integers(1, 60), "density": st.floats(0.0, 0.3), "unknowns": s
 @given(**SPARSE, seed=st.integers(0, 2**32 - 1), whole=st.sampled_from([0, 8, 40]))
 def test_any_symmetric_pattern_is_solved(n, density, unknowns, seed, whole) -> None:
     """Definite and indefinite, its inertia that of the eigenvalues; one right-hand side and several."""
-    A, keep = pattern(n, density, unknowns, seed), fronts.WHOLE
+    A, keep = pattern(n, density, unknowns, seed), tree.WHOLE
     b = np.random.default_rng(seed).random((A.shape[0], 3))
     try:
-        fronts.WHOLE = whole  # small patterns have many fronts, too
+        tree.WHOLE = whole  # small patterns have many fronts, too
         for shift in (100.0, 0.3):
             K = symmetric(A, shift)
             eigenvalues = np.linalg.eigvalsh(K.toarray())
@@ -72,7 +72,7 @@ def test_any_symmetric_pattern_is_solved(n, density, unknowns, seed, whole) -> N
                 assert np.max(np.abs(x - exact)) <= 1e-6 * np.max(np.abs(exact))
             assert actual.negative == np.sum(eigenvalues < 0)
     finally:
-        fronts.WHOLE = keep
+        tree.WHOLE = keep
 
 
 @settings(max_examples=40, deadline=None)
@@ -153,7 +153,7 @@ def test_what_it_cannot_do_superlu_does_instead_and_it_is_said() -> None:
     A = sparse.csc_matrix(np.eye(2))
     assert instead(factorise(A, "multifrontal", ordered=False), "multifrontal", ordered=False)
     assert not instead(factorise(A, "splu"), "splu", ordered=True)
-    n = 2 * fronts.WHOLE
+    n = 2 * tree.WHOLE
     saddle = sparse.csc_matrix(np.block([[np.zeros((n, n)), np.eye(n)], [np.eye(n), np.zeros((n, n))]]))
     with pytest.raises(PivotError):
         factored(sparse.csc_matrix((np.array([0.0, 1.0]), np.array([0, 1]), np.array([0, 1, 2])), shape=(2, 2)))

@@ -14,7 +14,8 @@ import pytest
 from scipy.spatial import KDTree
 
 from formulations.element.mixed import THICKNESS_STRAINS
-from studies.ask.scene import Ladder, UsageError
+from studies.ask.declarations import Ladder
+from studies.ask.scene import UsageError
 from studies.run.lists import COMPARED, LADDERS, meshes_of, read_at, share_cells
 from studies.scenes import SCENES
 from studies.scenes.closed_forms.contact import lifted_strip, strip_contact

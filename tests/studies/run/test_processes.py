@@ -20,7 +20,7 @@ import pytest
 
 from studies.cli import main
 from studies.commands import FAILED
-from studies.commands.options import LARGEST_MB, LARGEST_S
+from studies.commands.limits import LARGEST_MB, LARGEST_S
 from studies.output.atomic import PART
 from studies.run import archive
 from studies.run.campaign import find

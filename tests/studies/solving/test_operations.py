@@ -14,7 +14,7 @@ from contact.solvers.lcp_pivoting import active_set, lemke, principal_pivot
 from contact.solvers.multifrontal import Multifrontal
 from contact.solvers.qp_backends import Programme, ask, operations
 from contact.solvers.sparse import Factor, checked_solve, factorise, response
-from formulations.element.modal import ASSEMBLY
+from formulations.operations import ASSEMBLY
 from studies.footprint import solve
 from studies.solving.solve import KINDS, counted
 

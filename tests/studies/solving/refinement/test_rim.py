@@ -20,10 +20,10 @@ def test_a_patch_one_element_shorter_has_the_same_force() -> None:
     problem, state = path.end.problem, path.end.point.solution
     shorter = _shorter(path.model, problem, state)
     assert shorter is not None
-    told, moved = (problem.nodal_forces(each.pressure) for each in (state, shorter))
+    whole, moved = (problem.nodal_forces(each.pressure) for each in (state, shorter))
     x = path.model.shell.discretisation.grid.nodes[path.model.nodes, 0]
-    assert moved.sum() == pytest.approx(told.sum(), rel=1e-12)
-    assert x[moved > 0].min() - x[told > 0].min() == pytest.approx(100 / 16)
+    assert moved.sum() == pytest.approx(whole.sum(), rel=1e-12)
+    assert x[moved > 0].min() - x[whole > 0].min() == pytest.approx(100 / 16)
     assert np.array_equal(shorter.active, moved > 0)
     (left,) = rims_of(path, [path.quantities])
     least = LEAST / 16**2
