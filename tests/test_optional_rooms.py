@@ -24,7 +24,7 @@ WITHOUT = (
         "reports",
     ),
 )
-MOST = 94  # modules of ours
+MOST = 95  # modules of ours
 SOLVED = """
 import sys
 from studies.cli import main

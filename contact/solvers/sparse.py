@@ -9,11 +9,8 @@ where the values are not symmetric. PARDISO (extra ``mkl``) finds its own order,
 switched off: left on, it can return a residual of 1e37 in silence.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -22,6 +19,7 @@ from scipy.sparse.linalg import SuperLU, spilu, splu
 
 from contact.operations import FACTORISATIONS, SOLUTIONS, spend
 from contact.solvers.analysis import analysed
+from contact.solvers.bordered import Bordered
 from contact.solvers.multifrontal import SYMMETRIC, Multifrontal, PivotError, Response
 
 BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
@@ -31,8 +29,6 @@ COLUMNS = 256  # right-hand sides at once
 AUTO = "auto"
 LARGE_FILL = 2e7
 UNLIKE = 2.6  # sum c^2 over (sum c)^2/n; measured: 1.6, 2.1, 2.6 at 10, 40 and 100 thousand unknowns
-ENOUGH = 1e-10  # backward error of a solution, not refined, beyond which a border is not eliminated
-SEED = 0
 
 
 class SingularMatrixError(ArithmeticError):
@@ -44,78 +40,6 @@ class Factor(Protocol):
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """x with A x = b."""
-
-
-@dataclass(frozen=True, eq=False)
-class Bordered:
-    """A = [[S, c], [r^T, d]], S symmetric (n - 1, n - 1): x = y - z t and t with S y = b, S z = c.
-
-    Two solutions more instead of factors twice as large. Curves of equilibria have such a matrix, with a plane for its
-    last row. Where S is all but singular, as at a limit point, the elimination of the border loses digits: that is
-    looked at, and left to other factors.
-
-    right: z.  left: S^-1 r.  pivot: d - r.z.
-    """
-
-    factor: Multifrontal
-    row: np.ndarray
-    right: np.ndarray
-    left: np.ndarray
-    pivot: float
-
-    @classmethod
-    def of(cls, A: sparse.csc_matrix) -> Bordered | None:
-        """None where the last row is not full, S not symmetric, or too little of a solution is right."""
-        n = A.shape[0]
-        if n < 2 or np.count_nonzero(A.indices == n - 1) < n:
-            return None
-        S, analysis = analysed(sparse.csc_matrix(A[:-1, :-1]))
-        if np.max(np.abs(S.data - S.data[analysis.image])) > SYMMETRIC * np.max(np.abs(S.data)):
-            return None
-        row, column = A[-1].toarray().ravel(), A[:-1, -1].toarray().ravel()
-        try:
-            factor = Multifrontal.of(S.data, analysis, symmetric=True)
-        except PivotError:
-            return None
-        left, right = factor.solve(np.column_stack([row[:-1], column])).T
-        bordered = cls(factor, row[:-1], right, left, float(row[-1] - row[:-1] @ right))
-        return bordered if bordered._serves(A) else None
-
-    def _serves(self, A: sparse.csc_matrix) -> bool:
-        b = np.random.default_rng(SEED).uniform(-1.0, 1.0, A.shape[0])
-        x = self.solve(b)
-        with np.errstate(invalid="ignore", over="ignore"):
-            size = float(np.max(abs(A).sum(axis=1))) * np.max(np.abs(x)) + np.max(np.abs(b))
-            return bool(np.max(np.abs(b - A @ x)) <= ENOUGH * size < np.inf)
-
-    @property
-    def negative(self) -> int:
-        """Negative eigenvalues of A where it is symmetric (Haynsworth)."""
-        return self.factor.negative + (self.pivot < 0)
-
-    @property
-    def nnz(self) -> int:
-        """Entries of the factors."""
-        return self.factor.nnz + 3 * len(self.row)
-
-    @property
-    def flops(self) -> float:
-        """Floating-point operations of the factorisation and of the two solutions."""
-        return self.factor.flops + 8.0 * self.factor.nnz
-
-    def solve(self, b: np.ndarray) -> np.ndarray:
-        """x (n,) with A x = b."""
-        with np.errstate(all="ignore"):  # a pivot of zero is seen in the residual
-            y = self.factor.solve(b[:-1])
-            t = (b[-1] - self.row @ y) / self.pivot
-            return np.append(y - t * self.right, t)
-
-    def response(self, left: sparse.csc_matrix, right: sparse.csc_matrix) -> np.ndarray:
-        """left^T A^-1 right (j, k) of sparse (n, j) and (n, k)."""
-        inner = Response.of(self.factor, sparse.csc_matrix(left[:-1]), sparse.csc_matrix(right[:-1])).matrix()
-        shown = left[[-1]].toarray().ravel() - left[:-1].T @ self.right
-        border = (right[[-1]].toarray().ravel() - right[:-1].T @ self.left) / self.pivot
-        return np.asarray(inner + np.outer(shown, border))
 
 
 def _superlu(A: sparse.csc_matrix, ordered: bool) -> Factor:

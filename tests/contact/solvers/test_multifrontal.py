@@ -8,10 +8,10 @@ from scipy import sparse
 
 from contact.solvers import tree
 from contact.solvers.analysis import PIECES, Analysis, analysed
+from contact.solvers.bordered import Bordered
 from contact.solvers.multifrontal import Multifrontal, PivotError
 from contact.solvers.sparse import (
     BACKWARD_ERROR,
-    Bordered,
     checked_solve,
     factor_flops,
     factorise,
