@@ -31,7 +31,7 @@ class Pressure:
 
     follower=False: the force keeps its reference components (dead); True: p n dA of the deformed inner face.
     area "mid" weights it with mubar (the paper's), "face" with the true area of the inner face; by default "face" for a
-    follower, which is no p n dA of the inner face on another area, and "mid" for a dead load.
+    follower, which is not a p n dA of the inner face on another area, and "mid" for a dead load.
     middle: a follower is p n dA of the deformed middle surface, one half on either face, as that of a membrane. On the
     inner face alone it presses on the wall. Where that is very thin against the elements, -p/2 across it is more than
     bending has to hold directors that turn to and fro from node to node, which meet no shear.

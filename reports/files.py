@@ -105,7 +105,7 @@ def _worded(data: Any) -> Any:
 
 
 def require(data: object, keys: Iterable[str], path: Path) -> None:
-    """Raises StoreError for what is no record, or lacks a key."""
+    """Raises StoreError for what is not a record, or lacks a key."""
     if not isinstance(data, Mapping):
         raise StoreError(f"{path}: expected a record, found {type(data).__name__}")
     missing = [key for key in keys if key not in data]

@@ -133,7 +133,7 @@ def _target(page: str, pages: Mapping[str, str], to: str) -> str:
     if name.startswith(DATA):
         return ""
     if name and name not in pages:
-        raise ValueError(f"{page}: a link to {to}, which is no page")
+        raise ValueError(f"{page}: a link to {to}, which is not a page")
     return f"#{_anchor(name or page, fragment)}" if fragment else f"#{_page(name)}"
 
 
@@ -148,7 +148,7 @@ def _check_targets(whole: str) -> None:
 
 
 def to_html(text: str, link: Link, picture: Picture, anchor: Link) -> str:
-    """A page; anchor: the id of a heading from its fragment. Raises ValueError for HTML that is no fold."""
+    """A page; anchor: the id of a heading from its fragment. Raises ValueError for HTML that is not a fold."""
     tokens = MARKDOWN.parse(text)
     kept: list[Token] = []
     for i, token in enumerate(tokens):

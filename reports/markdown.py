@@ -37,7 +37,7 @@ NONE: Mapping[str, Callable[[], str]] = MappingProxyType({})
 class Part:
     """A piece of a page: its text and the pictures it shows, by file name, which draw themselves when asked for.
 
-    Raises TypeError for a picture that is no function.
+    Raises TypeError for a picture that is not a function.
     """
 
     text: str = ""

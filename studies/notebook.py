@@ -183,7 +183,7 @@ def judge(problem: str | Path, answer: str | Path, tolerance: float | None = Non
 
     problem: a .npz.  answer: a .npz or .json with du [mm], pressure [MPa] and claims; with friction du, normal and
     friction [N].  tolerance: the accuracy that is asked for, by default 1e-8; with friction the judge has its own
-    bounds.  Raises UsageError for what is no problem or no answer, and for a file that cannot be read.
+    bounds.  Raises UsageError for what is not a problem or no answer, and for a file that cannot be read.
     """
     from studies.arena.replay import judge_files
 

@@ -103,7 +103,7 @@ def require_friction(algorithm: ContactAlgorithm) -> None:
 
 
 class ContractError(TypeError):
-    """An algorithm has answered with what is no answer; one line that names it."""
+    """An algorithm has answered with what is not an answer; one line that names it."""
 
 
 def unsupported(algorithm: ContactAlgorithm, problem: ContactProblem) -> str | None:
@@ -126,7 +126,7 @@ def answered(algorithm: ContactAlgorithm, problem: ContactProblem, start: Contac
 
 
 def _wrong(returned: object, n: int, m: int) -> str:
-    """What is no answer in n unknowns with m candidates; empty for an answer."""
+    """What is not an answer in n unknowns with m candidates; empty for an answer."""
     if not isinstance(returned, ContactSolution):
         return f"{_named(returned)}, not a ContactSolution"
     for name, kind, word, size in (
@@ -146,7 +146,7 @@ def _wrong(returned: object, n: int, m: int) -> str:
         return "counters that are no finite numbers from 0 by name"
     rows = returned.history
     if not isinstance(rows, tuple) or not all(isinstance(row, Mapping) for row in rows):
-        return "a history that is no tuple of rows"
+        return "a history that is not a tuple of rows"
     if not all(isinstance(row["event"], Event) for row in rows if "event" in row):
         return "a history with an event that is no Event"
     return ""

@@ -74,7 +74,7 @@ class Lcp(NewtonAlgorithm):
     def supports(self, problem: ContactProblem) -> str | None:
         """All problems but consistent coupling with nnls."""
         if problem.coulomb is not None:
-            refused = no_polygon(self.sides, problem.coulomb.mu, "is no row of a complementarity problem")
+            refused = no_polygon(self.sides, problem.coulomb.mu, "is not a row of a complementarity problem")
             return refused or super().supports(problem)
         if self.method not in METHODS:
             return f"method {self.method!r} must be one of {', '.join(METHODS)}"

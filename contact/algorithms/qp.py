@@ -165,7 +165,7 @@ def _settled(run: NewtonRun, at: Iterate) -> Step:
     """The step of a body with the travel of its foundation, or a multiplier, for an unknown."""
     step = settle_set(run, at, at.active)
     substitute = Event(
-        EventKind.SUBSTITUTE, "an unknown is no displacement, no programme has it: set found by exact steps"
+        EventKind.SUBSTITUTE, "an unknown is not a displacement, no programme has it: set found by exact steps"
     )
     return replace(step, event=substitute + step.event if step.event else substitute)
 

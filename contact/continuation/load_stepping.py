@@ -74,11 +74,11 @@ def follow(
 
     ``steps``: equal steps between two targets; ``smallest``: fraction of one of them below which it is not cut. The
     iteration ends with the first point that is not converged. Once a step has been cut, a state in contact with more
-    negative eigenvalues than that at the last target is no state of the path, but one beyond it: the step is cut again.
+    negative eigenvalues than that at the last target lies beyond the path: the step is cut again.
     Without contact, paths of large rotations pass bifurcations and are followed.
-    At the smallest step the way there decides: what half a step brings half as near is no jump but the path itself,
+    At the smallest step the way there decides: what half a step brings half as near is not a jump but the path itself,
     which has passed a bifurcation and is followed as an unstable one.
-    A state which a candidate reaches through the foundation is no state of the path, either: the step is cut.
+    A state which a candidate reaches through the foundation is not a state of the path, either: the step is cut.
     Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
     A path with contact is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
@@ -171,7 +171,7 @@ class Stepper:
         return self._tried(trial, problem, after_in_vain(tried.solution, solution, tried.failure))
 
     def _tried(self, trial: float, problem: ContactProblem, solution: ContactSolution) -> Attempt:
-        """What has been found at a parameter, and why it is no state of the path, if it is none."""
+        """What has been found at a parameter, and why it is not a state of the path, if it is none."""
         before, state = self.states[-1]
         failure = None if solution.outcome.converged else why(solution)
         if failure is None and problem.standing is not None:  # where it was is only then looked at

@@ -6,11 +6,11 @@ and so do the corners of the triangles into which patches are cut by a diagonal:
     f(s) = (x - A) . (B - A) x (C - A),    x, A, B, C linear in s in [0, 1]
 
 is a cubic. Where it changes its sign with x in the triangle, x goes into the wall, f < 0 after, or comes out of it.
-Points of faces that touch lie a little behind each other, and they slide: that is no passage. One is
+Points of faces that touch lie a little behind each other, and they slide: that is not a passage. One is
 
 - a way out on a side that faces away from the one where it went in, n(a) . n(b) < 0, or from that at which it was, and
 - an end behind the face by more than its patches explain, DEEP of their size, once it has gone in: a wall has been left
-  by a side that is no face.
+  by a side that is not a face.
 
 Points are those of both faces; edges that pass each other without a point going through a patch are not seen.
 Source: Provot, Graphics Interface (1997) 177-189, the cubic of a point and a moving triangle.

@@ -31,7 +31,7 @@ def read_fclib(path: Path) -> SiconosProblem:
         try:
             return _problem(file)
         except (KeyError, ValueError) as error:
-            raise SiconosError(f"{path} is no frictional problem of FCLib: {str(error).splitlines()[0]}") from None
+            raise SiconosError(f"{path} is not a frictional problem of FCLib: {str(error).splitlines()[0]}") from None
 
 
 def _problem(file: Any) -> SiconosProblem:

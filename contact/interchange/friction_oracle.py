@@ -49,7 +49,7 @@ BEYOND = 1e3  # times the load: a bound that holds whatever else is free
 def refusal(step: FrozenFrictionalStep) -> str | None:
     """Why there is no sequence of convex programmes, or None."""
     if step.coupling is not None:
-        return "with consistent coupling the pressures are no multipliers of the gaps"
+        return "with consistent coupling the pressures are not multipliers of the gaps"
     even = _even(step.K)
     if not positive_definite(sparse.csc_matrix(even + SINGULAR * sparse.diags_array(_positive(even.diagonal())))):
         return "K is not positive: the programme is not convex"

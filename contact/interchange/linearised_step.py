@@ -45,7 +45,7 @@ RUBBED = (*(f"S_{part}" for part in PARTS), "slip", "mu")
 
 
 class FrozenStepError(ValueError):
-    """A file that is no frozen step, or a damaged one; the message is one line."""
+    """A file that is not a frozen step, or a damaged one; the message is one line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class FrozenStep:
             reason = (
                 f"{error} is missing" if isinstance(error, KeyError) else (str(error).splitlines() or ["damaged"])[0]
             )
-            raise FrozenStepError(f"{path} is no frozen contact step: {reason}") from None
+            raise FrozenStepError(f"{path} is not a frozen contact step: {reason}") from None
         return result
 
     @classmethod
@@ -229,5 +229,5 @@ def _matrix(arrays: Mapping[str, np.ndarray], name: str, kind: Any, shape: tuple
         sparse_matrix = kind((data, indices, indptr), shape=shape)
         sparse_matrix.check_format(full_check=True)
     except (ValueError, IndexError) as error:
-        raise ValueError(f"{name} is no {shape[0]} x {shape[1]} matrix: {error}") from None
+        raise ValueError(f"{name} is not a {shape[0]} x {shape[1]} matrix: {error}") from None
     return sparse_matrix

@@ -35,7 +35,7 @@ LOST = 1e-12  # of the largest: one that is none; in the files none lies between
 
 
 class SiconosError(ValueError):
-    """A file that is no problem of Siconos, or one that is no step of ours; the message is one line."""
+    """A file that is not a problem of Siconos, or one that is not a step of ours; the message is one line."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ def read(path: Path) -> SiconosProblem:
         return parse(content.decode("utf-8"))
     except (ValueError, IndexError) as error:
         reason = str(error).splitlines()[0] if str(error) else "it ends too early"
-        raise SiconosError(f"{path} is no frictional problem of Siconos: {reason}") from None
+        raise SiconosError(f"{path} is not a frictional problem of Siconos: {reason}") from None
 
 
 def parse(text: str) -> SiconosProblem:

@@ -59,7 +59,7 @@ def _opened(path: Path) -> Iterator[IO[bytes]]:
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise ValueError("it is no regular file")
+        raise ValueError("it is not a regular file")
     with os.fdopen(descriptor, "rb") as file:
         yield file
 
@@ -83,7 +83,7 @@ def read_json(path: Path, largest: int = LARGEST) -> Any:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """The table in a file of TOML; raises ValueError, and OSError where it cannot be opened."""
-    text = read_bytes(path, LARGEST_TOML).decode("utf-8")
+    text = read_bytes(path, LARGEST_TOML).decode("utf-8-sig")  # editors of some systems begin with a byte-order mark
     if DOTTED.search(text):
         raise ValueError(f"it nests deeper than {DEEPEST} levels")
     try:
@@ -95,7 +95,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 def _finite(word: str) -> float:
     value = float(word)
     if not math.isfinite(value):
-        raise ValueError(f"{word[:40]} is no finite number")
+        raise ValueError(f"{word[:40]} is not a finite number")
     return value
 
 
@@ -131,7 +131,7 @@ def read_arrays(path: Path, wanted: Iterable[str], optional: Iterable[str] = ())
 
 
 def _check_container(file: IO[bytes]) -> None:
-    """Raises ValueError for what is no zip, or whose list of members alone would fill the memory."""
+    """Raises ValueError for what is not a zip, or whose list of members alone would fill the memory."""
     size = file.seek(0, os.SEEK_END)
     if size > LARGEST_PACKED:
         raise ValueError(f"it has {size} bytes, more than the {LARGEST_PACKED} that it may have")

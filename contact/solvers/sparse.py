@@ -204,7 +204,7 @@ def negative_pivots(
 ) -> int:
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 
-    Less those of ``multipliers``, of which each has one; 1 where it is singular, or has fewer, which is no tangent's.
+    Less those of ``multipliers``, of which each has one; 1 where it is singular, or has fewer, as no tangent has.
     A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding
     may hide is close to singular. Where it exchanges rows, as on the zero of a multiplier, fronts are asked.
     """

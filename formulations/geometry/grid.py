@@ -37,7 +37,7 @@ def graded_lines(breaks: Sequence[float], counts: Sequence[int]) -> np.ndarray:
 
 
 class FoldedQuadError(ValueError):
-    """An element of a mesh that is no convex quadrilateral, or is bent too far around to be seen as one."""
+    """An element of a mesh that is not a convex quadrilateral, or is bent too far around to be seen as one."""
 
 
 @dataclass(frozen=True, eq=False)

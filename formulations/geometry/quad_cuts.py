@@ -225,7 +225,7 @@ def _unit_or_none(x: np.ndarray) -> np.ndarray:
 
 def _at_corners(x: np.ndarray, ends: np.ndarray, normals: np.ndarray, corner: np.ndarray) -> np.ndarray:
     """The normals (N, 3) with those of corners (N,) bool such that n.c = -n_beside.c, in the mean of squares over all
-    edges c/|c| to nodes beside them that are no corners. Newton's method in the tangent plane.
+    edges c/|c| to nodes beside them that are not corners. Newton's method in the tangent plane.
     """
     both = np.concatenate([ends, ends[:, ::-1]])
     at, beside = both[corner[both[:, 0]] & ~corner[both[:, 1]]].T

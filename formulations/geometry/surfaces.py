@@ -5,7 +5,7 @@ A1, A2, k1, k2 and B of :class:`Geometry`; any surface of revolution needs only 
 
 Coordinate lines must be lines of curvature. The hyperbolic paraboloid z = x^2 - y^2 over a square in (x, y) cannot
 enter: its Cartesian lines are not orthogonal (x,1 . x,2 = -4xy), and no other coordinates help, for its edges x = const
-are no lines of curvature (Joachimsthal: the plane meets the surface at an angle that varies along the edge).
+are not lines of curvature (Joachimsthal: the plane meets the surface at an angle that varies along the edge).
 """
 
 from __future__ import annotations

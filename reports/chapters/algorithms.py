@@ -19,7 +19,7 @@ from reports.formats import NOTHING, code, digits, scientific, share
 from reports.markdown import Part, Template, by_name, commands, table
 from reports.store import Store
 
-EXACT = 1e-9  # an error below it is no error
+EXACT = 1e-9  # an error below it is not an error
 PAPER = 1e4  # MPa/mm
 SOFTEST = 1e-2  # of E/h: what fails below that fails for another reason than the penalty
 PANELS = (  # column, words, what is drawn of it

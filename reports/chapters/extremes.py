@@ -102,7 +102,7 @@ def _false(limits: pd.DataFrame) -> Part:
 
 
 def faults(store: Store) -> dict[str, int]:
-    """How many solved points of all maps are of each class that is no success."""
+    """How many solved points of all maps are of each class that is not a success."""
     points = store.table("extremes")
     bad = points[points["asked"] & ~points["class"].isin(GOOD)]
     return {str(kind): int(count) for kind, count in bad["class"].value_counts().items()}

@@ -91,7 +91,7 @@ def tyre_pictures(cell: Cell) -> dict[str, Picture]:
 
 
 def _load_displacement(cell: Cell) -> Picture:
-    first = cell.steps[0]  # the load, what is read off, then the certificate, which is no number
+    first = cell.steps[0]  # the load, what is read off, then the certificate, which is not a number
     load, *columns = takewhile(lambda name: not isinstance(first[name], dict | list), first)
     named = (load, "load fraction" if load == "load_fraction" else _words(load))
     names = {name: _words(name) for name in columns}

@@ -5,7 +5,7 @@ And cells of any scene that were asked one problem and end in different certifie
 The same problem is all that was asked but how it is solved: the algorithm with its own parameters, Newton's iteration,
 the linear solver, load steps, and the part of the body that is modelled. Why is said by
 :mod:`studies.solving.disagreement`. Cells that were allowed a looser tolerance than the default are left out: what they
-are off by is an error of the solver (:mod:`studies.analysis.verify`), and curves by arc length end with their steps.
+differ by is an error of the solver (:mod:`studies.analysis.verify`), and curves by arc length end with their steps.
 """
 
 from __future__ import annotations

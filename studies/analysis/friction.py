@@ -103,7 +103,7 @@ def step_orders(steps: pd.DataFrame) -> pd.DataFrame:
 
 
 def by_algorithm(agreement: pd.DataFrame) -> pd.DataFrame:
-    """A row an algorithm: cases that it ends on (solved), and agrees on; what it is off by, and costs.
+    """A row an algorithm: cases that it ends on (solved), and agrees on; its errors and costs.
 
     exact: asked for no regularisation.  refused: cases that it says it does not apply to.  other_steps: solved cases on
     which it has cut load steps otherwise than FIRST, which is another path.  iterations, operations, seconds: over

@@ -192,7 +192,7 @@ def _error(i: int, rungs: Rungs, sequence: MeshSequence, reference: Reference) -
 
 
 def verdict_of(model: float, limit_uncertainty: float, reference_uncertainty: float) -> str:
-    """Is the model part more than what limit and reference may be off by? All relative."""
+    """Is the model part more than the uncertainty of limit and reference? All relative."""
     if math.isnan(model):
         return NO_LIMIT
     return WITHIN if abs(model) <= limit_uncertainty + reference_uncertainty else BEYOND

@@ -119,7 +119,7 @@ def _by_cancelling(row: Mapping[str, Any], rows: list[dict[str, Any]]) -> bool:
     return bool(closer and abs(row["shell"]) > abs(exact["shell"]) and row["shell"] * row["law"] < 0)
 
 
-ROUNDING = 1e-9  # relative: a smaller uncertainty is no statement about a grid
+ROUNDING = 1e-9  # relative: a smaller uncertainty is not a statement about a grid
 TIMES = 4.0  # the CPU time of the cheapest grid as good, above which a statement counts as expensive
 STATEMENT = ["scene", "settings", "quantity", "unknowns"]  # larger errors may end at one and the same grid
 STATED_COLUMNS = (

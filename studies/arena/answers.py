@@ -198,7 +198,7 @@ class Judgement:
 
 def read_answer(path: Path) -> Given:
     """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
-    with _in_one_line(path, "no answer"):
+    with _in_one_line(path, "not an answer"):
         fields = _values(path, ("du", "pressure"), ("claims",))
         claims = fields.get("claims", {})
         if isinstance(claims, np.ndarray):  # of a .npz, as text
@@ -279,7 +279,7 @@ def _number(what: str, value: Any) -> float:
 
 def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> Judgement:
     """Recompute every residual of the answer in a file; raises UsageError where it is invalid or has the wrong size."""
-    with _in_one_line(path, "no answer to a problem with friction"):
+    with _in_one_line(path, "not an answer to a problem with friction"):
         fields = _values(path, (), RUBBED)
         du, normal, friction = (np.asarray(fields[name], dtype=float) for name in RUBBED)
     if du.shape != step.r.shape:

@@ -51,7 +51,7 @@ def secret(file: Path | None = None) -> bytes:
         try:
             value, source = read_bytes(file, LONGEST).strip(), str(file)
         except ValueError as error:
-            raise UsageError(f"{file} is no secret: {error}") from None
+            raise UsageError(f"{file} is not a secret: {error}") from None
     if not SHORTEST <= len(value) <= LONGEST:
         raise UsageError(f"{source}: a secret of {len(value)} bytes must have {SHORTEST} to {LONGEST}")
     return value

@@ -124,7 +124,7 @@ Record = Mapping[str, Any]
 def read_all(folder: Path) -> list[Result]:
     """All results of a folder, by the name of their file; raises UsageError naming the invalid file."""
     if not folder.is_dir():
-        raise UsageError(f"{folder} is no folder of results")
+        raise UsageError(f"{folder} is not a folder of results")
     results = [read_result(path) for path in sorted(folder.glob("*.json"))]
     if not results:
         raise UsageError(f"{folder}: no results (*.json) in it")
@@ -144,7 +144,7 @@ def read_result(path: Path) -> Result:
         return _result(_object(content, "it"))
     except (ValueError, OverflowError) as error:
         reason = (str(error).splitlines() or ["damaged"])[0]
-        raise UsageError(f"{path} is no result of the arena: {plain(reason)}") from None
+        raise UsageError(f"{path} is not a result of the arena: {plain(reason)}") from None
 
 
 def _result(record: Record) -> Result:

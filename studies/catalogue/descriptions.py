@@ -63,7 +63,7 @@ class Description(Shown):
 def describe(name: str) -> Description:
     """The description of a part; raises UsageError for an unknown name."""
     if not isinstance(name, str):
-        raise UsageError(f"{name!r} is no name of a part, see footprint list")
+        raise UsageError(f"{name!r} is not a name of a part, see footprint list")
     if name in SCENES:
         scene = SCENES[name]
         return _described(name, "scene", _of_scene(scene), (*scene.settings, *settings_beside(scene)))

@@ -99,7 +99,7 @@ def _variant(row: Mapping[str, Any]) -> dict[str, str]:
     return {
         "axis": row["axis"],
         "name": row["name"] + (f", surfaces={row['surfaces']}" if row["surfaces"] else ""),
-        "limit off by": limit,
+        "formulation error": limit,
         "settled": {None: "-", True: "yes", False: "no"}[row["settled"]],
         "verdict": row["verdict"],
         "mesh": row["mesh"] or "-",
@@ -113,7 +113,7 @@ def _trial(row: Mapping[str, Any]) -> dict[str, str]:
     return {
         "algorithm": row["name"],
         "mesh": row["mesh"],
-        "ended": row["ended"],
+        "outcome": row["ended"],
         "agrees": {None: "-", True: "yes", False: "no"}[row["agrees"]],
         "seconds": f"{row['seconds']:.3g}",
         "iterations": str(row["newton_iterations"]),

@@ -114,7 +114,7 @@ def reading(store: Path) -> Iterator[None]:
 def of_file(scene: str, settings: Sequence[str]) -> Iterator[DeckScene | None]:
     """Told on the terminal, and in the catalogue as long as it lasts, where it names a file; else None.
 
-    settings: of ``--set``, by which it is pressed on a foundation or not. Raises UsageError for what is no deck, and
+    settings: of ``--set``, by which it is pressed on a foundation or not. Raises UsageError for what is not a deck, and
     OSError.
     """
     if not scene.lower().endswith(FILES) or scene in SCENES:

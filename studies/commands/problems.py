@@ -130,7 +130,7 @@ def _check(options: argparse.Namespace) -> int:
     from studies.arena.collected.rule import keep_agreeing
 
     if not options.directory.is_dir():
-        raise UsageError(f"{options.directory} is no directory: footprint problems make")
+        raise UsageError(f"{options.directory} is not a directory: footprint problems make")
     smooth, rubbed = _manifests()
     if options.keep is not None:
         keep_agreeing(options.directory, smooth, options.keep)

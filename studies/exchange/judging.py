@@ -50,7 +50,7 @@ class Comparison:
 
     @property
     def within(self) -> bool:
-        """Whether it is as small as allowed; what is no number is not."""
+        """Whether it is as small as allowed; what is not a number is not."""
         return abs(self.difference) <= self.allowed
 
 

@@ -34,7 +34,7 @@ from studies.scenes.walk import walk
 CLEARANCE = 0.1  # of the growth of a tyre: how far the plane stays off while it is inflated, or shrinks
 INFLATED = 4
 MOST_THROUGH = 16
-TURNED = ("half", "mirror", "sector")  # models of a part of a tyre with a seam that is no plane of symmetry
+TURNED = ("half", "mirror", "sector")  # models of a part of a tyre with a seam that is not a plane of symmetry
 
 
 def problem_of(

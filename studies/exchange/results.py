@@ -62,12 +62,12 @@ def read_results(path: Path, problem: Problem) -> list[Found]:
 def _csv(path: Path, text: str, problem: Problem) -> Iterator[Found]:
     head = text.partition("\n")[0].count(",") + 1
     if head > MOST_COLUMNS or text.count(",") > MOST:
-        raise UsageError(f"{path} is no table of numbers: it has {head} columns, {text.count(',')} values")
+        raise UsageError(f"{path} is not a table of numbers: it has {head} columns, {text.count(',')} values")
     try:
         table = pd.read_csv(io.StringIO(text)).rename(columns=str.strip)
         values = table.astype(float)
     except (ValueError, OverflowError, pd.errors.ParserError) as error:
-        raise UsageError(f"{path} is no table of numbers: {str(error).splitlines()[0]}") from None
+        raise UsageError(f"{path} is not a table of numbers: {str(error).splitlines()[0]}") from None
     if problem.key not in values:
         raise UsageError(f"{path} has no column {problem.key!r}; it has {', '.join(map(str, values.columns))[:200]}")
     if not np.all(np.isfinite(values[problem.key])):

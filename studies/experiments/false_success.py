@@ -168,7 +168,7 @@ def contenders() -> dict[str, Contender]:
 
 
 def failures(body: Body, claim: Claim, bound: float = BOUND) -> list[str]:
-    """The judge's, with bounds in units of the problem; what a finite epsilon penetrates by its law is no failure."""
+    """The judge's, with bounds in units of the problem; penetration by the law of a finite epsilon is not a failure."""
     problem = body.problem()
     size = max(float(np.max(np.abs(body.start))), float(np.max(np.abs(claim.u))))
     force = max(float(np.linalg.norm(body.f)), float(np.linalg.norm(problem.contact_force(claim.u, claim.pressure))))

@@ -22,7 +22,7 @@ from studies.experiments import Row, tabulated
 
 @dataclass(frozen=True, eq=False)
 class Bounded:
-    """K x - f = p_low - p_up, low <= x <= up; x (n,); a bound at infinity is no candidate.
+    """K x - f = p_low - p_up, low <= x <= up; x (n,); a bound at infinity is not a candidate.
 
     start: where the source starts, (n,).  optimum: published min x.K.x/2 - f.x, or None.  answer: known x, or None.
     symmetric: whether there is such a minimum at all.

@@ -62,7 +62,7 @@ WAYS = {  # of the torus, beside the first
 class Answer:
     """A state as it is compared: what it shows, whether it may be trusted, and what its own precision is.
 
-    wrong: why it is no answer, or nothing.  rounding, tolerance: relative deviations that machine precision, and the
+    wrong: why it is not an answer, or nothing.  rounding, tolerance: relative deviations that machine precision and the
     residual tolerance of the solver, allow a nodal pressure.
     """
 

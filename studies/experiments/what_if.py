@@ -9,7 +9,7 @@ explain.
 The design problem: cord angle and inflation pressure within BOUNDS, the least mean of the contact pressure, weighted by
 its own force, at TRAVEL, while the tyre carries no less than a force and inflation takes no more than a length off its
 outer radius (LEAST). It is solved by scipy's SLSQP with these derivatives on several meshes, and on the first of them
-by every combination of a grid, which knows of no derivative. The spread of the pressure about that mean is no goal: a
+by every combination of a grid, which knows no derivative. The spread of the pressure about that mean is not a goal: a
 quarter of it is the mesh at the rim of the patch, and optima move from mesh to mesh (measured on 28x26 to 84x80).
 """
 

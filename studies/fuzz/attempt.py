@@ -74,7 +74,7 @@ def _refined(scene: Scene, request: Request, seed: int) -> Request:
     return family.refined(rng.random(len(family.tree.leaves)) ** 4).asked
 
 
-class Broken(Exception):  # noqa: N818  it is no error of the solve, but its verdict
+class Broken(Exception):  # noqa: N818  it is not an error of the solve, but its verdict
     """A law is broken; law: its name."""
 
     def __init__(self, law: str, text: str) -> None:

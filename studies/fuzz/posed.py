@@ -1,4 +1,4 @@
-"""Random contact problems that are no requests of scenes: matrices made from their answer, and panels posed twice.
+"""Random contact problems that are not requests of scenes: matrices made from their answer, and panels posed twice.
 
 Matrices, of a few unknowns: displacements, pressures and gaps are chosen. f = K u - G^T W p and g0 = g - G u make
 (u, p) the answer, with p > 0 and g = -p/epsilon at some candidates, p = 0 and g > 0 at others, and both zero at the

@@ -54,7 +54,7 @@ def check_derivatives(problem: ContactProblem, state: ContactSolution, seed: int
     with quiet():
         wrong = mismatches(problem, state.u, state.pressure, generator(seed, "direction"))
     if wrong:
-        raise Broken("derivatives", ", ".join(f"{name} off by {value:.1e}" for name, value in wrong.items()))
+        raise Broken("derivatives", ", ".join(f"{name}: error {value:.1e}" for name, value in wrong.items()))
 
 
 def mismatches(problem: ContactProblem, u: np.ndarray, p: np.ndarray, rng: np.random.Generator) -> dict[str, float]:

@@ -32,7 +32,7 @@ WORSE = ("up", "down", "either")
 class Bound:
     """How far a column may move in the direction that is ``worse``; ``cells``: pattern of labels.
 
-    The value may be off by ``absolute`` + ``relative`` times the baseline's.
+    The value may differ by ``absolute`` + ``relative`` times the baseline's.
     """
 
     column: str
@@ -53,7 +53,7 @@ class Bound:
         return self.absolute + self.relative * abs(before)
 
     def exceeded(self, before: float, now: float) -> bool:
-        """Is ``now`` worse than allowed? What is no number is worse than any number."""
+        """Is ``now`` worse than allowed? What is not a number is worse than any number."""
         if math.isnan(before) or math.isnan(now):
             return math.isnan(now) and not math.isnan(before)
         if before == now:  # infinities, too
@@ -73,7 +73,7 @@ def read_bounds(path: Path) -> tuple[Bound, ...]:
 
 def _bound(entry: Mapping[str, Any], where: str) -> Bound:
     if not isinstance(entry, Mapping):
-        raise UsageError(f"{where} is no table: [[bound]] has two brackets")
+        raise UsageError(f"{where} is not a table: [[bound]] has two brackets")
     where += f" ({entry.get('column', 'no column')})"
     try:
         bound = Bound(**entry)

@@ -46,7 +46,7 @@ def check_request(record: Mapping[str, Any], request: Request) -> None:
             if claimed.get(name) != value:
                 raise ClaimError("request", f"{name} claimed {claimed.get(name)!r}, the plan asks for {value!r}")
     for name in sorted(record["settings"].keys() - settings.keys()):
-        raise ClaimError("request", f"{name} is no setting of {request.scene}")
+        raise ClaimError("request", f"{name} is not a setting of {request.scene}")
 
 
 def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> tuple[bytes, list[str]]:
@@ -170,16 +170,16 @@ def _quantities(record: Mapping[str, Any], recomputed: Recomputed, opened: Opene
 
 
 def _agrees(name: str, claim: Any, ours: Any, share: float, shaken: Any) -> None:
-    """The same but for rounding; what is no number is the same word."""
+    """The same but for rounding; what is not a number is the same word."""
     if not isinstance(ours, int | float) or isinstance(ours, bool):
         if claim != ours:
-            raise ClaimError(name, f"claimed {claim!r}, found {ours!r}")
+            raise ClaimError(name, f"claimed {claim!r}, recomputed {ours!r}")
         return
     claimed = _number(claim, name)
     moved = abs(float(shaken) - float(ours)) if isinstance(shaken, int | float) else 0.0
     if not _close(claimed, float(ours), share, SHAKEN * moved):
         off = f"{abs(claimed - ours) / abs(ours):.3g} of it" if ours else f"{abs(claimed):.3g}"
-        raise ClaimError(name, f"claimed {claimed:.12g}, found {ours:.12g}, off by {off}")
+        raise ClaimError(name, f"claimed {claimed:.12g}, recomputed {ours:.12g}, a difference of {off}")
 
 
 def _counters(record: Mapping[str, Any], opened: Opened) -> None:
@@ -222,7 +222,7 @@ def _number(value: Any, name: str) -> float:
     if value in ("inf", "-inf"):
         return float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ClaimError(name, f"claimed {value!r}, which is no number")
+        raise ClaimError(name, f"claimed {value!r}, which is not a number")
     return float(value)
 
 

@@ -160,7 +160,7 @@ def update(table: pd.DataFrame, baseline: Path, owner: str, reason: str) -> list
     covers. Nothing is written then.
     """
     if table.empty:
-        raise UsageError("zero cells: an empty campaign is no baseline")
+        raise UsageError("zero cells: an empty campaign is not a baseline")
     unfinished = table[table[OUTCOME].isin(UNFINISHED)]
     if len(unfinished):
         first = unfinished.iloc[0]

@@ -51,7 +51,7 @@ class Foreign:
         """Names of its campaigns; raises UsageError when it has none."""
         names = [name for name in Archive(self.root).campaigns() if NAME.fullmatch(name)]
         if not names:
-            raise UsageError(f"{self.root} is no store: it has no campaign")
+            raise UsageError(f"{self.root} is not a store: it has no campaign")
         return names
 
     def planned(self, campaign: str) -> list[tuple[Cell, str | None]]:
@@ -121,7 +121,7 @@ class Foreign:
         except (UnicodeDecodeError, csv.Error) as error:
             raise ClaimError(name, str(error)) from None
         if not rows or any(len(row) != len(rows[0]) for row in rows):
-            raise ClaimError(name, "is no table: its rows differ in length")
+            raise ClaimError(name, "is not a table: its rows differ in length")
         return rows
 
     def beside(self, cell_id: str, name: str, largest: int = LARGEST) -> bytes:

@@ -69,7 +69,7 @@ def merge(
     progress: Progress = lambda done, planned, label: None,
     say: Callable[[str], None] = lambda line: None,
 ) -> Summary:
-    """Take what holds; raises UsageError for a source that is no store, or is the store itself.
+    """Take what holds; raises UsageError for a source that is not a store, or is the store itself.
 
     say: called with each refusal as it comes.
     """

@@ -207,7 +207,7 @@ def _bounded(path: Path) -> None:
     """Raise UsageError for a table that would take more memory than one of ours; each value takes a byte at least."""
     try:
         if not path.is_file():
-            raise ValueError("it is no regular file")
+            raise ValueError("it is not a regular file")
         if path.stat().st_size > MOST:
             data = read_bytes(path)
             if data.count(b",") + data.count(b"\n") > MOST:

@@ -47,7 +47,7 @@ class Summary:
 
     @property
     def failed(self) -> list[str]:
-        """What is no finding but a failure: cells refused by the judge, stopped or dead, and tables not made."""
+        """What is not a finding but a failure: cells refused by the judge, stopped or dead, and tables not made."""
         counts = {**{name: self.classes[name] for name in FAILURES}, "tables not made": len(self.tables)}
         return [f"{number} {name}" for name, number in counts.items() if number]
 

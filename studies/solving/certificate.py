@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from contact.swept import Crossing
 
 UNITS = {"penetration": "mm", "tension": "MPa", "complementarity": "MPa mm"}  # of the residuals that have one
-NO_STATE = "what the judge refuses is no equilibrium"
+NO_STATE = "what the judge refuses is not an equilibrium"
 NO_POTENTIAL = "friction has no potential whose second variation would be looked at"
 UNTOLD = "friction"  # of an answer without friction forces although candidates are pressed
 SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
@@ -42,7 +42,7 @@ def certificate(
     scales.
 
     exceeded: size and bound of the residuals that are above theirs, by name; only where some are.
-    stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
+    stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is not a failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
     A set that leaves out nodes that press, or has open ones in it, is UNSET: readings of the patch are taken from it.

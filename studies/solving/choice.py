@@ -144,7 +144,7 @@ class Choice:
             yield "there was no time to solve what is recommended from rest"
         if self.recommended is not None and self.recommended.trial is not None:
             if self.recommended.trial.ended == UNSTABLE:
-                yield f"what is recommended is no stable equilibrium: {self.recommended.trial.said}"
+                yield f"what is recommended is not a stable equilibrium: {self.recommended.trial.said}"
             yield from self.recommended.trial.notes
             faster = [offer for offer in self.offers if offer.untried and offer.price < self.recommended.price]
             yield from (

@@ -10,7 +10,7 @@ UNSTABLE = "not both are stable"  # one is an equilibrium that nothing can stand
 SYMMETRY = "broken symmetry"  # a part by symmetry cannot leave the symmetry that the whole has left
 BRANCHES = "two stable branches"  # without friction, both stable, both by the same model
 ASYMMETRIES = ("central", "mirror")
-SYMMETRIC = 1e-6  # of the largest pressure: less is no broken symmetry
+SYMMETRIC = 1e-6  # of the largest pressure: less is not a broken symmetry
 
 
 @dataclass(frozen=True)

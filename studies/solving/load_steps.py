@@ -2,7 +2,7 @@
 
 A step counts its slip from the last accepted state: the implicit Euler rule of a path-dependent law, of first order in
 the step. With F of the answer and F' of the path of half steps its error is 2 (F' - F) then. Two paths cannot show that
-this is the order, for contact that changes node by node is no smooth function of the step: intervals are SAFETY times
+this is the order, since contact that changes node by node is not smooth in the step: intervals are SAFETY times
 as wide. Measured on 12 small problems, from 1, 2 and 4 steps, against the limit of 8 and 16: 215 of 226 values are
 within, 75 of 75 from 2 steps; 9 of the 11 others are the dissipation of a single step. Where both paths agree, as where
 both steps are too long for anything to slip, they say nothing: a ring of 32 elements has the same force in 4 steps as
@@ -144,7 +144,7 @@ def _widened(interval: Mapping[str, float], steps: StepError) -> dict[str, float
 def compared(
     mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float, turned_deg: float = 0.0, *, slips: bool = True
 ) -> list[StepError]:
-    """The quantities of a load that are no counts, beside those of the path of half steps.
+    """The quantities of a load that are not counts, beside those of the path of half steps.
 
     turned_deg: between the resultants of friction.  slips: whether the dissipation of the load shows that, or some
     stick, so that friction is not at its bound.

@@ -80,7 +80,7 @@ def seen_in(entry: Mapping[str, Any], counters: Iterable[str]) -> dict[str, Any]
 
 
 def unit_of(quantity: str) -> str:
-    """What the name of a quantity ends in; where that is no unit, the name."""
+    """What the name of a quantity ends in; where that is not a unit, the name."""
     return next((unit for unit in UNITS if quantity.endswith(unit)), quantity)
 
 

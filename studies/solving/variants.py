@@ -2,7 +2,7 @@
 
 A variant is the request of the reference with one thing changed, on the same mesh: its strain measure, the surfaces
 through its wall, how two faces meet, an option of the element as the scene declares them, its model. Each path starts
-from the one on the grid before, where it is that of one shell. Contact algorithms are no variants: they give the same
+from the one on the grid before, where it is that of one shell. Contact algorithms are not variants: they give the same
 values, and are tried (:mod:`studies.solving.trials`). What is enough is not decided here
 (:mod:`studies.solving.verdict`).
 """

@@ -98,7 +98,7 @@ class Wall:
         return wall
 
     def tells(self, error: float) -> bool:
-        """Whether it is known to half an error, or surely differs by more than that: else it is no reference."""
+        """Whether it is known to half an error, or surely differs by more than that: else it is not a reference."""
         width = self.beyond.within + self.left
         return width <= KNOWN * error or abs(self.beyond.value) - width > error
 

@@ -116,7 +116,7 @@ class Neighbours:
         """The nearest, of several one with another behind it, of these that which has changed least since, or the
         latest; then that other one; none where none is known.
 
-        What is behind is as far from the nearest as that is from here. A member of another model is no neighbour, nor
+        What is behind is as far from the nearest as that is from here. Members of another model are no neighbours, nor
         is one with friction of one without or conversely: without friction there is no state of it to start from.
         """
         alike = {other: path for other, path in self.known.items() if _kind(path.request) == _kind(request)}

@@ -158,7 +158,7 @@ def test_rounding_above_its_cap_is_excused_by_what_it_moves() -> None:
 
 
 def test_rounding_floor_bounds_the_rounding_of_a_stiff_residual(rng) -> None:
-    """K u evaluated in double against extended precision: within the floor, and the floor is no blank cheque."""
+    """K u evaluated in double against extended precision: within the floor, and the floor is not a blank cheque."""
     if np.finfo(np.longdouble).eps >= np.finfo(float).eps:
         pytest.skip("no extended precision here")
     n = 60

@@ -24,7 +24,7 @@ By number, what is held here:
 - 17: false claims are counted once, and their problems are named
 - 18: no page has no mesh and a mesh
 - 19: agreement by errors that cancel is listed
-- form: no section is empty; one is no plural
+- form: no section is empty; one is not a plural
 
 And elsewhere, of tables that are made up:
 
@@ -64,7 +64,7 @@ NOISE, ALIKE = 0.2, 1.5  # s, below which noise decides; times that are one, fro
 SOLVED, REFUSED = ("converged", "unstable"), "unsupported"
 PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")  # of a force that was measured
 HEMISPHERE = ("hemisphere", "inward [mm]")
-ERRORS = (("limit", "reference", "limit off"), ("here", "target", "off by"), ("theirs", "ours", "off"))
+ERRORS = (("limit", "reference", "limit off"), ("here", "target", "error"), ("theirs", "ours", "off"))
 LINEAR_WORDS = (
     r"linear strains change the force of the tyre by ([-+][\d.]+) % ± [\d.]+ % at a travel of 20 mm",
     r"20 mm of travel of the tyre .*`linear` \(([-+][\d.]+) %",

@@ -54,7 +54,7 @@ def test_no_table_is_wider_than_the_page(files: dict[str, str]) -> None:
 
 
 def coloured(artist: Artist) -> set[str]:
-    """The colours of a line, of points or of a legend's mark that are no shades of grey."""
+    """The colours of a line, of points or of a legend's mark that are not shades of grey."""
     names = [getattr(artist, f"get_{kind}")() for kind in ("color", "facecolor") if hasattr(artist, f"get_{kind}")]
     every = [each for name in names for each in (name if getattr(name, "ndim", 1) == 2 else [name])]
     shades = [to_rgb(tuple(each)[:3] if not isinstance(each, str) else each) for each in every if len(each) > 0]

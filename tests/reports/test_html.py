@@ -192,7 +192,7 @@ def test_the_foot_stands_below_all_pages() -> None:
 
 
 LOST = {
-    "[x](nowhere.md)": "index.md: a link to nowhere.md, which is no page",
+    "[x](nowhere.md)": "index.md: a link to nowhere.md, which is not a page",
     "[x](tyre.md#nothing)": "links lead nowhere: tyre--nothing",
     "![x](figures/none.svg)": "no picture 'none.svg'",
     "## All": "an id appears twice: index--all",
@@ -207,7 +207,7 @@ def test_what_leads_nowhere_is_refused() -> None:
 
 def test_a_thread_in_public_is_linked_and_nothing_else_outside() -> None:
     assert '<a href="https://github.com/a/b/issues/1">a</a>' in small("[a](https://github.com/a/b/issues/1)")
-    with pytest.raises(ValueError, match="which is no page"):
+    with pytest.raises(ValueError, match="which is not a page"):
         small("[a](https://example.org/b)")
 
 

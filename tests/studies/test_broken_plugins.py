@@ -1,4 +1,4 @@
-"""Algorithms, measures and scenes from outside that lie, fall over or answer with what is no answer."""
+"""Algorithms, measures and scenes from outside that lie, fall over or answer with what is not an answer."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ NO_ANSWER = {
         )
         for name, count in {"a word for a counter": "'b'", "no number": "np.nan", "less than none": "-5"}.items()
     },
-    "a list of rows": ("return replace(found, history=[])", "solve returned a history that is no tuple of rows"),
+    "a list of rows": ("return replace(found, history=[])", "solve returned a history that is not a tuple of rows"),
     "a told event": (
         "return replace(found, history=({'event': 'gave up'},))",
         "solve returned a history with an event that is no Event",
@@ -129,7 +129,7 @@ def test_no_answer_is_one_line_that_names_the_algorithm(what: str, scene: str, o
 LIES = {
     "rest": ("return replace(found, u=np.zeros(n), pressure=np.zeros(m), active=np.zeros(m, bool))", "{worst}"),
     "no number": ("return replace(found, u=np.full(n, np.nan))", "equilibrium is not a number"),
-    "one that is no number": ("found.u[-1] = np.nan; return found", "equilibrium is not a number"),
+    "one that is not a number": ("found.u[-1] = np.nan; return found", "equilibrium is not a number"),
     "infinite": ("return replace(found, u=np.full(n, np.inf))", "equilibrium is not a number"),
     "so large that it overflows": ("return replace(found, u=np.full(n, 1e200))", "equilibrium is not a number"),
 }

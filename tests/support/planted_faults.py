@@ -1,7 +1,7 @@
 """Faulty algorithms and faulty models, and after how many random cases the fuzzer has found each.
 
 A fault is there only while it is looked for: an algorithm of the catalogue, or a function of a model, gives way to a
-wrapped one. A case that breaks a law without the fault is no finding of it.
+wrapped one. A case that breaks a law without the fault is not a finding of it.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def last_ignored(own: Semismooth, problem: ContactProblem, start: ContactSolutio
     return right(own, replace(problem, gap=lambda u: problem.gap(u) + away, only=None), start)
 
 
-@algorithm("it returns what is no number")
+@algorithm("it returns what is not a number")
 def no_number(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """NaN displacements, reported as converged."""
     solution = right(own, problem, start)

@@ -2,7 +2,7 @@
 
 A cell qualifies for a tolerance when the upper confidence bound of its error, the verified error and what its reference
 is uncertain by, meets it, and those of all finer meshes of the same configuration do: a value that crosses its
-reference is no accuracy. Where its formulation alone is further off than the cell, two errors cancel by chance: then
+reference proves no accuracy. Where its formulation alone errs more than the cell, two errors cancel by chance: then
 the formulation's counts, and one that is wrong in any quantity of the scene answers none.
 """
 

@@ -7,7 +7,7 @@ answer need not be unique.
 
 With friction the second solves the equations on the states of the answer; signs and cones are checked by the judge.
 Where the step is a sequence of convex programmes, the oracle must arrive at the same answer without initial states. A
-different answer that passes the judge is no contradiction: the solution is not unique then.
+different answer that passes the judge is not a contradiction: the solution is not unique then.
 This module must not depend on the collection or on a file format.
 """
 
@@ -225,7 +225,7 @@ def confirm_with_friction(
 ) -> FrictionCertified:
     """The answer with the methods that confirm it; raises NotCertifiedError where the equations contradict.
 
-    condition: of K, where it is known; its rounding error is no contradiction, up to the tolerance of the oracle.
+    condition: of K, where it is known; its rounding error is not a contradiction, up to the tolerance of the oracle.
     """
     same = min(max(SAME, ROUNDED * float(np.finfo(float).eps) * condition), AGREEMENT)
     try:

@@ -33,7 +33,7 @@ def _programme(step: FrozenStep) -> sparse.csc_matrix:
     """K of the quadratic programme; raises UsageError where the problem is none."""
     if step.coupling is not None:
         raise UsageError(
-            "consistent coupling: pressures are no multipliers of the gaps, there is no quadratic programme"
+            "consistent coupling: pressures are not multipliers of the gaps, there is no quadratic programme"
         )
     if not symmetric(step.K):
         raise UsageError(
@@ -139,7 +139,7 @@ def read_lcp(path: Path) -> tuple[np.ndarray, np.ndarray]:
             raise ValueError(f"{len(numbers)} of {n * n + n} finite numbers")
     except (ValueError, IndexError) as error:
         reason = str(error)[:200]
-        raise UsageError(f"{path} is no linear complementarity problem of Siconos: {reason}") from None
+        raise UsageError(f"{path} is not a linear complementarity problem of Siconos: {reason}") from None
     return numbers[: n * n].reshape(n, n), numbers[n * n :]
 
 

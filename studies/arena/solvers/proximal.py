@@ -31,7 +31,7 @@ class Proximal(Crossover):
     K du - G^T W dp = -(r - G^T W p), dp = -D (g + G du - exp(psi)), D = exp(-psi)/alpha, definite where K is. psi falls
     by what the step says, FALL at most; it rises as the logarithm of the gap that the step leads to, and so cannot
     overflow. The next proximal step begins with the same pressures once g is as near to exp(psi) as h over the growth
-    of alpha so far: that is no balance, and the pressures of gaps that open lag behind. With ``growth`` 1 the steps
+    of alpha so far: that is not a balance, and the pressures of gaps that open lag behind. With ``growth`` 1 the steps
     find the set of a membrane by themselves, in tens; with 3 they foretell it, in one to four. Once the largest
     p exp(psi) is ``crossover`` of c h^2, the set is where p > c g, and exact steps settle and correct it there.
     h is the depth to which the first linearised step enters the foundation when nothing resists, c the stiffness per

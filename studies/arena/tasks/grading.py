@@ -46,7 +46,7 @@ def read_submission(path: Path) -> dict[str, Claim]:
     try:
         tables = read_toml(path)
     except ValueError as error:
-        raise UsageError(f"{path} is no submission: {str(error).splitlines()[0].partition(';')[0][:200]}") from None
+        raise UsageError(f"{path} is not a submission: {str(error).splitlines()[0].partition(';')[0][:200]}") from None
     submission = {}
     for name, table in tables.items():
         task = tasks().get(name)
@@ -75,7 +75,7 @@ def _claim(task: GradedTask, table: Any) -> Claim:
 
 
 def _text(key: str, value: Any) -> str:
-    """A value as it is written after KEY=; raises UsageError for what is no text, number or list of numbers."""
+    """A value as it is written after KEY=; raises UsageError for what is not a text, number or list of numbers."""
     values = value if isinstance(value, list) else [value]
     kinds: tuple[type, ...] = (int, float) if isinstance(value, list) else (int, float, str)
     if not values or len(values) > LONGEST or any(isinstance(v, bool) or not isinstance(v, kinds) for v in values):

@@ -18,7 +18,7 @@ On meshes with the same d both are of second order: those of :data:`MESHES` have
 the first unloading is made. Another n (mod 5) gives another d.
 
 The length of the slip zone is read in two ways. Counted from the states it is wrong by (d + 1/2) h, first order; as the
-vertex of the parabola of slips it is q h to rounding. The sum of friction over tau is no reading: it is the balance.
+vertex of the parabola of slips it is q h to rounding. The sum of friction over tau is not a reading: it is the balance.
 
 The drum: with the normal force N0 along the strip at rest and N1 at the end that moves, both tension on a drum of
 radius R and both compression in one::

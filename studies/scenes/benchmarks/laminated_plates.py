@@ -120,7 +120,7 @@ class SandwichPlate(Declared):
     They are read as mm and MPa. The printed values are those of the theory of sandwiches, whose faces are membranes:
     they belong into the middle of the lower face, its shear to the middle of the quarter, as a vendor says; at its
     outer side elasticity has 5 % more. The core has no stiffness in its plane but for 1e-6 of that of the faces,
-    without which it is no material, and along the normal that of the faces, ten times of which changes the deflection
+    without which it is not a material, and along the normal that of the faces, ten times which changes the deflection
     by 2e-6 and stresses by less: the printed values neglect how much it gets thinner. Two faces have one shear strain
     for the soft core and the stiff faces: they are too stiff by far.
 

@@ -108,7 +108,7 @@ class Rubber:
         return RubberModel(shell, request.numbers("load_fraction"), read, start)
 
     def _check(self, request: Request) -> None:
-        """In a plane E33 = -nu/(1 - nu) (E11 + E22) by St. Venant-Kirchhoff's law, and -1/2 is no thickness."""
+        """In a plane E33 = -nu/(1 - nu) (E11 + E22) by St. Venant-Kirchhoff's law, and -1/2 is not a thickness."""
         nu, largest = request.number("nu"), max(request.numbers("load_fraction"))
         stretch = 1 + largest * (LARGEST - 1)
         strain = 0.5 * (stretch**2 - 1) * (2 if self.of_sphere else 1)

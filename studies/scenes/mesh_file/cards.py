@@ -40,7 +40,7 @@ def element(deck: Deck, card: Card) -> None:
     kind = card.parameter("TYPE")
     if kind not in QUADS:
         understood = f"understood are {', '.join(QUADS)}"
-        card.refuse(f", TYPE={shown(kind)} {OTHER_KINDS.get(kind, f'is no quadrilateral shell; {understood}')}")
+        card.refuse(f", TYPE={shown(kind)} {OTHER_KINDS.get(kind, f'is not a quadrilateral shell; {understood}')}")
     numbers = []
     for row in card.rows:
         row.at_most(5)

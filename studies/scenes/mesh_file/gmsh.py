@@ -107,7 +107,7 @@ def _by_meshio(path: Path) -> Any:
         message = " ".join(f"{type(error).__name__} {error}".split())[:120]
         if "gmsh:physical" in message:
             raise UsageError(f"{path.name}: has more than its groups: save it with Mesh.SaveAll = 0") from None
-        raise UsageError(f"{path.name}: is no mesh of gmsh in format 2.2 or 4.1: {message}") from None
+        raise UsageError(f"{path.name}: is not a mesh of gmsh in format 2.2 or 4.1: {message}") from None
     if "not closed" in stderr.getvalue():
         raise UsageError(f"{path.name}: is cut off: {' '.join(stderr.getvalue().split())[:120]}")
     return mesh
@@ -180,7 +180,9 @@ def read_gmsh(path: Path) -> Deck:
 
 def _known(mesh: GmshMesh, name: str, said: Said) -> str:
     if name not in mesh.groups:
-        said.refuse(f"is no physical group of the mesh, which has {listed(list(map(shown, mesh.groups)), 8) or 'none'}")
+        said.refuse(
+            f"is not a physical group of the mesh, which has {listed(list(map(shown, mesh.groups)), 8) or 'none'}"
+        )
     return name
 
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NoReturn, Protocol
 
+from contact.interchange.untrusted import read_toml
 from studies.ask.request import UsageError
 
 LARGEST_FILE = 200_000_000  # bytes
@@ -58,7 +58,7 @@ class Row:
             return default
         value = float(re.sub("[dD]", "e", word)) if REAL.fullmatch(word) else math.nan
         if not math.isfinite(value):
-            self.refuse(f"{shown(word)} is no finite number")
+            self.refuse(f"{shown(word)} is not a finite number")
         return value if abs(value) <= LARGEST else self.refuse(f"{shown(word)} must lie in {RANGE}")
 
     def whole(self, place: int, default: int | None = None) -> int:
@@ -68,7 +68,7 @@ class Row:
             return default
         value = int(word) if WHOLE.fullmatch(word) else 0
         if not 1 <= value <= LARGEST_NUMBER:
-            self.refuse(f"{shown(word)} is no whole number in [1, {LARGEST_NUMBER}]")
+            self.refuse(f"{shown(word)} is not a whole number in [1, {LARGEST_NUMBER}]")
         return value
 
     def at_most(self, count: int) -> None:
@@ -176,9 +176,6 @@ def listed(values: Sequence[object], most: int = 4) -> str:
     return ", ".join(map(str, values[:most])) + more
 
 
-LARGEST_TOML = 1_000_000  # bytes
-
-
 @dataclass(frozen=True)
 class Said:
     """A value and where it stands."""
@@ -190,11 +187,9 @@ class Said:
     @classmethod
     def of(cls, path: Path) -> Said:
         """All of a file; raises UsageError for what is not TOML, and OSError."""
-        if path.stat().st_size > LARGEST_TOML:
-            raise UsageError(f"{path}: larger than {LARGEST_TOML // 10**6} MB")
         try:
-            return cls(path.name, "", tomllib.loads(path.read_text(encoding="utf-8")))
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+            return cls(path.name, "", read_toml(path))
+        except ValueError as error:
             raise UsageError(f"{path.name}: is not TOML: {' '.join(str(error).split())}") from None
 
     def refuse(self, why: str) -> NoReturn:

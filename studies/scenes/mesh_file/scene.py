@@ -203,7 +203,7 @@ def words(names: Iterable[str]) -> dict[str, str]:
 
 
 def lengths(x: np.ndarray) -> np.ndarray:
-    """Of vectors (N, 3), those whose squares are no numbers any more, too."""
+    """Of vectors (N, 3), those whose squares are not numbers any more, too."""
     return np.asarray(np.hypot.reduce(x, axis=1))
 
 
@@ -295,7 +295,7 @@ class PressedDeckScene(DeckScene):
         if "over_node" in request.settings:
             at = self.mesh.at([int(request.number("over_node"))])
             if not len(at):
-                raise UsageError(f"over_node = {request.number('over_node'):g} is no node of {self.deck.path.name}")
+                raise UsageError(f"over_node = {request.number('over_node'):g} is not a node of {self.deck.path.name}")
             over = x[at[0]]
         foundation = pressed.placed(request, x, over)
         shell = loaded_shell(body, request, **loads)
@@ -304,7 +304,7 @@ class PressedDeckScene(DeckScene):
 
 @contextmanager
 def entered(name: str, *, on_foundation: bool = False) -> Iterator[DeckScene]:
-    """The scene of a file in the catalogue as long as it lasts; raises UsageError for what is no deck, and OSError."""
+    """The scene of a file in the catalogue as long as it lasts; raises UsageError if it is not a deck, and OSError."""
     scene = (PressedDeckScene if on_foundation else DeckScene)(Path(name), name)
     SCENES[name] = scene
     try:

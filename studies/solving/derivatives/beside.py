@@ -14,7 +14,7 @@ from studies.ask.request import Request, UsageError, Value
 from studies.ask.scene import Scene, Setting, SettlingScene, settings_beside
 from studies.ask.settings import TOLERANCE
 
-TURN = 30.0  # deg: an angle near zero is no small one
+TURN = 30.0  # deg: an angle near zero is not a small one
 CONTINUOUS = ("float", "floats", "path")
 
 
@@ -24,7 +24,7 @@ def differentiable(scene: Scene, request: Request, keys: Sequence[str] = ()) -> 
     every = tuple(key for key, each in known.items() if key in request.settings and _varies(each, request))
     for key in keys:
         if key not in known:
-            raise UsageError(f"{key} is no setting of {scene.name} that could change; those are {', '.join(every)}")
+            raise UsageError(f"{key} is not a setting of {scene.name} that could change; those are {', '.join(every)}")
         if key not in every:
             why = "has no value here" if key not in request.settings else "is not continuous"
             raise UsageError(f"{key} {why}: there is no derivative; there is for {', '.join(every)}")

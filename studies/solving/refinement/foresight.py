@@ -61,7 +61,7 @@ class _Seen:
 
 
 def foresee(scene: Scene, request: Request) -> Foresight | None:
-    """None without two coarser grids, or for a body that is no shell."""
+    """None without two coarser grids, or for a body that is not a shell."""
     many = max(ways(request), 1)
     grids = [near(scene, request, (elements / math.prod(request.mesh)) ** (1 / many)) for elements in ELEMENTS]
     small_grid, large_grid = grids

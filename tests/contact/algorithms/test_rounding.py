@@ -1,4 +1,4 @@
-"""Very stiff problems: rounding that moves nothing is no obstacle, rounding that moves something is an outcome."""
+"""Very stiff problems: rounding that moves nothing is not an obstacle, rounding that moves something is an outcome."""
 
 import math
 

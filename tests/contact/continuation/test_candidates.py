@@ -1,6 +1,6 @@
 """Candidates left out of a step: the answer is that with all of them, whoever turns out to touch.
 
-Starts that are no states of a path: they save iterations, and change neither answers nor what a path remembers.
+Starts that are not states of a path: they save iterations, and change neither answers nor what a path remembers.
 """
 
 from dataclasses import dataclass, field, replace

@@ -103,7 +103,7 @@ def springs(n: int) -> sparse.csc_matrix:
 
 @pytest.mark.parametrize("n", [5, 40, 200])
 def test_a_body_that_only_the_foundation_holds_has_an_eigenvalue_without_a_sign(n: int) -> None:
-    """One node is pressed down; the other translation is free, and is no instability."""
+    """One node is pressed down; the other translation is free, and is not an instability."""
     K = springs(n)
     rotation = np.linalg.qr(np.random.default_rng(n).normal(size=(2, 2)))[0]
     turn = sparse.csc_matrix(sparse.kron(rotation, sparse.eye_array(n)))

@@ -185,7 +185,7 @@ def test_cut_and_flipped_files_are_refused_or_still_the_same(step, tmp_path, rng
 def test_other_files_are_refused(tmp_path) -> None:
     for name, content in {"empty": b"", "text": b"K, r, G", "array": b"\x93NUMPY"}.items():
         (tmp_path / name).write_bytes(content)
-        with pytest.raises(FrozenStepError, match="no frozen contact step"):
+        with pytest.raises(FrozenStepError, match="not a frozen contact step"):
             FrozenStep.read(tmp_path / name)
     with zipfile.ZipFile(tmp_path / "zip", "w") as archive:
         archive.writestr("readme", "hello")

@@ -80,7 +80,7 @@ def test_no_programme_no_answer(rng) -> None:
     refused = {
         "not symmetric": replace(step, K=skew),
         "not positive definite": replace(step, K=saddle),
-        "no multipliers": replace(step, coupling=sparse.csr_matrix(np.diag(step.weights))),
+        "not multipliers": replace(step, coupling=sparse.csr_matrix(np.diag(step.weights))),
     }
     for reason, wrong in refused.items():
         assert reason in str(refusal(wrong))

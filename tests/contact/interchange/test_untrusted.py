@@ -113,9 +113,9 @@ def test_arrays_come_back_as_they_were(tmp_path: Path, rng: np.random.Generator)
         ('{"a":' * 300 + "1" + "}" * 300, "nests deeper"),
         ("1" + "0" * 400, "too large a whole number"),
         ("9" * 5000, "too large a whole number"),
-        ("1e999", "no finite number"),
-        ("[NaN]", "no finite number"),
-        ("-Infinity", "no finite number"),
+        ("1e999", "not a finite number"),
+        ("[NaN]", "not a finite number"),
+        ("-Infinity", "not a finite number"),
         ("{", "Expecting"),
     ],
 )
@@ -137,7 +137,7 @@ def test_only_regular_files_of_their_size_are_read(tmp_path: Path) -> None:
     assert read_bytes(tmp_path / "a", 11) == bytes(11)
     with pytest.raises(ValueError, match="more than the 10 bytes"):
         read_bytes(tmp_path / "a", 10)
-    with pytest.raises(ValueError, match="no regular file"):
+    with pytest.raises(ValueError, match="not a regular file"):
         read_bytes(Path("/dev/zero"))
 
 
@@ -146,3 +146,8 @@ def test_toml_that_nests_without_end_is_refused(text: str, tmp_path: Path) -> No
     (tmp_path / "a.toml").write_text(text)
     with pytest.raises(ValueError, match="nests deeper"):
         read_toml(tmp_path / "a.toml")
+
+
+def test_toml_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbfa = 1\n")
+    assert read_toml(tmp_path / "a.toml") == {"a": 1}

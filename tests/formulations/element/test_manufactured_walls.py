@@ -2,7 +2,7 @@
 
 A bubble of displacements is the solution under the forces that its first Piola-Kirchhoff stresses do work with: F S of
 three-dimensional elasticity on the true surface, integrated on shape functions here and not by the element. Strains are
-taken at the surfaces and are polynomials between them: what they are not on three, where stresses are no polynomials
+taken at the surfaces and are polynomials between them: what they are not on three, where stresses are not polynomials
 either, is left when the mesh is fine. So the bubble is linear through three surfaces, and through five it is quadratic.
 """
 

@@ -179,7 +179,7 @@ def test_loads_and_reactions_balance() -> None:
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_pressure_under_a_pressed_plate_converges_to_what_presses_it(seed) -> None:
-    """A hanging node is no candidate: its area goes to the ends of its edge. Forces balance, pressures have order 2.
+    """A hanging node is not a candidate: its area goes to the ends of its edge. Forces balance, pressures have order 2.
 
     Loads act along the arcs, contact along the straight edges: between the two a moment of the order p l^3 is left.
     """

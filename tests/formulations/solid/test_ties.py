@@ -67,7 +67,7 @@ def test_in_plane_strain_one_node_stands_for_its_line_along_a1() -> None:
 
 @pytest.mark.parametrize("across", [1, 3])
 def test_a_section_has_residual_tangent_and_energy_of_the_whole(rng, across: int) -> None:
-    """Of a mesh that is no grid any more, of two plies, whatever the elements across."""
+    """Of a mesh that is not a grid any more, of two plies, whatever the elements across."""
     plies = Laminate((Ply.isotropic(E, NU, H / 2), Ply.isotropic(3 * E, NU, H / 2)), -H)
     mesh = SolidMesh.build(Plate(), np.linspace(0.0, 1.5, across + 1), np.array([0.0, 0.7, 1.2]), plies)
     x, z = mesh.x[:, 1], mesh.x[:, 2]

@@ -64,7 +64,7 @@ def advice(table: pd.DataFrame, error: float, scene: str = "cantilever") -> Advi
 
 
 def test_what_is_one_ladder() -> None:
-    """Two spellings of one request, but not another iteration; a mesh hardly coarser than the next is no rung."""
+    """Two spellings of one request, but not another iteration; a mesh hardly coarser than the next is not a rung."""
     table = cells(tolerances={1e-9: 0.0})
     written = {"solver": "auto", "element": "refined", "tolerance": "1e-09", "load_fraction": "1.0"}
     table["request"] = [

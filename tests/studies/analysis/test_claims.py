@@ -108,7 +108,7 @@ def test_a_crossing_is_no_convergence() -> None:
 
 
 def test_what_was_not_counted_tests_nothing() -> None:
-    """A tendency and a law of no problem are neither true nor false, and an interval of none is no interval."""
+    """A tendency and a law of no problem are neither true nor false, and an interval of none is not an interval."""
     none = pd.DataFrame({"family": ["uniform"], "element": ["paper"], "unknowns": [9], "error": [0.5], "mesh": ["4x4"]})
     assert [verdict(name, work_precision=none) for name in ("one-grid", "finer-is-better")] == [None, None]
     both = pd.concat([none, none.assign(family="patch", mesh="6x6")]).assign(element="refined")

@@ -45,7 +45,7 @@ def contact() -> pd.DataFrame:
 
 def test_what_became_of_each_problem(contact) -> None:
     table = outcomes(contact).set_index(["axis", "name", "scene"])
-    assert set(table.index.get_level_values("axis")) == {"contact"}  # one measure alone is no comparison
+    assert set(table.index.get_level_values("axis")) == {"contact"}  # one measure alone is not a comparison
     counts = ["planned", "solved", "path_ends", "failed", "refused"]
     assert table.loc[("contact", "lcp", "heavy-strip"), counts].tolist() == [4, 1, 0, 3, 0]
     assert table.loc[("contact", "lcp", "heavy-strip"), "cause"] == "3 iteration limit"

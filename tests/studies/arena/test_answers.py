@@ -199,7 +199,7 @@ def test_what_is_no_answer_is_refused_in_a_line(tmp_path: Path) -> None:
         ('{"du": [1.0], "pressure": [1.0], "claims": {"speed": 3}}', "claim 'speed' must be one of accuracy"),
         ('{"du": [1.0], "pressure": [1.0], "claims": []}', "claims must be a JSON object"),
         ("[]", "must be a JSON object"),
-        ("{", "is no answer"),
+        ("{", "is not an answer"),
     ):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(UsageError, match=fault) as error:

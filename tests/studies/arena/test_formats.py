@@ -16,7 +16,7 @@ from scipy import io, sparse
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS, is_exact
 from contact.interchange.linearised_step import FrozenStep
-from contact.interchange.oracle import Confirmation
+from contact.interchange.oracle import Confirmation, confirm, minimise
 from contact.problem import ContactProblem, ContactSolution
 from studies.arena.answers import accuracy
 from studies.arena.collected.candidates import of_complementarity
@@ -208,6 +208,10 @@ def test_the_oracle_confirms_walls_that_bend_far_more_than_contact_lets_them(sce
     capsys.readouterr()
     assert main(["resolve", frozen, "--oracle"]) == 0
     assert "oracle agrees" in capsys.readouterr().out
+    step = FrozenStep.read(Path(frozen))
+    du, pressure = minimise(step)
+    assert confirm(step, du, pressure).agrees
+    assert not confirm(step, du, pressure * (1 + 1e-4)).agrees  # more than rounding leaves unknown
 
 
 def test_the_command_prints_and_passes(frozen, capsys) -> None:
@@ -247,7 +251,7 @@ def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
 
 WRONG = (
     (["resolve", "nothing.npz"], "nothing.npz"),
-    (["resolve", __file__], "no frozen contact step"),
+    (["resolve", __file__], "not a frozen contact step"),
     (["resolve", __file__, "--contact", "magic"], "semismooth"),
 )
 

@@ -130,8 +130,8 @@ def with_problem(**changes: object) -> str:
         (damaged(machine=[]), "machine = [] must be a JSON object"),
         (damaged(harness="../x"), "16 hexadecimal digits"),
         (damaged(limit_s=True), "limit_s = True must be a number"),
-        (damaged(limit_s=20).replace("20", "1e999"), "no finite number"),
-        (damaged(limit_s=20).replace("20", "NaN"), "no finite number"),
+        (damaged(limit_s=20).replace("20", "1e999"), "not a finite number"),
+        (damaged(limit_s=20).replace("20", "NaN"), "not a finite number"),
         (damaged(limit_s=20).replace("20", "9" * 5000), "too large a whole number"),
         (damaged(limit_s=1e300), "must be a number in [0.001, 1e+06]"),
         (damaged(tolerances=[]), "must be a list of 1 to 10"),
@@ -266,7 +266,7 @@ def test_a_secret_is_asked_for_and_is_long(tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "key").write_bytes(KEY + b"\n")
     assert held_out.secret(tmp_path / "key") == KEY
     (tmp_path / "long").write_bytes(bytes(5000))
-    with pytest.raises(UsageError, match="is no secret"):
+    with pytest.raises(UsageError, match="is not a secret"):
         held_out.secret(tmp_path / "long")
 
 

@@ -105,7 +105,7 @@ def test_wrong_use_is_one_line_and_writes_nothing(
     for arguments, says in (
         ((), "bench solvers needs --problems DIR, --held-out, --against STORE, or several"),
         (("--problems", empty), "no frozen steps (*.npz) in it"),
-        (("--problems", damaged), "c.npz is no frozen contact step"),
+        (("--problems", damaged), "c.npz is not a frozen contact step"),
         ((*given, "--only", "nobody"), "--only 'nobody' must be one of right; slow; liar; absent"),
         ((*given, "--tolerance", "1e-4,x"), "--tolerance '1e-4,x' must be different numbers"),
         ((*given, "--tolerance", "1e-4,1e-4"), "must be different numbers in (0, 1)"),

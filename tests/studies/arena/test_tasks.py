@@ -130,11 +130,11 @@ def test_residuals_are_the_worst_of_all_loads_and_none_is_infinite() -> None:
         ("[rolled-in-one-step]\nsteps = 51", "steps = '51' must be in [1, 50]"),
         ("[rolled-in-one-step]\nsteps = 1.5", "steps = '1.5' must be a whole number"),
         ("[rolled-by-donnell]\nmeasure = 'mine'", "measure 'mine' must be one of"),
-        ("[trapezoids", "is no submission"),
-        ("[trapezoids]\n[trapezoids]", "is no submission"),
-        ("\xff", "is no submission"),
-        ("a" * 300_000, "is no submission"),
-        ("x = " + "[" * 100 + "]" * 100, "is no submission"),
+        ("[trapezoids", "is not a submission"),
+        ("[trapezoids]\n[trapezoids]", "is not a submission"),
+        ("\xff", "is not a submission"),
+        ("a" * 300_000, "is not a submission"),
+        ("x = " + "[" * 100 + "]" * 100, "is not a submission"),
     ],
 )
 def test_what_is_no_submission_is_one_line(

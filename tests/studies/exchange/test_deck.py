@@ -90,7 +90,7 @@ def test_the_pressure_is_on_every_inner_face_and_pushes_into_the_wall() -> None:
 
 
 def test_supports_along_turned_axes_are_held_in_them() -> None:
-    """The far edge of a sector of a cylinder slides in a plane that is no coordinate plane."""
+    """The far edge of a sector of a cylinder slides in a plane that is not a coordinate plane."""
     problem = problem_of("pressurised-cylinder", {}, "2x3")
     actual = keywords(deck(problem))
     turned = [int(word) for row in data(actual, "*NSET, NSET=TURNED") for word in row]

@@ -49,8 +49,8 @@ def test_a_curve_leaves_out_what_is_not_told(cantilever: Problem, tmp_path: Path
 
 def test_what_is_no_result_is_told_in_one_line(cantilever: Problem, tmp_path: Path) -> None:
     for text, said in (
-        ("", "no table of numbers"),
-        ("load_fraction,force_N\n1,two\n", "no table of numbers"),
+        ("", "not a table of numbers"),
+        ("load_fraction,force_N\n1,two\n", "not a table of numbers"),
         ("delta_mm,force_N\n1,2\n", "no column 'load_fraction'; it has delta_mm, force_N"),
         ("load_fraction,node,ux_mm,uy_mm\n1,1,0,0\n", "no column 'uz_mm'"),
         ("load_fraction,node,ux_mm,uy_mm,uz_mm\n1,0,0,0,0\n", r"node = 0 must be a whole number in \[1, "),

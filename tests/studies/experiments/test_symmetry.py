@@ -136,7 +136,7 @@ class Refusing(Semismooth):
 @pytest.mark.slow
 def test_what_is_wrong_with_an_algorithm_is_found_by_the_check_for_it() -> None:
     """A wrong sign by the asymmetry itself, whatever the judge says; a hidden length by the units, and an order that
-    matters by renumbering. What is refused is no accident.
+    matters by renumbering. What is refused is not an accident.
     """
     wrong = {each.name: each for each in (Unsigned, Absolute, Forgetful, Refusing)}
     table = symmetry_table({"exact": EXACT}, wrong).set_index(["algorithm", "check"])

@@ -203,7 +203,7 @@ def test_an_update_is_recorded_and_then_holds(baseline: Path) -> None:
         (BOUNDS.replace("relative = 0.04", "relative = -1", 1), r"relative and absolute in \[0, inf\)"),
         (BOUNDS + "relativ = 1\n", "'relativ'"),
         (BOUNDS.replace("[[bound]]", "[bound", 1), "cannot be read"),
-        ("[bound]\ncolumn = 'error.*'\n", r"bound 1 is no table: \[\[bound\]\] has two brackets"),
+        ("[bound]\ncolumn = 'error.*'\n", r"bound 1 is not a table: \[\[bound\]\] has two brackets"),
     ],
 )
 def test_bounds_are_refused_in_one_line(tmp_path: Path, broken: str, message: str) -> None:

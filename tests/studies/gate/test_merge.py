@@ -78,7 +78,7 @@ def test_counters_are_claims(elsewhere: Elsewhere, tmp_path: Path) -> None:
 def test_a_store_is_not_merged_into_itself_nor_what_is_none(elsewhere: Elsewhere, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="cannot be merged into itself"):
         merge(elsewhere.root, elsewhere.root)
-    with pytest.raises(UsageError, match="is no store: it has no campaign"):
+    with pytest.raises(UsageError, match="is not a store: it has no campaign"):
         merge(tmp_path / "nothing", tmp_path / "here")
     assert not (tmp_path / "here").exists()
 

@@ -65,7 +65,7 @@ def test_tables_are_files_within_bounds(store: Path, monkeypatch: pytest.MonkeyP
         check_store(store)
     (store / "tables" / "t.csv").unlink()
     os.mkfifo(store / "tables" / "u.csv")
-    with pytest.raises(UsageError, match="no regular file"):
+    with pytest.raises(UsageError, match="not a regular file"):
         check_store(store)
 
 

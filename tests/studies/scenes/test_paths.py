@@ -70,7 +70,7 @@ def test_a_notebook_reads_the_curve_where_the_load_passes() -> None:
 def test_the_picture_is_drawn_from_the_curve(path: str, tmp_path: Path) -> None:
     run = studies.footprint.solve("roof-a", mesh="2x2", path=path)
     drawn = run.figures()[0].axes[0].lines[0].get_xydata()
-    assert drawn[0].tolist() == [0.0, 0.0]  # rest, which is no row
+    assert drawn[0].tolist() == [0.0, 0.0]  # rest, which is not a row
     assert drawn[1:, 1].tolist() == pytest.approx(run.result.table("curve").columns["load_fraction"])
 
 

@@ -69,7 +69,7 @@ def test_scenes_without_contact_are_certified_too() -> None:
 
 
 def test_a_state_of_rest_is_certified_against_an_open_foundation(tyre) -> None:
-    """Zero displacement under load is no equilibrium, and is named so."""
+    """Zero displacement under load is not an equilibrium, and is named so."""
     problem, state, _ = tyre
     rest = ContactSolution.at_rest(len(state.u), len(state.pressure))
     actual = certificate(problem, rest)

@@ -120,7 +120,7 @@ def test_what_has_no_derivative_is_refused_before_anything_is_solved(tmp_path, c
     for asked, said in (
         (("--gradient", "force_N:plies"), "plies is not continuous"),
         (("--gradient", "force_N:E_MPa"), "E_MPa has no value here"),
-        (("--gradient", "force_N:colour"), "colour is no setting of tyre"),
+        (("--gradient", "force_N:colour"), "colour is not a setting of tyre"),
         (("--gradient", ":p0_MPa"), "must be QUANTITY"),
         (("--check-gradient",), "give both"),
     ):

@@ -26,7 +26,7 @@ from formulations.strains.catalogue import MEASURES
 
 
 def wavy_meridian(a1: np.ndarray) -> MeridianPoint:
-    """A meridian with nothing constant: A1, k1, k2 and B1 all vary, and a1 is no arc length."""
+    """A meridian with nothing constant: A1, k1, k2 and B1 all vary, and a1 is not an arc length."""
     return MeridianPoint(
         r=2 + 0.4 * np.sin(a1),
         z=1.4 * a1 + 0.2 * a1**2,

@@ -109,7 +109,7 @@ def test_files_that_are_none_are_told(tmp_path) -> None:
     (tmp_path / "none.hdf5").unlink()
     actual = table([tmp_path])
     assert actual["outcome"].tolist() == [UNDECIDED]
-    assert "the file is no frictional problem" in actual["reason"][0]
+    assert "the file is not a frictional problem" in actual["reason"][0]
 
 
 def _models() -> dict[str, tuple[Any, list[float], np.ndarray]]:

@@ -93,7 +93,7 @@ def test_a_wedge_of_a_ring_under_pressure_grows(tmp_path) -> None:
     [
         ("*TRANSFORM, NSET=ENDS, TYPE=C", ["*TRANSFORM, NSET=ENDS, TYPE=S"], "TYPE=S is not understood"),
         ("0., 0., 5., 0., 0., 7.", ["0., 0., 5., 0., 0., 5."], "these two points make no axes"),
-        ("0., 0., 5., 0., 0., 7.", ["9., 0., 5., 9., 0., 1e999"], "1e999 is no finite number"),
+        ("0., 0., 5., 0., 0., 7.", ["9., 0., 5., 9., 0., 1e999"], "1e999 is not a finite number"),
         ("0., 0., 5., 0., 0., 7.", [numbers([*FIRST, 0.0, *FIRST, 1.0])], "node 1 lies on the axis"),
         ("*BOUNDARY", ["*TRANSFORM, NSET=ENDS", "1., 0., 0., 0., 1., 0.", "*BOUNDARY"], "is the second one of node 1"),
     ],

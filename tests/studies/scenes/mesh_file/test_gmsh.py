@@ -163,7 +163,7 @@ def test_plies_points_and_degrees(tmp_path, form) -> None:
         ('material = "steel"', 'material = "lead"', "sections.skin.material: there is no material lead"),
         ("thickness = 0.5", "thickness = -0.5", "thickness = -0.5 must be a positive number"),
         ('root = "ENCASTRE"', "root = [1, 7]", "supports.root[1] must be one of 1 to 6"),
-        ('root = "ENCASTRE"', 'foot = "ENCASTRE"', "foot is no physical group of the mesh, which has root, tip, skin"),
+        ('root = "ENCASTRE"', 'foot = "ENCASTRE"', "foot is not a physical group of the mesh, which has root, tip"),
         ('root = "ENCASTRE"', 'root = "GLUED"', "supports.root: understood are ENCASTRE, PINNED"),
         ("tip = [0.0, 0.0, 1e-3]", "tip = [0.0, 0.0]", "forces.tip must be a list of 3"),
         ("tip = [0.0, 0.0, 1e-3]", "skin = [0.0, 0.0, 1.0]", "forces.skin must be a group of points, or of lines"),
@@ -214,7 +214,7 @@ def without(kind: str, nodes: Sequence[int]) -> Groups:
         (without("quad9", (1, 3, 4, 2, 5, 6, 7, 8, 9)), "of second order; mesh in gmsh with Mesh.ElementOrder = 1"),
         (without("quad", (1, 3, 3, 2)), "element 1 has a node twice"),
         (STRIP[:2], "0 quadrilaterals, understood are 1 to"),
-        ([("root", "line", [(1, 2)]), *STRIP[2:]], "supports.foot is no physical group"),
+        ([("root", "line", [(1, 2)]), *STRIP[2:]], "supports.foot is not a physical group"),
     ],
 )  # fmt: skip
 def test_meshes_that_are_none_of_quadrilaterals(tmp_path, capsys, form, groups, words) -> None:

@@ -89,7 +89,7 @@ def test_it_is_dragged_with_friction(tmp_path) -> None:
     [
         (["foundation=plane"], "a foundation without delta_mm presses a shell without loads nowhere"),
         (["foundation=plane", "towards_3=0", "delta_mm=1"], "towards_1, towards_2 and towards_3 are all 0"),
-        (["foundation=sphere", "over_node=99", "delta_mm=1"], "over_node = 99 is no node of panel.inp"),
+        (["foundation=sphere", "over_node=99", "delta_mm=1"], "over_node = 99 is not a node of panel.inp"),
         (["foundation=plane", "cleat_top_mm=3", "delta_mm=1"], "a foundation 'plane' has no cleat_top_mm"),
         (["foundation=wall"], "wall"),
         (["delta_mm=1"], "has no setting 'delta_mm'"),
