@@ -12,7 +12,7 @@ import pandas as pd
 from studies.ask.request import UsageError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, check_file, reading
-from studies.gate.baseline import COMMAND, HERE, OUTCOME, TOLERANCES, Bound, read_bounds
+from studies.gate.baseline import COMMAND, HERE, OUTCOME, TOLERANCES, UPDATE, Bound, read_bounds
 from studies.gate.compare import (
     UNFINISHED,
     NothingComparedError,
@@ -227,7 +227,7 @@ def _check(options: argparse.Namespace, table: pd.DataFrame, baseline: Path) -> 
     verdict = f"{len(wrong)} values are not what they were" if wrong else "nothing is worse"
     print(f"check: {len(table)} cells of {options.campaign} against {baseline}: {verdict}{better}")
     if wrong:
-        print("what is meant to be so: footprint check --update --owner NAME --reason TEXT")
+        print(f"if the change is intended: {UPDATE.format(options.campaign)}")
     return FAILED if wrong else OK
 
 

@@ -70,7 +70,7 @@ def crushed_ring_study(
 ) -> Iterator[Row]:
     """A row for each body, mesh and travel: study, body, kind, of, input, change, mesh, size, delta_mm, force_N.
 
-    least_stretch, largest_stretch: of solids.  study: "meshes"; "inputs": one of the data changed by half its last digit
+    least_stretch, largest_stretch: of solids.  study: "meshes"; "inputs": a datum changed by half its last digit
     ``change`` [in its unit], by the shell of the exact measure; "states": Hencky's solid with free sides, in three
     dimensions.  Raises RuntimeError where one does not converge.
     """

@@ -97,6 +97,9 @@ def bound_of(bounds: tuple[Bound, ...], label: str, column: str) -> Bound:
     raise UsageError(f"no bound covers {column} of {label!r}: add one to {TOLERANCES}, with owner, date and reason")
 
 
+UPDATE = "footprint check --campaign {} --update --owner NAME --reason TEXT"
+
+
 def read_baseline(path: Path) -> pd.DataFrame:
     """COLUMNS as texts; raises UsageError when it is missing, damaged, has a value twice, or lacks one."""
     try:
@@ -104,9 +107,7 @@ def read_baseline(path: Path) -> pd.DataFrame:
         cells = table.pivot(index="label", columns="column", values="value")
         cells.drop(columns=[OUTCOME, COMMAND]).astype(float)
     except FileNotFoundError:
-        raise UsageError(
-            f"{path}: no baseline; footprint check --update --owner NAME --reason TEXT makes one"
-        ) from None
+        raise UsageError(f"{path}: no baseline; {UPDATE.format(path.stem)} makes one") from None
     except (ValueError, KeyError, OSError) as error:
         raise UsageError(f"{path}: cannot be read: {' '.join(str(error).split())}") from None
     if cells[[OUTCOME, COMMAND]].isna().any(axis=None):

@@ -246,7 +246,7 @@ def test_a_damaged_baseline_is_refused(tmp_path: Path, text: str, message: str) 
 
 
 def test_a_missing_baseline_says_how_to_make_one(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="check --update --owner NAME --reason TEXT makes one"):
+    with pytest.raises(UsageError, match=r"check --campaign quick --update --owner NAME --reason TEXT makes one"):
         check(campaign(), tmp_path / "quick.csv")
 
 
