@@ -249,7 +249,7 @@ def follow(
                 if first_enough(errors(cascade.values, limit), NONE, cascade.error - beyond) is not None:
                     return ""
         grid = near(cascade.scene, grid, FINER)
-    return reason
+    return reason or f"no grid is finer than {text}; one element along a coordinate stays one"
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:

@@ -230,6 +230,13 @@ def test_nothing_that_is_enough_is_not_converged(tmp_path, capsys) -> None:
     assert (actual["outcome"], actual["recommended"], actual["variants"]) == (NOT_ANSWERED, None, [])
 
 
+def test_a_grid_that_cannot_be_refined_is_named() -> None:
+    assert (
+        "measure exact: no grid is finer than 1x1; one element along a coordinate stays one"
+        in choose("ring", {}, 0.01, 20.0, mesh="1x1").uncertain
+    )
+
+
 @pytest.mark.slow
 def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
     words = ["choose", "pressed-arch", "--error", "3%", "--use", str(PLUGIN), "--out", str(tmp_path)]
