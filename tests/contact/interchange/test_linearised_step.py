@@ -256,9 +256,9 @@ RUBBED_DAMAGE = {
     "mu no number": (lambda s: {"mu": s.mu * math.nan}, "mu must be"),
     "one mu": (lambda s: {"mu": s.mu[:1]}, "mu must be"),
     "NaN in S": (lambda s: {"S_data": s.S.data * math.nan}, "S_data must be"),
-    "index of S": (lambda s: {"S_indices": s.S.indices + 1000}, "S is no 10 x 17"),
+    "index of S": (lambda s: {"S_indices": s.S.indices + 1000}, "S is not a 10 x 17"),
     "fractional index": (lambda s: {"S_indices": s.S.indices + 0.5}, "whole numbers"),
-    "short S": (lambda s: {"S_indptr": s.S.indptr[:-1]}, "S is no"),
+    "short S": (lambda s: {"S_indptr": s.S.indptr[:-1]}, "S is not"),
     "no residual": (lambda s: {"r": None}, "r"),
 }
 
