@@ -28,23 +28,23 @@ COMMANDS = {  # the module of each, below studies.commands, and its help
     "show": ("parts", "show a scene, a measure or an algorithm with its settings"),
     "solve": ("solve", "solve one scene into a directory"),
     "choose": ("choose", "recommend measure, algorithm, element and mesh for a scene, with the price"),
-    "sweep": ("sweep", "solve a scene over one setting or two, every combination"),
+    "sweep": ("sweep", "solve a scene for all combinations of one or two settings"),
     "resolve": ("problems", "solve one frozen contact problem again, alone, and judge it"),
     "export": ("exchange", "write a scene as a deck, a mesh or a neutral sheet for another program"),
     "problems": ("problems", "frozen contact problems for other programs, and a judge of their answers"),
     "leaderboard": ("bench_solvers", "write the ranking of solvers of frozen contact problems as a page"),
-    "tasks": ("problems", "grade a submission on runs that go wrong: false claims cost"),
+    "tasks": ("problems", "list the graded tasks, or grade a submission"),
     "judge-field": ("exchange", "compare the field or curve of another program with a scene's"),
     "run": ("campaigns", "solve the missing cells of a campaign"),
-    "merge": ("campaigns", "take the cells of another store, each recomputed first"),
+    "merge": ("campaigns", "merge the cells of another store, after recomputing each"),
     "table": ("campaigns", "print the cells of a campaign: requests and outcomes"),
     "time": ("campaigns", "time the converged cells of a campaign, one at a time"),
-    "analyse": ("campaigns", "compute the tables that the pages are made of"),
+    "analyse": ("campaigns", "compute the tables of the pages"),
     "report": ("campaigns", "write the pages of a store"),
     "advise": ("advise", "look up the cheapest configuration of a scene that meets a tolerance"),
     "check": ("comparison", "compare a fresh campaign with the committed baseline"),
     "compare": ("comparison", "compare two stores, as a comment for a review or a page"),
-    "card": ("parts", "judge a part of yours on one page: laws, answers, costs"),
+    "card": ("parts", "judge a measure, algorithm or solver on one page: laws, answers, costs"),
     "extremes": ("sweep", "solve and judge one point of a map of extremes"),
     "fuzz": ("sweep", "solve one random case again and check its laws"),
     "bench": ("bench", "time a solve and its growth, the harness, other programs and solvers"),
@@ -182,7 +182,12 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
             module = importlib.import_module(f"studies.commands.{place}")
             function = name.replace("-", "_")
             getattr(module, f"add_{function}")(command)
-            command.add_argument("--use", action="append", metavar="FILE.py", help="parts of your own, from a file")
+            command.add_argument(
+                "--use",
+                action="append",
+                metavar="FILE.py",
+                help="load your own measures, algorithms, scenes or solvers",
+            )
             command.set_defaults(run=getattr(module, f"run_{function}"))
     return parser
 

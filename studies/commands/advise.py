@@ -25,13 +25,13 @@ SHIPPED = "standard"
 
 def add_advise(parser: argparse.ArgumentParser) -> None:
     """The question and the campaign that answers it."""
-    parser.add_argument("scene", help="of footprint list scenes")
-    parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
-    parser.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
-    help_text = f"of its cells; default {STORE} where it has the campaign, else the campaign {SHIPPED} as it is shipped"
+    parser.add_argument("scene", help="a scene of footprint list scenes")
+    parser.add_argument("--error", required=True, metavar="E", help="relative error, e.g. 1%%")
+    parser.add_argument("--quantity", metavar="NAME", help="quantity, e.g. force_N; default the first one of the scene")
+    help_text = f"store of the campaign; default {STORE} if it has the campaign, else the shipped campaign {SHIPPED}"
     parser.add_argument("--store", type=Path, metavar="DIR", help=help_text)
-    parser.add_argument("--campaign", default=SHIPPED, help="whose cells are asked")
-    parser.add_argument("--cost", default="seconds", help="dofs, seconds or operations; default seconds")
+    parser.add_argument("--campaign", default=SHIPPED, help="campaign whose cells are compared")
+    parser.add_argument("--cost", default="seconds", help="cost: dofs, seconds or operations; default seconds")
     add_settings(parser)
 
 
@@ -47,7 +47,7 @@ def run_advise(options: argparse.Namespace) -> int:
         if options.scene not in SCENES:
             raise
         _say_limit(options, complete(options.scene, given)[1].settings, tolerance)
-        raise UsageError(f"{error}; for your own scene: {_choose(options, given)}") from None
+        raise UsageError(f"{error}; for your own settings: {_choose(options, given)}") from None
     _say_limit(options, Settings(question.values), tolerance)
     advice = advise(question, tolerance)
     print("\n".join([*lines(advice), *filter(None, [worth(store), *_beyond(options, question, given)])]))
@@ -80,7 +80,8 @@ def _beyond(options: argparse.Namespace, question: Question, given: dict[str, st
         was = " ".join(f"{key}={question.settings[key]}" for key in other)
         here = " ".join(f"{key}={text}" for key, text in other.items())
         yield f"extrapolated: solved with {was}, not with {here}"
-    yield f"seconds are of the machine of the campaign; for your own scene, here: {_choose(options, given)}"
+    here = _choose(options, given)
+    yield f"seconds are those of the machine that ran the campaign; for your own settings on this machine: {here}"
 
 
 def _choose(options: argparse.Namespace, given: dict[str, str]) -> str:

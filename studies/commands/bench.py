@@ -24,14 +24,14 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     tables = parser.add_subparsers(metavar=names, parser_class=type(parser))
 
     newton = tables.add_parser("newton", help="one Newton step on one mesh")
-    newton.add_argument("--mesh", default="42x40", metavar="N1xN2", help="of the tyre")
+    newton.add_argument("--mesh", default="42x40", metavar="N1xN2", help="mesh of the tyre")
     newton.set_defaults(bench=_scaling)
 
     scaling = tables.add_parser("scaling", help="one Newton step from 2,000 to a million unknowns")
-    scaling.add_argument("--mesh", metavar="N1xN2,...", help="several, comma-separated")
+    scaling.add_argument("--mesh", metavar="N1xN2,...", help="meshes, comma-separated")
     scaling.set_defaults(bench=_scaling)
 
-    tables.add_parser("overhead", help="what running a cell costs beside solving it").set_defaults(bench=_overhead)
+    tables.add_parser("overhead", help="cost of running a cell in addition to solving it").set_defaults(bench=_overhead)
 
     peers = tables.add_parser("peers", help="other programs beside shells")
     peers.add_argument("--only", metavar="PROBLEM", help="one problem, e.g. hemisphere")
@@ -39,12 +39,12 @@ def add_bench(parser: argparse.ArgumentParser) -> None:
     peers.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     peers.set_defaults(bench=_peers)
 
-    programs = tables.add_parser("programs", help="CalculiX on decks of ours, scene by scene; resumes")
+    programs = tables.add_parser("programs", help="CalculiX on exported decks, scene by scene; resumes")
     programs.add_argument("--only", metavar="CASE", help="one case, e.g. hemisphere")
     add_store(programs)
     programs.set_defaults(bench=_programs)
 
-    add_solvers(tables.add_parser("solvers", help="who solves frozen contact problems, and how well"))
+    add_solvers(tables.add_parser("solvers", help="which solvers solve frozen contact problems, and how well"))
 
 
 def run_bench(options: argparse.Namespace) -> int:

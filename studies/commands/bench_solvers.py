@@ -28,20 +28,22 @@ SOLVER_ROUNDS, LIMIT_S, TOLERANCES = 3, 20.0, "1e-4,1e-6,1e-8"
 
 def add_solvers(parser: argparse.ArgumentParser) -> None:
     """A run, a comparison of two, or both."""
-    parser.add_argument("--problems", type=Path, metavar="DIR", help="frozen steps (*.npz); without it nothing is run")
-    parser.add_argument("--out", type=Path, default=STORE, metavar="STORE", help="where results and tables go")
+    parser.add_argument(
+        "--problems", type=Path, metavar="DIR", help="frozen problems (*.npz); without it no solver runs"
+    )
+    parser.add_argument("--out", type=Path, default=STORE, metavar="STORE", help="directory of results and tables")
     parser.add_argument("--rounds", type=int, default=SOLVER_ROUNDS, help="solves of each problem")
     limit = f"processor time of a solve, default {LIMIT_S:g}"
     parser.add_argument("--limit", type=float, default=LIMIT_S, metavar="SECONDS", help=limit)
-    parser.add_argument("--tolerance", default=TOLERANCES, metavar="T,...", help="that solvers are asked for")
-    parser.add_argument("--only", action="append", default=[], metavar="SOLVER", help="one solver; as often as wanted")
-    parser.add_argument("--ablation", action="store_true", help="the settings of OSQP, one at a time, instead")
-    drawn = "problems drawn from the secret in a file, or in FOOTPRINT_ARENA_SECRET, in memory alone"
+    parser.add_argument("--tolerance", default=TOLERANCES, metavar="T,...", help="tolerances to request of the solvers")
+    parser.add_argument("--only", action="append", default=[], metavar="SOLVER", help="one solver; may be repeated")
+    parser.add_argument("--ablation", action="store_true", help="vary the settings of OSQP one at a time instead")
+    drawn = "problems drawn from the secret in FILE, or in FOOTPRINT_ARENA_SECRET; never written to disk"
     parser.add_argument("--held-out", type=Path, nargs="?", const=Path(), metavar="FILE", help=drawn)
     handed = "write what each solver has done on the collection, a JSON each, for footprint leaderboard"
     parser.add_argument("--results", type=Path, metavar="DIR", help=handed)
-    parser.add_argument("--against", type=Path, metavar="STORE", help="another run: do solvers rank alike?")
-    parser.add_argument("--use", action="append", metavar="FILE.py", help="solvers of your own, from a file")
+    parser.add_argument("--against", type=Path, metavar="STORE", help="another run: compare the ranking of the solvers")
+    parser.add_argument("--use", action="append", metavar="FILE.py", help="load your own solvers")
     parser.set_defaults(bench=_solvers)
 
 
@@ -52,7 +54,7 @@ def _solvers(options: argparse.Namespace) -> int:
     field = FIELDS["osqp" if options.ablation else "solver"]
     asks = options.problems is not None or options.held_out is not None
     if options.ablation and (options.results is not None or options.held_out is not None):
-        raise UsageError("--results and --held-out are of solvers, not of --ablation")
+        raise UsageError("--results and --held-out do not apply to --ablation")
     if options.results is not None and not asks:
         raise UsageError("--results needs --problems DIR, --held-out, or both")
     if asks:
@@ -158,8 +160,10 @@ def _ranks_compared(ranks: pd.DataFrame) -> int:
 
 def add_leaderboard(parser: argparse.ArgumentParser) -> None:
     """The folder and where the page goes."""
-    parser.add_argument("results", type=Path, metavar="RESULTS", help="a folder of what bench solvers has written")
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where leaderboard.md and .html go")
+    parser.add_argument("results", type=Path, metavar="RESULTS", help="directory written by bench solvers --results")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="directory of leaderboard.md and leaderboard.html"
+    )
 
 
 def run_leaderboard(options: argparse.Namespace) -> int:

@@ -32,20 +32,22 @@ def add_run(parser: argparse.ArgumentParser) -> None:
     from studies.fuzz.cases import KINDS
     from studies.run.task import Limits
 
-    parser.add_argument("campaign", help=f"a name of its own, or a .toml file; {fuzz.NAME}: random cases")
+    parser.add_argument(
+        "campaign", help=f"a campaign of footprint list campaigns, a .toml file, or {fuzz.NAME} for random cases"
+    )
     add_store(parser)
     add_trust(parser)
     parser.add_argument("--engine", default="serial", help="serial, local:N or dask:ADDRESS; default serial")
-    parser.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
+    parser.add_argument("--resume", action="store_true", help="only continue a campaign that the store has")
     parser.add_argument("--fields", action="store_true", help="keep the fields of every cell, for footprint merge")
     usual, short = Limits(), fuzz.LIMITS
-    help_text = f"of one cell, default {usual.time_s:g}; of a random case {short.time_s:g}"
+    help_text = f"wall time of a cell, default {usual.time_s:g}; of a random case {short.time_s:g}"
     parser.add_argument("--time-limit", type=float, metavar="S", help=help_text)
-    help_text = f"of one cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
+    help_text = f"memory of a cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
     parser.add_argument("--memory-limit", type=float, metavar="MB", help=help_text)
-    seeds = f"of {fuzz.NAME}: its cases from A on, before B, by default {fuzz.SEEDS}"
+    seeds = f"with {fuzz.NAME}: cases A to B - 1, default {fuzz.SEEDS}"
     parser.add_argument("--seeds", metavar="A:B", default="", help=seeds)
-    parser.add_argument("--kind", choices=list(KINDS), default="", help=f"of {fuzz.NAME}: of all its cases")
+    parser.add_argument("--kind", choices=list(KINDS), default="", help=f"with {fuzz.NAME}: kind of all cases")
 
 
 def run_run(options: argparse.Namespace) -> int:
@@ -60,7 +62,7 @@ def run_run(options: argparse.Namespace) -> int:
         return _run_fuzz(options)
     for name in ("seeds", "kind"):
         if getattr(options, name):
-            raise UsageError(f"--{name} is of {FUZZ}, not of {options.campaign}")
+            raise UsageError(f"--{name} applies to {FUZZ} only, not to {options.campaign}")
     limits = _limits_of(options, Limits())
     campaign = find(options.campaign, trust=options.trust)
     with progress_bar(campaign.name) as advance:
@@ -102,7 +104,7 @@ def _run_fuzz(options: argparse.Namespace) -> int:
     from studies.fuzz import examine as fuzz
 
     if options.fields:
-        raise UsageError(f"--fields is of cells, {fuzz.NAME} has none")
+        raise UsageError(f"--fields does not apply to {fuzz.NAME}")
     limits = _limits_of(options, fuzz.LIMITS)
     seeds = _seeds(options.seeds or fuzz.SEEDS)
     with progress_bar(fuzz.NAME) as advance:
@@ -161,7 +163,7 @@ def add_time(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("campaign", help=CAMPAIGN)
     add_store(parser)
     add_trust(parser)
-    parser.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
+    parser.add_argument("--only", default="", metavar="REGEX", help="time only cells whose labels match")
 
 
 def run_time(options: argparse.Namespace) -> int:
@@ -222,9 +224,12 @@ PAGES = Path("reports/pages")
 def add_report(parser: argparse.ArgumentParser) -> None:
     """The store, which campaign of it, and where the pages lie."""
     add_store(parser)
-    parser.add_argument("--campaign", metavar="NAME", help="which, where the store has several")
+    parser.add_argument("--campaign", metavar="NAME", help="campaign, if the store has several")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help=f"where pages lie; default {PAGES}, or the campaign's folder there"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help=f"directory of the pages; default {PAGES}, or the folder of the campaign there",
     )
     parser.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
 

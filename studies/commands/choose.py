@@ -12,7 +12,16 @@ import numpy as np
 
 from studies.answers import write_choice
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
+from studies.commands.options import (
+    SCENE,
+    add_settings,
+    add_solving,
+    check_directory,
+    named,
+    of_file,
+    pairs,
+    progress_line,
+)
 from studies.output.terminal import columns
 from studies.solving.choice import Choice
 from studies.solving.choose import BUDGET, ERROR, choose
@@ -23,18 +32,14 @@ from studies.solving.refinement.error_control import parse_error
 
 def add_choose(parser: argparse.ArgumentParser) -> None:
     """The scene, the error, the budget, and where the answer goes."""
-    parser.add_argument(
-        "scene", help="footprint list scenes; or a shell: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
-    )
-    parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative, by default {ERROR}%")
-    parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
-    parser.add_argument(
-        "--budget", default=f"{BUDGET:g}s", metavar="SECONDS", help=f"of wall time, default {BUDGET:g}s"
-    )
-    mesh = "N1xN2, the coarsest grid; by default a quarter of that of the scene"
-    add_solving(parser, "the algorithm of reference; by default semismooth", mesh)
+    parser.add_argument("scene", help=SCENE)
+    parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative error, default {ERROR}%")
+    parser.add_argument("--of", metavar="QUANTITY", help="quantity; default the force, or the first one of the scene")
+    parser.add_argument("--budget", default=f"{BUDGET:g}s", metavar="SECONDS", help=f"wall time, default {BUDGET:g}s")
+    mesh = "N1xN2, the coarsest grid; default a quarter of that of the scene"
+    add_solving(parser, "reference algorithm; default semismooth", mesh)
     add_settings(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the answer goes")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="directory of the answer")
 
 
 def run_choose(options: argparse.Namespace) -> int:
@@ -69,13 +74,13 @@ def lines(choice: Choice) -> Iterator[str]:
         yield f"{asked}; the exact measure{wall} in the limit: {known}"
         yield from _table(choice.variants, _variant)
     if choice.algorithms:
-        yield "contact algorithms, each from rest and judged:"
+        yield "contact algorithms, each solved from rest and judged:"
         yield from _table(choice.trials, _trial)
     for name, offer in (("recommended", choice.recommended), ("runner-up", choice.runner_up)):
         if offer is not None:
             yield from _offer(name, offer)
     if choice.recommended and choice.runner_up and choice.runner_up.seconds < choice.recommended.seconds:
-        yield f"  quicker, but a change of what is asked for has to save {100 * (1 - FASTER):.0f} %, loading included"
+        yield f"  quicker, but a change of the request must save {100 * (1 - FASTER):.0f} %, loading included"
     yield from (f"uncertain: {sentence}" for sentence in choice.uncertain)
     yield f"{choice.seconds:.3g} s of {choice.budget:g} s"
     if choice.reason:

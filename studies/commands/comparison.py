@@ -42,10 +42,10 @@ TIMES = ("cell", "A [s]", "B [s]", "change", "floor", "adjusted p")
 
 def add_compare(parser: argparse.ArgumentParser) -> None:
     """Two stores and the campaign."""
-    parser.add_argument("before", type=Path, metavar="A", help="the store before")
-    parser.add_argument("now", type=Path, metavar="B", help="the store of now")
-    parser.add_argument("--campaign", metavar="NAME", help="which, where stores have several; default quick")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write it as one page of HTML, with the pictures")
+    parser.add_argument("before", type=Path, metavar="A", help="store before the change")
+    parser.add_argument("now", type=Path, metavar="B", help="store after the change")
+    parser.add_argument("--campaign", metavar="NAME", help="campaign, if the stores have several; default quick")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the comparison as one HTML page with pictures")
 
 
 def run_compare(options: argparse.Namespace) -> int:
@@ -107,7 +107,7 @@ def stale(campaign: str, *sides: pd.DataFrame) -> str:
         return ""
     counts = [int(((cells["id"] != "") & (cells["id"] != cells["label"].map(ids))).sum()) for cells in sides]
     return " ".join(
-        f"{count} cells of {side} are stale: other sources have solved them."
+        f"{count} cells of {side} are stale: they were solved with other sources."
         for count, side in zip(counts, "AB", strict=True)
         if count
     )
@@ -197,9 +197,9 @@ def _changes(times: pd.DataFrame) -> str:
 def add_check(parser: argparse.ArgumentParser) -> None:
     """What is compared, and the update of the baseline."""
     add_store(parser)
-    parser.add_argument("--campaign", default="quick", help="which")
+    parser.add_argument("--campaign", default="quick", help="campaign")
     parser.add_argument("--update", action="store_true", help="replace the baseline; with --owner and --reason")
-    parser.add_argument("--owner", default="", metavar="NAME", help="who answers for an update")
+    parser.add_argument("--owner", default="", metavar="NAME", help="who is responsible for the update")
     parser.add_argument("--reason", default="", metavar="TEXT", help="why the baseline is replaced")
 
 
@@ -207,9 +207,9 @@ def run_check(options: argparse.Namespace) -> int:
     """Compare, or update; 1 where something is worse."""
     baseline = HERE / f"{options.campaign}.csv"
     if not options.update and (options.owner or options.reason):
-        raise UsageError("--owner and --reason go with --update")
+        raise UsageError("--owner and --reason need --update")
     if options.update and not (options.owner.strip() and options.reason.strip()):
-        raise UsageError("a baseline is updated with --owner NAME and --reason TEXT only")
+        raise UsageError("--update needs --owner NAME and --reason TEXT")
     table = collect(options.store, options.campaign)
     try:
         return _update(options, table, baseline) if options.update else _check(options, table, baseline)
@@ -224,7 +224,7 @@ def _check(options: argparse.Namespace, table: pd.DataFrame, baseline: Path) -> 
     wrong = failures(findings)
     print("\n".join(lines(wrong)), end="\n" if wrong else "")
     better = f", {len(findings) - len(wrong)} better" if len(findings) > len(wrong) else ""
-    verdict = f"{len(wrong)} values are not what they were" if wrong else "nothing is worse"
+    verdict = f"{len(wrong)} values are worse or different" if wrong else "nothing is worse"
     print(f"check: {len(table)} cells of {options.campaign} against {baseline}: {verdict}{better}")
     if wrong:
         print(f"if the change is intended: {UPDATE.format(options.campaign)}")

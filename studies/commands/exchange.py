@@ -32,8 +32,8 @@ ALIGNED = np.deg2rad(1.0)  # cords of 500 MPa in rubber of G = 2 MPa are 6 % sof
 
 def add_problem(parser: argparse.ArgumentParser) -> None:
     """The scene and how it is cut into bricks; the same for what is written and for what comes back."""
-    parser.add_argument("scene", help="of footprint list scenes")
-    parser.add_argument("--measure", default="exact", help="linear: small displacements; all others: large ones")
+    parser.add_argument("scene", help="a scene of footprint list scenes")
+    parser.add_argument("--measure", default="exact", help="linear for small displacements, any other for large ones")
     parser.add_argument("--mesh", help="N1xN2 bricks along a1 and a2; default that of the scene")
     parser.add_argument("--through", type=int, default=1, metavar="N", help="bricks through each ply of a shell")
     add_model(parser)
@@ -52,7 +52,7 @@ def add_export(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", required=True, choices=FORMATS, help="a deck of CalculiX, a mesh, or a neutral sheet"
     )
-    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="where it goes")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="file to write")
 
 
 def run_export(options: argparse.Namespace) -> int:
@@ -64,7 +64,7 @@ def run_export(options: argparse.Namespace) -> int:
     print(f"{len(bricks.x)} nodes, {len(bricks.elements)} bricks, {len(problem.steps)} steps: {options.out}")
     if options.format == "inp" and not all(isotropic(ply) for ply in problem.materials) and bricks.turning > ALIGNED:
         turn = f"{np.rad2deg(bricks.turning):.2g} deg"
-        print(f"plies have one direction a brick, which differs by up to {turn} within it: cords soften, refine --mesh")
+        print(f"each brick has one ply direction, which turns by up to {turn} within it: cords soften, refine --mesh")
     return OK
 
 
@@ -76,7 +76,7 @@ def add_judge_field(parser: argparse.ArgumentParser) -> None:
     add_problem(parser)
     parser.add_argument("results", type=Path, metavar="FILE", help="CSV of a field or of a curve, or .dat of CalculiX")
     parser.add_argument("--ours", metavar="N1xN2", help="mesh of our solution; default that of the bricks")
-    parser.add_argument("--tolerance", default="1%", help="relative difference that is allowed, default 1%%")
+    parser.add_argument("--tolerance", default="1%", help="allowed relative difference, default 1%%")
 
 
 def run_judge_field(options: argparse.Namespace) -> int:

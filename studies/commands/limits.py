@@ -18,8 +18,10 @@ from studies.ask.scene import Scene
 from studies.commands import INTERRUPTED, NOT_CONVERGED
 from studies.commands.options import positive
 
-TIME_HELP = "of wall time: refused if it will surely take twice as long, stopped then, its finished loads written"
-MEMORY_HELP = "beyond a process at rest: refused if it will take more, stopped where it does"
+TIME_HELP = (
+    "wall time, e.g. 60s: refuse a solve forecast to take twice as long; stop at the limit and write the finished loads"
+)
+MEMORY_HELP = "memory beyond that of an idle process: refuse a solve forecast to need more; stop at the limit"
 LARGEST_S = 5e5  # a table may take four times as long as a cell, and poll counts ms in 32 bits: to 2.1e6 s
 LARGEST_MB = 1e9
 LARGE = 3000  # elements, from which on a solve is worth a look ahead
@@ -47,7 +49,7 @@ def _seconds(text: str | None, name: str) -> float:
 def look_ahead(options: argparse.Namespace, scene: Scene, request: Request) -> None:
     """Print what a large solve will take; raises UsageError where that is more than a limit."""
     if options.time_limit is not None and options.error is not None:
-        raise UsageError("--budget bounds the time of --error: give no --time-limit")
+        raise UsageError("with --error, --budget limits the time: give no --time-limit")
     time_s, memory_MB = _seconds(options.time_limit, "time-limit"), math.inf
     if options.time_limit is not None:
         positive("time-limit", time_s, LARGEST_S)

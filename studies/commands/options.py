@@ -18,7 +18,8 @@ from studies.scenes import SCENES
 if TYPE_CHECKING:
     from studies.scenes.mesh_file.scene import DeckScene
 
-SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
+SCENE = "a scene of footprint list scenes, or a mesh: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
+SETTINGS = "a setting of the scene or the algorithm, see footprint show SCENE; may be repeated"
 FILES = (".inp", ".msh")  # what the name of a deck of Abaqus or CalculiX ends in, and of a mesh of gmsh
 NO_FOUNDATION = "none"
 STORE = Path(".footprint/store")
@@ -27,18 +28,18 @@ SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 
 def add_store(parser: argparse.ArgumentParser) -> None:
     """``--store DIR``."""
-    parser.add_argument("--store", type=Path, default=STORE, metavar="DIR", help="where cells and tables are kept")
+    parser.add_argument("--store", type=Path, default=STORE, metavar="DIR", help="directory of cells and tables")
 
 
 def add_trust(parser: argparse.ArgumentParser) -> None:
     """``--trust``."""
-    parser.add_argument("--trust", action="store_true", help="import the modules beside a campaign file that it names")
+    parser.add_argument("--trust", action="store_true", help="import the modules that a campaign file names")
 
 
 def add_solving(parser: argparse.ArgumentParser, contact: str, mesh: str) -> None:
     """How a scene is solved; contact, mesh: the help of these two."""
     parser.add_argument("--contact", default="semismooth", help=contact)
-    parser.add_argument("--newton", default="mixed", help="plain, or mixed, which extrapolates resultants")
+    parser.add_argument("--newton", default="mixed", help="iteration: plain, or mixed, which extrapolates resultants")
     parser.add_argument("--mesh", help=mesh)
     add_model(parser)
     parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
@@ -46,7 +47,7 @@ def add_solving(parser: argparse.ArgumentParser, contact: str, mesh: str) -> Non
 
 def add_model(parser: argparse.ArgumentParser) -> None:
     """``--model NAME``."""
-    parser.add_argument("--model", default="auto", help="auto, or what else footprint show SCENE has")
+    parser.add_argument("--model", default="auto", help="part of the body that is solved, see footprint show SCENE")
 
 
 def named(options: argparse.Namespace, *names: str) -> dict[str, Any]:
@@ -107,7 +108,7 @@ def reading(store: Path) -> Iterator[None]:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         reason = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        raise UsageError(f"{store}: its cells are not what a campaign leaves: {reason}") from error
+        raise UsageError(f"{store}: its cells were not written by a campaign: {reason}") from error
 
 
 @contextmanager

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 def add_list(parser: argparse.ArgumentParser) -> None:
     """Which catalogue."""
     parser.add_argument(
-        "what", nargs="?", choices=("scenes", "measures", "algorithms", "campaigns"), help="one of them; left out: all"
+        "what", nargs="?", choices=("scenes", "measures", "algorithms", "campaigns"), help="one catalogue; default all"
     )
 
 
@@ -59,12 +59,18 @@ def run_show(options: argparse.Namespace) -> int:
 
 def add_card(parser: argparse.ArgumentParser) -> None:
     """The file, or a part of ours, and where its page goes."""
-    parser.add_argument("part", nargs="?", metavar="FILE.py|NAME", help="a file with parts, or a part of ours")
     parser.add_argument(
-        "--out", type=Path, default=Path(), metavar="DIR|FILE.md", help="where the page goes; default card-NAME.md here"
+        "part", nargs="?", metavar="FILE.py|NAME", help="a file with your own parts, or the name of a shipped part"
     )
-    parser.add_argument("--check", action="store_true", help="exit 1 where a law, an answer or a claim is wrong")
-    parser.add_argument("--template", type=Path, metavar="DIR", help="write the layout of a repository that has one")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path(),
+        metavar="DIR|FILE.md",
+        help="page to write; default card-NAME.md in this directory",
+    )
+    parser.add_argument("--check", action="store_true", help="exit 1 if a law, an answer or a claim is wrong")
+    parser.add_argument("--template", type=Path, metavar="DIR", help="write a template repository for a part")
 
 
 def run_card(options: argparse.Namespace) -> int:

@@ -39,40 +39,47 @@ def add_problems(parser: argparse.ArgumentParser) -> None:
         required=True, metavar="list|make|check|export|import|judge", parser_class=type(parser)
     )
 
-    listing = parts.add_parser("list", help="the problems with their traits and what each adds")
+    listing = parts.add_parser("list", help="list the problems with their traits and what each adds")
     listing.set_defaults(part=_list)
 
-    making = parts.add_parser("make", help="make the files, or those that are missing")
-    making.add_argument("--out", type=Path, default=PROBLEMS, metavar="DIR", help="where the files go")
-    making.add_argument("--choose", action="store_true", help="apply the rule anew: another manifest, about an hour")
+    making = parts.add_parser("make", help="make the missing files")
+    making.add_argument("--out", type=Path, default=PROBLEMS, metavar="DIR", help="directory of the files")
+    making.add_argument(
+        "--choose", action="store_true", help="select the problems anew by the rule: a new manifest, about an hour"
+    )
     making.set_defaults(part=_make)
 
-    checking = parts.add_parser("check", help="files against the manifest of the suite")
+    checking = parts.add_parser("check", help="check files against the manifest of the suite")
     checking.add_argument(
-        "directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR", help=f"of the files, default {PROBLEMS}"
+        "directory",
+        type=Path,
+        nargs="?",
+        default=PROBLEMS,
+        metavar="DIR",
+        help=f"directory of the files, default {PROBLEMS}",
     )
-    checking.add_argument("--keep", type=Path, metavar="TO", help="write the manifest of what agrees")
+    checking.add_argument("--keep", type=Path, metavar="TO", help="write the manifest of the files that agree")
     checking.set_defaults(part=_check)
 
-    exporting = parts.add_parser("export", help="one problem in a format of other programs")
+    exporting = parts.add_parser("export", help="write a problem in the format of another program")
     exporting.add_argument("problem", type=Path, metavar="PROBLEM.npz", help="a frozen problem")
     exporting.add_argument(
         "--format", required=True, help="mat, qpsolvers, mps, mtx, siconos; with friction mtx, fclib"
     )
-    exporting.add_argument("--out", type=Path, required=True, metavar="FILE", help="where it goes")
+    exporting.add_argument("--out", type=Path, required=True, metavar="FILE", help="file to write")
     exporting.set_defaults(part=_export)
 
-    importing = parts.add_parser("import", help="a linear complementarity problem of Siconos as a frozen problem")
-    importing.add_argument("source", type=Path, metavar="FILE.dat", help="n, format, M and q as Siconos writes them")
-    importing.add_argument("--out", type=Path, required=True, metavar="PROBLEM.npz", help="where it goes")
+    importing = parts.add_parser("import", help="convert a linear complementarity problem of Siconos")
+    importing.add_argument("source", type=Path, metavar="FILE.dat", help="n, format, M and q, as written by Siconos")
+    importing.add_argument("--out", type=Path, required=True, metavar="PROBLEM.npz", help="file to write")
     importing.set_defaults(part=_import)
 
-    judging = parts.add_parser("judge", help="recompute what an answer claims")
+    judging = parts.add_parser("judge", help="recompute the claims of an answer")
     judging.add_argument("problem", type=Path, metavar="PROBLEM.npz", help="a frozen problem")
     judging.add_argument(
         "answer", type=Path, metavar="ANSWER", help=".npz or .json with du and pressure, or du, normal and friction"
     )
-    judging.add_argument("--tolerance", type=float, help="accuracy that is asked for, default 1e-8")
+    judging.add_argument("--tolerance", type=float, help="required accuracy, default 1e-8")
     judging.set_defaults(part=_judge)
 
 
@@ -185,7 +192,7 @@ def _judge(options: argparse.Namespace) -> int:
 def add_resolve(parser: argparse.ArgumentParser) -> None:
     """The file and how it is solved."""
     parser.add_argument("file", type=Path, metavar="FILE", help="a frozen problem, as solve --freeze writes it")
-    parser.add_argument("--contact", default="semismooth", help="the algorithm, of footprint list algorithms")
+    parser.add_argument("--contact", default="semismooth", help="contact algorithm, see footprint list algorithms")
     parser.add_argument("--oracle", action="store_true", help="compare with a quadratic programme by cvxpy")
 
 
@@ -209,13 +216,13 @@ TRUE = {True: "true", False: "false", None: "-"}
 
 def add_tasks(parser: argparse.ArgumentParser) -> None:
     """The submission, the secret, and where the grades go."""
-    help_text = "a table a task: claim = 'met' or 'cannot', and what is chosen; left out: the tasks"
+    help_text = "a table for each task: claim = 'met' or 'cannot', and the choices; without it the tasks are listed"
     parser.add_argument("submission", type=Path, nargs="?", metavar="FILE.toml", help=help_text)
-    drawn = "grade on hidden configurations, too, drawn from the secret in a file, or in FOOTPRINT_ARENA_SECRET"
+    drawn = "grade also on hidden configurations, drawn from the secret in FILE, or in FOOTPRINT_ARENA_SECRET"
     parser.add_argument("--held-out", type=Path, nargs="?", const=ENVIRONMENT, metavar="FILE", help=drawn)
-    limit = f"wall time of a task with all its configurations, default {LIMIT_S:g}"
+    limit = f"wall time of a task, all configurations together, default {LIMIT_S:g}"
     parser.add_argument("--limit", type=float, default=LIMIT_S, metavar="SECONDS", help=limit)
-    parser.add_argument("--out", type=Path, metavar="FILE.json", help="the grades as JSON")
+    parser.add_argument("--out", type=Path, metavar="FILE.json", help="write the grades as JSON")
 
 
 def run_tasks(options: argparse.Namespace) -> int:

@@ -17,6 +17,7 @@ from studies.ask.settings import rubbing
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.limits import add_limits, bound_of, code_of, limited, look_ahead
 from studies.commands.options import (
+    SCENE,
     add_settings,
     add_solving,
     check_directory,
@@ -34,33 +35,45 @@ from studies.solving.refinement import mesh_error
 from studies.solving.result import WRONG, Result
 from studies.solving.solve import Interrupted, word
 
-START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
-GRADIENT_HELP = "derivatives of a quantity, as force_N or force_N:p0_MPa,gamma_deg; by default with all settings"
+START_HELP = "start of the path: nested, from its states on coarser grids (default), or cold, from rest"
+GRADIENT_HELP = (
+    "derivatives of a quantity, e.g. force_N or force_N:p0_MPa,gamma_deg; default with respect to all settings"
+)
 
 
 def add_solve(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
-    parser.add_argument(
-        "scene", help="footprint list scenes; or a shell: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
-    )
-    measures = "of strain, footprint list measures; by default exact, of a deck without NLGEOM linear"
+    parser.add_argument("scene", help=SCENE)
+    measures = "strain measure, see footprint list measures; default exact, or linear for a deck without NLGEOM"
     parser.add_argument("--measure", help=measures)
-    mesh = "N1xN2, elements along both directions; by default that of the scene"
-    add_solving(parser, "footprint list algorithms; by default semismooth", mesh)
-    parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
-    parser.add_argument("--of", metavar="QUANTITY", help="the quantity of --error; by default the force, or the first")
-    parser.add_argument("--budget", metavar="SECONDS", help="of --error: the best answer in that time, e.g. 5s")
+    mesh = "N1xN2, elements along a1 and a2; by default that of the scene"
+    add_solving(parser, "contact algorithm, see footprint list algorithms; default semismooth", mesh)
+    parser.add_argument(
+        "--error", metavar="E", help="refine the grid until the quantity is known to this relative error, e.g. 1%%"
+    )
+    parser.add_argument(
+        "--of", metavar="QUANTITY", help="with --error: the quantity; default the force, or the first one"
+    )
+    parser.add_argument("--budget", metavar="SECONDS", help="with --error: the best answer in this wall time, e.g. 5s")
     add_limits(parser)
     add_settings(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the result goes")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="directory of the result")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
-    parser.add_argument("--branch", action="store_true", help="from an unstable state to the stable branches beside it")
+    parser.add_argument(
+        "--branch", action="store_true", help="from an unstable state, find the stable branches beside it"
+    )
     parser.add_argument("--start", choices=mesh_error.STARTS, default=mesh_error.NESTED, metavar="HOW", help=START_HELP)
-    parser.add_argument("--no-error", action="store_true", help="do not state what coarser grids say of the error")
-    parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
+    parser.add_argument(
+        "--no-error", action="store_true", help="do not estimate the error of the mesh from coarser grids"
+    )
+    parser.add_argument(
+        "--no-step-error", action="store_true", help="with friction: do not repeat the path with half steps"
+    )
     parser.add_argument("--gradient", metavar="J[:KEYS]", action="append", default=[], help=GRADIENT_HELP)
-    parser.add_argument("--check-gradient", action="store_true", help="compare derivatives with solutions beside it")
-    parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
+    parser.add_argument(
+        "--check-gradient", action="store_true", help="check the derivatives against solutions at changed settings"
+    )
+    parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last linearised contact problem")
 
 
 def run_solve(options: argparse.Namespace) -> int:
@@ -86,7 +99,9 @@ def _run(options: argparse.Namespace) -> int:
         except Interrupted as stopped:
             result, enough, stop = stopped.result, False, stopped.__cause__
         except KeyboardInterrupt as stopped:
-            print(f"footprint: {word(stopped)} before the grid that is asked for; nothing is written", file=sys.stderr)
+            print(
+                f"footprint: {word(stopped)} before the requested grid was reached; nothing is written", file=sys.stderr
+            )
             return code_of(stopped)
         more = (
             partial(_step_error, options, result, tell),
@@ -101,7 +116,7 @@ def _run(options: argparse.Namespace) -> int:
                 except UsageError as refused:
                     refusals.append(str(refused))
         except KeyboardInterrupt as stopped:
-            beside.append(f"{word(stopped)}: no more of load steps, derivatives and branches")
+            beside.append(f"{word(stopped)}: load steps, derivatives and branches are incomplete")
             stop = stopped
     if result.unsupported:
         raise UsageError(result.unsupported)
@@ -180,14 +195,14 @@ def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
     given, how = pairs(options.settings), named(options, "measure", "contact", "newton", "model", "steps")
     if options.error is None:
         if options.of is not None:
-            raise UsageError("--of names the quantity of --error: give both")
+            raise UsageError("--of needs --error: it names its quantity")
         if options.budget is not None:
-            raise UsageError("--budget bounds the time of --error: give both")
+            raise UsageError("--budget needs --error: it limits its time")
         return *complete(options.scene, given, options.mesh, **how), None
     if options.start == mesh_error.COLD:
-        raise UsageError("--error follows each grid from the one before: give no --start cold")
+        raise UsageError("--error starts each grid from the one before: give no --start cold")
     if options.no_error:
-        raise UsageError("--no-error leaves out what --error asks for: give one of them")
+        raise UsageError("--error and --no-error exclude each other: give one of them")
     from studies.solving.refinement.error_control import parse_error
     from studies.solving.refinement.grids import first_grid
 
@@ -211,7 +226,7 @@ def _derived(options: argparse.Namespace, scene: Scene, request: Request) -> lis
     """Quantities and settings of --gradient; raises UsageError for a setting without derivative, before any solve."""
     if not options.gradient:
         if options.check_gradient:
-            raise UsageError("--check-gradient judges --gradient: give both")
+            raise UsageError("--check-gradient needs --gradient: it checks its derivatives")
         return []
     from studies.solving.derivatives import gradient  # loaded with derivatives alone
 

@@ -15,29 +15,40 @@ import numpy as np
 
 from studies.ask.request import Request, UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_bar
+from studies.commands.options import (
+    SCENE,
+    add_settings,
+    add_solving,
+    check_directory,
+    named,
+    of_file,
+    pairs,
+    progress_bar,
+)
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.result import CONVERGED, UNSTABLE, WRONG
 from studies.sweeps.members import LONGEST, MOST, Member
 from studies.sweeps.sweep import MEMBERS, Sweep, sweep
 
-OVER = f"from A to B in N values, 2 to {LONGEST}; once or twice, {MOST} members in all"
+OVER = f"N values from A to B, N in [2, {LONGEST}]; for one setting or two, at most {MOST} members"
 SHOWN = 5  # members without an answer that are named, and different notes
 
 
 def add_sweep(parser: argparse.ArgumentParser) -> None:
     """The request, the ranges, the error, and where the answer goes."""
-    parser.add_argument(
-        "scene", help="footprint list scenes; or a shell: FILE.inp of Abaqus or CalculiX, FILE.msh of gmsh"
-    )
+    parser.add_argument("scene", help=SCENE)
     parser.add_argument("--over", action="append", default=[], metavar="KEY=A:B:N", help=OVER)
-    parser.add_argument("--measure", help="of strain, footprint list measures; by default exact")
-    mesh = "N1xN2, elements along both directions, of all members; by default that of the scene"
-    add_solving(parser, "footprint list algorithms; by default semismooth", mesh)
-    parser.add_argument("--error", metavar="E", help="say of each member whether it is known that well, e.g. 1%%")
-    parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
+    parser.add_argument("--measure", help="strain measure, see footprint list measures; default exact")
+    mesh = "N1xN2, elements along a1 and a2, for all members; default that of the scene"
+    add_solving(parser, "contact algorithm, see footprint list algorithms; default semismooth", mesh)
+    parser.add_argument(
+        "--error", metavar="E", help="say whether each member is known to this relative error, e.g. 1%%"
+    )
+    parser.add_argument("--of", metavar="QUANTITY", help="quantity; default the force, or the first one of the scene")
     add_settings(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where it goes; members there are read")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="directory of the result; members in it are reused"
+    )
 
 
 def run_sweep(options: argparse.Namespace) -> int:
@@ -73,7 +84,7 @@ def ranges(words: Sequence[str]) -> dict[str, str]:
     for word in words:
         key, separator, text = word.partition("=")
         if not separator or key in texts:
-            raise UsageError(f"--over {word!r} must be KEY=A:B:N, a setting once")
+            raise UsageError(f"--over {word!r} must be KEY=A:B:N, each setting once")
         texts[key] = text
     return texts
 
@@ -97,7 +108,11 @@ def lines(result: Sweep) -> Iterator[str]:
     else:
         yield "the error of the mesh is not known: --error E asks for it"
     cold = result.cold
-    price = f"; one from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} for its price" if cold else ""
+    price = (
+        f"; one member from rest {cold:.3g} s, {len(members) * cold / result.seconds:.2g} members for that price"
+        if cold
+        else ""
+    )
     yield f"{result.seconds:.3g} CPU s{price}"
     noted = Counter(member.reason for member in members if member.verdict == CONVERGED and member.reason)
     yield from (f"{count} of {len(members)} members: {note}" for note, count in noted.most_common(SHOWN))
@@ -114,8 +129,8 @@ def _at(member: Member) -> str:
 
 def add_extremes(parser: argparse.ArgumentParser) -> None:
     """The map and the point."""
-    parser.add_argument("map", nargs="?", help="left out: the maps there are")
-    parser.add_argument("--at", metavar="X,Y", help="values along both axes")
+    parser.add_argument("map", nargs="?", help="name of a map; without it the maps are listed")
+    parser.add_argument("--at", metavar="X,Y", help="values on both axes")
 
 
 def run_extremes(options: argparse.Namespace) -> int:
@@ -142,8 +157,8 @@ def add_fuzz(parser: argparse.ArgumentParser) -> None:
     from studies.fuzz.cases import KINDS
 
     parser.add_argument("--seed", type=int, required=True, metavar="N", help="number of the case, from 0")
-    parser.add_argument("--kind", choices=list(KINDS), default="", help="of the case, by default drawn from N")
-    parser.add_argument("--smaller", action="store_true", help="give settings back while the same law is broken")
+    parser.add_argument("--kind", choices=list(KINDS), default="", help="kind of the case, by default drawn from N")
+    parser.add_argument("--smaller", action="store_true", help="simplify the case as long as it breaks the same law")
 
 
 def run_fuzz(options: argparse.Namespace) -> int:

@@ -301,9 +301,12 @@ WRONG = {
     "unknown method": (["solve", "tyre", "--contact", "lcp", "--set", "method=magic"], "lemke, active-set, nnls"),
     "an error from rest": (
         ["solve", "tyre", "--error", "1%", "--start", "cold"],
-        "--error follows each grid from the one before: give no --start cold",
+        "--error starts each grid from the one before: give no --start cold",
     ),
-    "an error that is left out": (["solve", "tyre", "--error", "1%", "--no-error"], "--no-error leaves out"),
+    "an error that is left out": (
+        ["solve", "tyre", "--error", "1%", "--no-error"],
+        "--error and --no-error exclude each other: give one of them",
+    ),
     "nothing free": (
         ["solve", "pressed-panel", "--mesh", "2x1", "--no-error", "--start", "cold"],
         "mesh 2x1: every displacement is held: nothing to solve",

@@ -51,8 +51,8 @@ def table(out: Path) -> pd.DataFrame:
     ("words", "says"),
     [
         (["panel"], "a sweep goes over one setting or two"),
-        (["panel", "--over", "nu"], "--over 'nu' must be KEY=A:B:N, a setting once"),
-        (["panel", "--over", "nu=0:0.3:3", "--over", "nu=0:0.3:3"], "a setting once"),
+        (["panel", "--over", "nu"], "--over 'nu' must be KEY=A:B:N, each setting once"),
+        (["panel", "--over", "nu=0:0.3:3", "--over", "nu=0:0.3:3"], "each setting once"),
         (["panel", *(f"--over={key}=1:2:2" for key in ("nu", "aspect", "E_ratio"))], "one setting or two"),
         (["panel", "--over", "nu=0:0.3"], "nu=0:0.3 must be A:B:N, N values from A to B"),
         (["panel", "--over", "nu=0:0.3:1"], "N a whole number in [2, 1000]"),

@@ -70,16 +70,16 @@ def test_what_is_worse_is_a_table_and_exit_code_1(
     assert any(line.startswith("small cantilever exact 8x1") and "c.factorisations" in line for line in lines)
     assert any("error.tip_deflection_mm" in line and "worse" in line for line in lines)
     assert any(line.startswith("small cantilever linear 4x1") and "new" in line for line in lines)
-    assert "3 values are not what they were" in lines[-2]
+    assert "3 values are worse or different" in lines[-2]
 
 
 @pytest.mark.parametrize(
     ("more", "message"),
     [
-        (["--update"], "a baseline is updated with --owner NAME and --reason TEXT only"),
-        (["--update", "--owner", "Anna"], "a baseline is updated with --owner NAME and --reason TEXT only"),
-        (["--update", "--reason", "why"], "a baseline is updated with --owner NAME and --reason TEXT only"),
-        (["--owner", "Anna"], "--owner and --reason go with --update"),
+        (["--update"], "--update needs --owner NAME and --reason TEXT"),
+        (["--update", "--owner", "Anna"], "--update needs --owner NAME and --reason TEXT"),
+        (["--update", "--reason", "why"], "--update needs --owner NAME and --reason TEXT"),
+        (["--owner", "Anna"], "--owner and --reason need --update"),
     ],
 )
 def test_wrong_use_is_one_line(
@@ -160,7 +160,7 @@ def test_cells_that_other_sources_have_solved_are_stale() -> None:
     ids = {row.cell.label: row.id for row in plan(find("quick"))}
     now = pd.DataFrame({"label": list(ids), "id": [known or "" for known in ids.values()]})
     before = now.assign(id=["0" * 16, "1" * 16, *now["id"][2:]])
-    assert stale("quick", before, now) == "2 cells of A are stale: other sources have solved them."
+    assert stale("quick", before, now) == "2 cells of A are stale: they were solved with other sources."
     assert stale("quick", now, now) == stale("of somebody", before, now) == ""
 
 
@@ -170,16 +170,16 @@ def test_advice_on_the_command_line(solved: Path, capsys: pytest.CaptureFixture[
     assert main([*asked, "1%"]) == 0
     said = capsys.readouterr().out
     assert "cheapest: exact semismooth mixed refined 8x1" in said
-    assert said.endswith("for your own scene, here: footprint choose cantilever --error 1% --out DIR\n")
+    assert said.endswith("for your own settings on this machine: footprint choose cantilever --error 1% --out DIR\n")
     assert "extrapolated: solved with load_fraction=0.25, not with load_fraction=0.25,0.5,0.75,1\n" in said
     assert main([*asked, "1%", "--set", "load_fraction=0.25"]) == 0
     assert "extrapolated" not in capsys.readouterr().out
     assert main([*asked, "0.01%"]) == 1
     assert "none qualifies of 3 cells" in capsys.readouterr().out  # the linear ones are wrong, not inaccurate
     assert main([*asked, "1%", "--quantity", "force_N"]) == 2
-    of_it = "for your own scene: footprint choose cantilever --error 1% --of force_N --out DIR\n"
+    of_it = "for your own settings: footprint choose cantilever --error 1% --of force_N --out DIR\n"
     assert (said := capsys.readouterr().err).endswith(of_it)
     assert "no verified quantity 'force_N'" in said
     assert main([*asked, "1%", "--set", "load_fraction=0.3"]) == 2
     choose = "footprint choose cantilever --error 1% --set load_fraction=0.3 --out DIR"
-    assert capsys.readouterr().err.endswith(f"; for your own scene: {choose}\n")
+    assert capsys.readouterr().err.endswith(f"; for your own settings: {choose}\n")

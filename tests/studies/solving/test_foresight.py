@@ -74,7 +74,7 @@ def test_of_solids_nothing_is_foreseen() -> None:
         (["--memory-limit", "1e30"], r"memory-limit = 1e\+30 must be a number in \(0, 1e\+09\]"),
         (["--time-limit", "1e30"], r"time-limit = 1e\+30 must be a number in \(0, 500000\]"),
         (["--time-limit", "soon"], r"time-limit 'soon' must be a number of seconds above 0, as 5s"),
-        (["--time-limit", "5", "--error", "1%"], r"--budget bounds the time of --error: give no --time-limit"),
+        (["--time-limit", "5", "--error", "1%"], r"with --error, --budget limits the time: give no --time-limit"),
         (["--error", "1%", "--budget", "-5s"], r"budget '-5s' must be a number of seconds above 0, as 5s"),
     ],
 )
@@ -121,7 +121,7 @@ def test_before_the_grid_that_is_asked_for_nothing_is_written(
     monkeypatch.setattr(command, "progress_line", lambda whole: alarm_at("round 1, 4x4"))
     asked = ["solve", "hemisphere", "--mesh", "16x16", "--time-limit", "1000", "--out", str(tmp_path / "out")]
     assert main(asked) == 3
-    said = "stopped at the limit of 1000 s before the grid that is asked for; nothing is written"
+    said = "stopped at the limit of 1000 s before the requested grid was reached; nothing is written"
     assert capsys.readouterr().err == f"footprint: {said}\n"
     assert not (tmp_path / "out").exists()
 
