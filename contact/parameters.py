@@ -38,7 +38,9 @@ EPSILON = Parameter(
     open_low=True,
     infinite=True,
 )
-TOLERANCE = Parameter("tolerance", "residual of Newton's iteration over the forces in balance", low=1e-14, high=1e-1)
+TOLERANCE = Parameter(
+    "tolerance", "residual of Newton's iteration, relative to the forces in balance", low=1e-14, high=1e-1
+)
 SOLVER = Parameter(
     "solver",
     "sparse direct solver; auto: multifrontal where there is an order of elimination; pardiso needs the extra mkl",

@@ -267,11 +267,11 @@ class Outcome(enum.Enum):
     ALTERNATING = "Newton's iterates alternate between two points, as where a gap has a kink between them"
     UNSOLVED = "the linearised contact problem was not solved"
     REFUSED = "the algorithm does not apply"
-    LIMIT_POINT = "the path turns back before it gets there"
+    LIMIT_POINT = "the path turns back before the requested load"
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
-    GIVEN_UP = "as much was spent in vain as on twenty good steps"
+    GIVEN_UP = "failed attempts have cost as much as twenty good steps"
     INTERRUPTED = "interrupted by the user"
-    WRONG = "the judge refuses a state that was claimed to be converged"
+    WRONG = "the judge rejects a state that was claimed to be converged"
 
     @property
     def converged(self) -> bool:

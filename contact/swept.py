@@ -141,4 +141,4 @@ def between_nodes(standing: Passable | None, weights: np.ndarray, touching: np.n
     if not isinstance(standing, Standing) or standing.least_radius >= size:
         return ""
     sizes = f"the least radius of the foundation, {standing.least_radius:.3g} mm, is below the size of an element"
-    return f"{sizes} there, {size:.3g} mm: nodes alone touch, and between them it may stand inside the wall"
+    return f"{sizes} there, {size:.3g} mm: only nodes are checked, between them it may penetrate the wall"

@@ -107,7 +107,7 @@ class ShellModel(ShellReadings):
                 raise ValueError(why)
         if shell.wall is not None:
             if self.section != SECTIONS[0]:
-                raise ValueError(f"section {self.section!r} is of two faces, and surfaces inside the wall have none")
+                raise ValueError(f"section {self.section!r} applies to two faces only, not to surfaces inside the wall")
             from formulations.element.walls.law import WallLaw  # loaded with surfaces inside the wall alone
             from formulations.element.walls.sampling_element import SamplingElement
 

@@ -55,7 +55,7 @@ class AugmentedLagrangian(NewtonAlgorithm):
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs the exact constraint."""
         if np.isfinite(self.epsilon):
-            return "its multiplier is exact: epsilon must be infinite; a finite one is the business of regularised"
+            return "its multiplier is exact, so epsilon must be inf; for a finite epsilon use regularised"
         return super().supports(problem)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:

@@ -86,7 +86,7 @@ def knows_friction(algorithm: ContactAlgorithm) -> bool:
 def unfit_with_friction(algorithm: ContactAlgorithm) -> str | None:
     """Why it takes no problem with friction, or what is set of it and means nothing there; None where it takes them."""
     if not knows_friction(algorithm):
-        return f"{algorithm.name!r} knows no friction"
+        return f"{algorithm.name!r} does not support friction"
     usual, lost = type(algorithm)(), frictionless_parameters(algorithm)
     for key in lost:
         if getattr(algorithm, key) != getattr(usual, key):

@@ -80,7 +80,7 @@ def _descended(
         away = float(np.linalg.norm(end.u - state.u)) / size
         if not end.outcome.converged:
             why = end.outcome.value
-            return Branch(mode, sign, end, Stability(None, why=why), away, f"the descent has no end: {why}")
+            return Branch(mode, sign, end, Stability(None, why=why), away, f"the descent does not converge: {why}")
         judged = stability(problem, end, algorithm.epsilon)
         if judged.word != UNSTABLE:
             break

@@ -51,7 +51,7 @@ def why_it_ends(
     try:
         spectra = [spectrum(problem_at(t), state, epsilon) for t, state in states]
     except (SingularMatrixError, ValueError) as error:
-        return Ending(PathEnd.NEITHER, f"the tangent does not tell why: {error}")
+        return Ending(PathEnd.NEITHER, f"the tangent gives no reason: {error}")
     (first, _), (last, _) = states[0], states[-1]
     free = all(len(each.eigenvalues) for each in spectra)
     limit = _limit_point(states, spectra) if free else None
@@ -65,7 +65,7 @@ def why_it_ends(
     if not free:
         return Ending(PathEnd.NEITHER, "no limit point: nothing is free to move")
     least, before = (abs(each.eigenvalues[0]) for each in (spectra[-1], spectra[0]))
-    how_small = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
+    how_small = f"the eigenvalue of least magnitude is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
         sentence = f"bifurcation near {last:.7g}: {how_small}, and the path does not speed up along its mode{passed}"
         return Ending(PathEnd.BIFURCATION, sentence)
@@ -140,7 +140,7 @@ def _turned_at_a_change(
     limit = float(t1 + np.copysign(ahead[changes], t1 - t0))
     does = "lifts off" if last.active[changes] else "touches"
     message = f"limit point of the path at about {limit:.7g}: it turns back where candidate {changes} {does}, "
-    message += f"{counts[0]} negative eigenvalues of the tangent before and {counts[1]} behind it"
+    message += f"{counts[0]} negative eigenvalues of the tangent before and {counts[1]} after it"
     return Ending(
         PathEnd.LIMIT_POINT, message, limit, (last.u - before.u) / (float(np.linalg.norm(last.u - before.u)) or 1.0)
     )

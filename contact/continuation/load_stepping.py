@@ -238,7 +238,7 @@ class Stepper:
     def _end(self, attempt: Attempt) -> Ending:
         """Why there is no next state; where no digit of one is sure, a tangent in its neighbourhood tells nothing."""
         if attempt.solution.outcome is Outcome.ROUNDING:
-            return Ending(PathEnd.NEITHER, "no step is nearer to balance than the digits of its displacements allow")
+            return Ending(PathEnd.NEITHER, "the rounding of the displacements allows no state nearer to balance")
         if attempt.solution.friction is not None:
             return Ending(PathEnd.NEITHER, "with friction the tangent alone gives no reason")
         from contact.continuation.critical_points import why_it_ends  # loaded at the end of a path alone

@@ -98,7 +98,7 @@ def _limit(curve: PressedCurve, trace: Trace, last: ArcPoint) -> Ending:
     message = f"limit point of the path at {last.factor:.7g}: it turns back"
     if before.negative is not None and after.negative is not None:
         message += "; negative eigenvalues of the tangent on the motions that the contact set leaves free: "
-        message += f"{before.negative} before, {after.negative} behind it"
+        message += f"{before.negative} before, {after.negative} after it"
     try:
         mode = curve.tangent(last, curve.place(after) - curve.place(before))[:-1]
     except SingularMatrixError:

@@ -160,7 +160,7 @@ def _independent(J: np.ndarray, i: int) -> np.ndarray:
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(J) or pivots[-1] <= DEPENDENT * pivots[0]:
         raise NotHeldError(
-            f"contact candidate {i} of the scene cannot stick: its supports leave it less ways than its slip has; "
-            "leave such candidates out of the contact, or set a finite epsilon"
+            f"contact candidate {i} of the scene cannot stick: its supports leave it fewer directions than its slip "
+            "has; leave such candidates out of the contact, or set a finite epsilon"
         )
     return np.asarray(order[: len(J)])

@@ -261,5 +261,5 @@ def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray, norm: flo
         raise SingularMatrixError(f"the linear solver left a backward error of {left / size:.1e}")
     if left > LOST * load:
         cancel = f"forces of {norm * _largest(x) / load:.1e} times the load cancel in it"
-        raise SingularMatrixError(f"the matrix is singular to working precision: not one digit is met, {cancel}")
+        raise SingularMatrixError(f"the matrix is singular to working precision: no digit is correct, {cancel}")
     return x

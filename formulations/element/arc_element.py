@@ -43,8 +43,10 @@ def refusal(thickness_strain: str, interpolation: str, measure: StrainMeasure, *
     if interpolation not in ON_LINES:
         return f"arcs need lines of curvature: interpolation {' or '.join(ON_LINES)}, got {interpolation}"
     if not two_faces:
-        return "arcs are of two faces, and the wall has surfaces between them"
-    return "" if measure.rigid_body_law.turns else f"arcs are of large rotations, which measure {measure.name} neglects"
+        return "arcs apply to two faces only, and the wall has surfaces between them"
+    return (
+        "" if measure.rigid_body_law.turns else f"arcs apply to large rotations, which measure {measure.name} neglects"
+    )
 
 
 @dataclass(frozen=True, eq=False)

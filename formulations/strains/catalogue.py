@@ -81,7 +81,7 @@ VON_KARMAN_TERMS = _keeping("t1", "t2")
 VON_KARMAN = quadratic_measure(
     "von-karman",
     VON_KARMAN_TERMS,
-    meaning="moderate slopes of a thin plate or shell; neglects products but those of the slopes t",
+    meaning="moderate slopes of a thin plate or shell; neglects all products but those of the slopes t",
     reference="von Kármán (1910), with the full slope t of the curved shell",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_cosine, axis=_quartic),
 )
@@ -118,7 +118,7 @@ SANDERS = quadratic_measure(
 NOVOZHILOV = quadratic_measure(
     "novozhilov",
     _keeping("w1", "w2", "t1", "t2", "beta1", "beta2"),
-    meaning="small elongations, large rotations; neglects l and beta3 beside 1",
+    meaning="small elongations, large rotations; neglects l and beta3 compared with 1",
     reference="Novozhilov, Foundations of the Nonlinear Theory of Elasticity (1953), small elongations (recalled)",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_quartic, axis=_quartic),
 )

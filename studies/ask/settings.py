@@ -85,7 +85,7 @@ class Setting:
             "int": "a whole number in",
             "float": "a number in",
             "floats": "increasing numbers in",
-            "path": "numbers, from 0 on no two alike in a row, in",
+            "path": "numbers, the first not 0, no two successive equal, in",
         }[self.kind]
         return f"{form} {left}{text_of(self.low)}, {text_of(self.high)}{right}"
 
@@ -133,11 +133,11 @@ EPSILON = Setting.of(parameters.EPSILON, None, otherwise="that of the algorithm"
 SOLVER = Setting.of(parameters.SOLVER, "auto")
 TOLERANCE = Setting.of(parameters.TOLERANCE, RESIDUAL_TOLERANCE)
 MU = Setting("mu", None, "Coulomb's coefficient of friction", low=0, infinite=True, otherwise="0: no friction")
-STOPS = "stops of the foundation on its way {} once it has pressed, in turn"
-DRAG = Setting("drag_mm", None, STOPS.format("along itself"), "path", otherwise="it is not dragged")
+STOPS = "positions of the foundation {}, in turn, after it has pressed"
+DRAG = Setting("drag_mm", None, STOPS.format("along its surface"), "path", otherwise="no drag")
 WAY = Setting("drag_deg", None, "direction of the drag in the tangent plane", low=-360, high=360, otherwise="0")
 STEPS = Setting("steps", 1, "load steps between two requested loads", "int", low=1, high=10_000)
-TURN = Setting("turn_deg", None, STOPS.format("around its normal, after the drag,"), "path", otherwise="no turn")
+TURN = Setting("turn_deg", None, STOPS.format("turned about its normal, after the drag"), "path", otherwise="no turn")
 SLIDING = (DRAG, WAY, TURN)
 
 

@@ -138,7 +138,7 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: 
     success = claims_success(record)
     if success:
         if FIELDS not in record["files"]:
-            raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them")
+            raise ClaimError("field", "none is kept to verify it: run footprint run --fields")
         field, claims = _verified(record, request, foreign)
         tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
         _keep_files(archive.files(cell_id), field, tables)

@@ -37,7 +37,7 @@ def samples_of_both(before: Path, now: Path, campaign: str) -> tuple[pd.DataFram
     quiet = [median(pair[0] for pair in each["canaries"] if pair[2]) for each in times]
     if not abs(quiet[1] / quiet[0] - 1) <= DRIFT:
         raise UsageError(
-            f"the canary takes {quiet[1] / quiet[0]:.2f} times what it took: another machine, or another state of it"
+            f"the canary takes {quiet[1] / quiet[0]:.2f} times as long: another machine, or another state of it"
         )
     return sides[0], sides[1]
 

@@ -124,7 +124,7 @@ def _load_modules(path: Path, names: Sequence[str], *, trust: bool) -> None:
             raise UsageError(f"campaign {path}: {files[-1]} leads out of the folder of the campaign")
     if files and not trust:
         ran = ", ".join(file.name for file in files)
-        raise UsageError(f"campaign {path} runs {ran} beside it: allow it by footprint run --trust")
+        raise UsageError(f"campaign {path} runs {ran} beside it: allow this by footprint run --trust")
     if files:
         load((*used(), *files))
 
@@ -146,7 +146,7 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
         varied = [set(_axes(path, level)) for level in (cross, own)]
         for level, keys in zip((cross, own), varied, strict=True):
             for key in keys & set(level.get("set", {})):
-                raise UsageError(f"campaign {path}: {key} of {scene} is set, and an axis: it can be one of both")
+                raise UsageError(f"campaign {path}: {key} of {scene} is both a setting and an axis: keep one of them")
         axes = {key: values for key, values in _axes(path, asked).items() if key in varied[1] or key not in held}
         if "contact" in axes and not has_contact(SCENES[scene]):
             axes["contact"] = [Request.contact]  # one stands for all: the others would solve the same
@@ -154,7 +154,7 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
         longest = len(scene) + sum(max(map(len, values), default=0) + len(key) for key, values in axes.items())
         if most < 0 or len(axes) + len(constant) > MOST_KEYS or longest > LONGEST_LABEL:
             bounds = f"{MOST_CELLS} cells, {MOST_KEYS} settings of a cell, {LONGEST_LABEL} letters of a label"
-            raise UsageError(f"campaign {path} is beyond a bound: {bounds}")
+            raise UsageError(f"campaign {path} exceeds a limit: {bounds}")
         steps = {"steps": asked["steps"]} if "steps" in asked else {}
         for values in itertools.product(*axes.values()):
             chosen = dict(zip(axes, values, strict=True))

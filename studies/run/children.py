@@ -43,7 +43,7 @@ def keeping_what_is_finished(store: Path) -> Iterator[None]:
     try:
         yield
     except StoreFullError as error:
-        message = f"{store} takes no more: {error}; what is finished is kept, run again to go on"
+        message = f"{store} cannot be written to: {error}; finished cells are kept, run again to continue"
         raise StoreFullError(message) from None
 
 

@@ -52,7 +52,7 @@ def read_times(store: Path, campaign: str) -> dict[str, Any]:
     except DamagedError as error:
         raise UsageError(str(error)) from None
     if times is None:
-        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them")
+        raise UsageError(f"{store} has no times of {campaign!r}: run footprint time first")
     return {"provenance": {}, **times}
 
 
@@ -174,7 +174,7 @@ def time_campaign(
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
     if not right:
-        raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time: footprint run comes first")
+        raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time: run footprint run first")
     others = len(selected) < len(rows_of_all)
     canaries_kept, kept = _kept(store, campaign.name, only) if others else ([], [])
     child = Child()

@@ -38,22 +38,31 @@ OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
     (
         "interpolation",
         INTERPOLATIONS,
-        "what is interpolated: components, or positions, on lines of curvature or on any quadrilaterals",
+        "interpolation of components or positions, on lines of curvature or on any quadrilaterals",
     ),
     ("thickness_strain", THICKNESS_STRAINS, "where the thickness strain E33 is sampled"),
     ("membrane", MEMBRANES, "linear modes of the membrane strain"),
 )
-BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
+BY_ONE_NAME = "preset of interpolation, thickness_strain and membrane"
 SHEAR = "shear_correction"
 WALL = (
-    Setting.one_of("surfaces", SURFACES, None, "with displacements through the wall: in all, or a ply", otherwise="2"),
-    Setting.one_of("law", LAWS.keys(), None, "of the plies, with surfaces inside the wall", otherwise=LINEAR),
+    Setting.one_of(
+        "surfaces", SURFACES, None, "surfaces with displacements through the wall: in all, or per ply", otherwise="2"
+    ),
+    Setting.one_of(
+        "law", LAWS.keys(), None, "material law of the plies; needs surfaces inside the wall", otherwise=LINEAR
+    ),
 )
 MOVED_NODES = (
     Setting(
-        "distort", None, "how far nodes are moved, over the size of an element", low=0, high=LARGEST, otherwise="0"
+        "distort",
+        None,
+        "distance by which nodes are moved, over the size of an element",
+        low=0,
+        high=LARGEST,
+        otherwise="0",
     ),
-    Setting.one_of("distortion", DISTORTIONS, None, "how nodes are moved; with distort", otherwise="random"),
+    Setting.one_of("distortion", DISTORTIONS, None, "pattern of the moved nodes; with distort", otherwise="random"),
 )
 
 
@@ -79,7 +88,11 @@ def of_wall(surfaces: str, law: str, among: Sequence[str] = SURFACES[1:]) -> tup
 
 
 BENDING = Setting.one_of(
-    "bending", BENDINGS, None, "of the chord of an element that folds, or of the arc; with nodal", otherwise=BENDINGS[0]
+    "bending",
+    BENDINGS,
+    None,
+    "bending of the chord or of the arc of a folding element; with thickness_strain=nodal",
+    otherwise=BENDINGS[0],
 )
 TWO_FACES = (*_of_element(ELEMENTS, INTERPOLATIONS), BENDING, *MOVED_NODES)  # and no others
 ELEMENT = (*TWO_FACES, *WALL)
@@ -143,7 +156,7 @@ def moved_nodes(request: Request, grid: Grid, stay: np.ndarray | None = None) ->
     """The grid with its nodes moved as asked, but for those that ``stay``; raises UsageError for one with leaves."""
     if "distort" not in request.settings:
         if "distortion" in request.settings:
-            raise UsageError(f"distortion = {request.choice('distortion')} says how nodes are moved: by distort")
+            raise UsageError(f"distortion = {request.choice('distortion')} needs distort above 0")
         return grid
     if not isinstance(grid, TensorGrid):
         raise UsageError("distort: quadrilaterals have no hanging nodes")
@@ -201,18 +214,18 @@ def check_wall(request: Request, laminate: Laminate) -> str:
     surfaces, law = surfaces_of(request), law_of(request)
     if surfaces == BETWEEN_FACES:
         if law != LINEAR:
-            raise UsageError(f"law = {law} is met at points through the wall: it needs surfaces = 3 or more")
+            raise UsageError(f"law = {law} needs surfaces = 3 or more")
         return surfaces
     if isinstance(laminate, ShearCorrected) and laminate.shear_correction != request.settings.get(SHEAR, 1.0):
-        raise UsageError(f"surfaces = {surfaces}: the shear correction of this wall is of two faces")
+        raise UsageError(f"surfaces = {surfaces}: the shear correction of this wall applies to two faces only")
     for key, value, needed in (
         ("section", request.settings.get("section"), (None, SECTIONS[0])),
         (SHEAR, request.settings.get(SHEAR), (None, 1.0)),
     ):
         if value not in needed:
-            raise UsageError(f"surfaces = {surfaces}: {key} = {text_of(value)} is of two faces")
+            raise UsageError(f"surfaces = {surfaces}: {key} = {text_of(value)} applies to two faces only")
     if request.leaves:
-        raise UsageError(f"surfaces = {surfaces}: there are none inside the wall of elements that meet hanging nodes")
+        raise UsageError(f"surfaces = {surfaces}: hanging nodes allow two faces only")
     if law == LINEAR:
         return surfaces
     if request.measure != GREEN:
@@ -261,7 +274,7 @@ def discretise(
     """
     interpolation = request.choice("interpolation")
     if ("distort" in request.settings) != isinstance(grid, QuadGrid):
-        raise UsageError(f"distort: {request.scene} has grid lines that stay where they are")
+        raise UsageError(f"distort: {request.scene} has grid lines that must not be moved")
     if interpolation == "quads" and request.leaves:
         raise UsageError("interpolation = quads: quadrilaterals have no hanging nodes")
     if isinstance(grid, QuadGrid) and interpolation != "quads":

@@ -88,7 +88,7 @@ NEEDED = {  # of a part, beside its name
     "footprint.scenes": ("title", "default_mesh", "settings", "references", "build"),
     "footprint.laws": ("__call__",),
 }
-TAKEN = "there is another part of this name; give it another one"
+TAKEN = "the name is taken by another part; choose another one"
 _used: list[str] = []  # the files of --use and of campaigns, which worker processes and printed commands need, too
 _module_of: dict[tuple[str, str], str] = {}  # the module that a part came with, by group and name
 _entered: set[EntryPoint] = set()
@@ -212,7 +212,7 @@ def _check(label: str, group: str, part: Any) -> None:
         try:
             part()
         except Exception as error:
-            raise UsageError(f"{label}: as it is by default: {_line(error)}") from error
+            raise UsageError(f"{label}: with its defaults: {_line(error)}") from error
     elif group in ("footprint.measures", "footprint.scenes") and isinstance(part, type):
         raise UsageError(f"{label}: the part has to be an instance, not a class")
     elif group == "footprint.scenes" and not _is_mesh(mesh := getattr(part, "default_mesh", None)):

@@ -20,7 +20,7 @@ from studies.solving.certificate import certificate
 from studies.solving.result import Result
 
 FORCE = "force_N"
-NO_LOAD = "--branch needs a converged load: a traced curve, and a path that has ended, have none to leave"
+NO_LOAD = "--branch needs a converged load at the end: a traced curve or a path that has stopped has none"
 
 
 def check(request: Request, stages: Iterable[Stage]) -> None:
@@ -48,7 +48,7 @@ def branches_of(result: Result) -> list[dict[str, Any]]:
     try:
         branches = stable_branches(visited.problem, visited.point.solution, algorithm)
     except (SingularMatrixError, ValueError) as error:
-        raise UsageError(f"--branch: the tangent does not tell its modes: {error}") from None
+        raise UsageError(f"--branch: the modes of the tangent are not known: {error}") from None
     result.branches = [_row(result, branch) for branch in branches or ()]
     result.beside = list(branches or ())
     return result.branches
@@ -92,7 +92,7 @@ def write(result: Result, directory: Path) -> list[str]:
 def lines(result: Result) -> list[str]:
     """What a terminal shows: one line a branch."""
     if not result.branches:
-        return ["--branch: the last state has no unstable mode: there is no branch to leave for"]
+        return ["--branch: the last state has no unstable mode, so there is no branch to follow"]
     report = []
     for row in result.branches:
         side = "along" if row["side"] > 0 else "against"

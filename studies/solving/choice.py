@@ -118,11 +118,11 @@ class Choice:
             ladder, word = verdict.ladder, verdict.word
             name, count = f"{ladder.variant.axis} {ladder.variant.name}", len(ladder.paths)
             if word == NOT_SETTLED:
-                yield f"{name}: whether its limit is within {percent} is not settled on {count} grids"
+                yield f"{name}: {count} grids do not settle whether its limit is within {percent}"
             elif word == NO_MESH:
-                yield f"{name}: its limit is within {percent}, but surely none of its {count} grids"
+                yield f"{name}: its limit is within {percent}, but none of its {count} grids surely is"
             elif verdict.first == count - 1:
-                yield f"{name}: finer grids than {ladder.paths[-1].mesh} were not seen, their limit is an estimate"
+                yield f"{name}: no grid finer than {ladder.paths[-1].mesh} was solved, the limit is an estimate"
         if self.verdicts and touches(self.verdicts[0].ladder.paths[-1].end):
             values = self.verdicts[0].values
             steps = 100 * np.abs(np.diff(values[-3:])) / (abs(values[-1]) or 1.0)
@@ -133,26 +133,26 @@ class Choice:
             if far is not None and far.name:
                 width = 100 * (far.beyond.within + far.left)
                 by = f"surfaces={far.name} {100 * far.beyond.value:+.2g} +- {width:.2g} %"
-                yield f"whether more surfaces through the wall matter is not settled: {by}; errors count from {here}"
+                yield f"it is not settled whether more surfaces through the wall matter: {by}; errors count from {here}"
             else:
-                yield f"what more surfaces through the wall change is not known: errors count from surfaces={here}"
+                yield f"the effect of more surfaces through the wall is not known: errors count from surfaces={here}"
         if self.stopped:
             yield f"measure {REFERENCE}: {self.stopped}"
         if rubbing(self.request.settings):
-            yield "with friction load steps leave an error, too, which is not in these errors"
+            yield "the error of the load steps of friction is not included in these errors"
         if self.recommended is not None and not self.recommended.holds:
-            yield "there was no time to solve what is recommended from rest"
+            yield "there was no time to solve the recommended configuration from rest"
         if self.recommended is not None and self.recommended.trial is not None:
             if self.recommended.trial.ended == UNSTABLE:
-                yield f"what is recommended is not a stable equilibrium: {self.recommended.trial.said}"
+                yield f"the recommended configuration is not a stable equilibrium: {self.recommended.trial.said}"
             yield from self.recommended.trial.notes
             faster = [offer for offer in self.offers if offer.untried and offer.price < self.recommended.price]
             yield from (
-                f"{offer.words}: foreseen at {offer.seconds:.2g} s, but not solved from rest" for offer in faster
+                f"{offer.words}: forecast at {offer.seconds:.2g} s, but not solved from rest" for offer in faster
             )
         yield from (offer.refusal for offer in self.refused)
         if self.dropped:
-            yield f"no time within {self.budget:g} s for {len(self.dropped)} things: finer grids or trials, as they say"
+            yield f"no time within {self.budget:g} s for {len(self.dropped)} finer grids or trials"
 
     def as_json(self) -> dict[str, Any]:
         """The content of choice.json."""

@@ -105,7 +105,7 @@ def loosened(choice: Choice, error: float) -> Choice:
     """
     if choice.limit is None or error < choice.question.error:
         least = min(error, choice.question.error)
-        raise ValueError(f"of {choice.question.name} nothing is known to {100 * least:g} %")
+        raise ValueError(f"no quantity of {choice.question.name} is known to {100 * least:g} %")
     question, reference = replace(choice.question, error=error), choice.verdicts[0].ladder
     wall = choice.beyond if choice.beyond is not None and choice.beyond.tells(error) else choice.wall
     known = reference, choice.limit, choice.quantity, error, wall
@@ -235,7 +235,7 @@ def follow(
         if cascade.grids and not clock.fits(DEARER * cascade.last.seconds):
             return f"no time for {text}"
         progress(f"{REFERENCE} {text}")
-        reason = f"the path is not followed to its end on {text}"
+        reason = f"the path does not reach its last load on {text}"
         followed = cascade.grow(grid, seconds=clock.left / clock.wait)
         if not followed and not cascade.grids and element_size(grid) < TOO_FINE * element_size(request):
             break
@@ -249,13 +249,13 @@ def follow(
                 if first_enough(errors(cascade.values, limit), NONE, cascade.error - beyond) is not None:
                     return ""
         grid = near(cascade.scene, grid, FINER)
-    return reason or f"no grid is finer than {text}; one element along a coordinate stays one"
+    return reason or f"no grid is finer than {text}: a single element along a coordinate is not cut"
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:
     """The limit of the exact measure, or why it is not known."""
     if not cascade.grids:
-        return f"the path of the measure {REFERENCE} is not followed to its end on any grid"
+        return f"the path of the measure {REFERENCE} does not reach its last load on any grid"
     limit = cascade.stated()
     reason = no_limit(cascade.last, cascade.name, cascade.error)
     if reason or isinstance(limit, Estimate):

@@ -44,7 +44,7 @@ BOUNDS = {RESULTANT: "bound_N", IN_A_TURN: "moment_bound_N_mm"}
 DISSIPATION = "dissipation_N_mm"
 TURNED = 1.0  # deg: from here on the turn of a resultant is printed
 REMARK = (
-    "errors of load steps are estimates: two paths, one with half the steps, do not show that their order is 1; "
+    "errors of load steps are estimates: two paths, one with half the steps, cannot confirm first order; "
     f"the intervals are {SAFETY:g} times as wide"
 )
 
@@ -109,7 +109,7 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
         stage, at = visited.stage.name, visited.point.requested
         observation, failed = _seen(visited, result)
         if failed:
-            result.remarks.append(f"no error of load steps from {stage} at {at:g} on: {failed}")
+            result.remarks.append(f"the error of load steps is not known from {stage} at {at:g} on: {failed}")
             break
         if observation.step is None:
             continue
@@ -188,7 +188,7 @@ def _seen(visited: Visited, result: Result) -> tuple[Observation, str]:
     """What is read off a point, and why its state does not count, if it does not."""
     nothing = Observation(None)
     if not visited.converged:
-        return nothing, f"the path of half steps ends: {visited.said}"
+        return nothing, f"the path with half steps stops: {visited.said}"
     problem, state = visited.problem, visited.point.solution
     observation = visited.stage.observe(problem, state, visited.point.requested)
     if observation.step is None or problem.coulomb is None:
@@ -214,10 +214,10 @@ def _line(row: Mapping[str, Any]) -> str:
     """A quantity at a load."""
     head = f"{row['stage']} {row['load'] + 0.0:g}: {row['quantity']} {row['value']:.6g} in {row['substeps']} steps"
     if abs(row["error"]) <= row["noise"]:
-        return f"{head}, the same in {row['halved_substeps']}, which says nothing of its error"
+        return f"{head}, the same in {row['halved_substeps']}: its error is not known"
     turned = f", turned by {row['turned_deg']:.3g} degrees" if row["turned_deg"] >= TURNED else ""
     share = 100 * abs(row["error"] / row["value"])
     size = f"first-order error of this answer {abs(row['error']):.2g} ({share:.2g} %)"
     if row["bound"] is not None:
-        size = f"its dissipation does not show that anything slips, so it is anything within {row['bound']:.6g}"
+        size = f"its dissipation does not show any slip, so it is only known to lie within {row['bound']:.6g}"
     return f"{head}, {row['halved']:.6g} in {row['halved_substeps']}{turned}; {size}"

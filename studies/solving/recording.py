@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from contact.swept import Crossing
 
 DRAWN = 8  # points of a curve that every piece of it has in its table
-ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
+ON_THE_WAY = "the path continues from it; another path may reach other states at later loads"
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +137,7 @@ def _record_end(visited: Visited, result: Result) -> None:
         _keep(observation, result)
         message += f"; {observation.said}"
     if point.end is not None and point.end.kind is not PathEnd.NEITHER and isinstance(result.model, ShellSceneModel):
-        message += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
+        message += f"; this is the path on the grid {_grid(result.request)}, on another it may end elsewhere"
     if visited.trace is None:
         where = f"{stage} at {point.requested:g}: {message}"
     else:

@@ -38,8 +38,8 @@ UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refus
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
-UNTOUCHED = "nothing touches at the last load: the foundation is out of reach, or the load lifts all off it"
-APART = "the faces do not touch at the last load: they are apart, or elements are too large for it"
+UNTOUCHED = "no contact at the last load: the foundation is out of reach, or the load lifts the body off it"
+APART = "no contact between the faces at the last load: they are apart, or the elements are too large"
 SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, stable or not
 
 
@@ -178,7 +178,7 @@ class Result:
         Raises LookupError where it does not pass, and of a path that is known at its points alone.
         """
         if self.end is None or self.end.trace is None:
-            raise LookupError("a path in load steps is known at its loads alone")
+            raise LookupError("a path in load steps is known at its loads only")
         return self.end.stage.lifted(self.end.trace.at(load, passage).state)
 
     @property

@@ -171,7 +171,7 @@ class Ladder:
             return
         self.lost += 1
         if self.lost >= FAILURES and not self.said:
-            self.said = f"its path is not followed to its end on {beside.mesh}"
+            self.said = f"its path does not reach its last load on {beside.mesh}"
 
     def rest(self) -> None:
         """Keep of the last path its values alone: nothing is started from it any more."""

@@ -251,5 +251,8 @@ def test_what_passes_between_nodes_is_told(foundation, radius) -> None:
         stated = between_nodes(place, shares, touching)
         assert bool(stated) == (radius < size)
         if stated:
-            assert f"{radius:.3g} mm, is below the size of an element there, {size:.3g} mm: nodes alone touch" in stated
+            assert (
+                f"{radius:.3g} mm, is below the size of an element there, {size:.3g} mm: only nodes are checked"
+                in stated
+            )
     assert between_nodes(None, shares, touching) == ""

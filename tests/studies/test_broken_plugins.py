@@ -166,7 +166,7 @@ def test_a_set_that_is_not_that_of_the_nodes_that_press_is_wrong(nodes: str, say
     assert code == 1
     assert errors == f"footprint: judged wrong: {says} at load_fraction 1\n"
     assert "wrong: " in said
-    assert "nothing touches" not in said
+    assert "no contact" not in said
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -206,7 +206,7 @@ def test_an_algorithm_that_cannot_be_made_is_refused_in_a_line(put_back: None, t
     words = ["panel", "--contact", "odd", "--use", str(path), "--out", str(tmp_path)]
     path.write_text(path.read_text().replace("{supports}", "None").replace("{solve}", ""))
     assert main(["solve", *words]) == 2
-    assert capsys.readouterr().err.endswith("as it is by default: ZeroDivisionError: division by zero\n")
+    assert capsys.readouterr().err.endswith("with its defaults: ZeroDivisionError: division by zero\n")
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -435,9 +435,9 @@ PLANES = {
     "(np.zeros(3), 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [0. 0. 0.]",
     "(np.full(3, np.nan), 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [nan nan nan]",
     "([1.0, 0.0], 1.5)": "ValueError: the normal of a plane must be a unit vector (3,), got [1.0, 0.0]",
-    "(UP, np.nan)": "where the foundation is at rest is not a number",
-    "(-UP, -1.5)": "all of the wall at rest lies in the foundation, 1 mm deep: the normal of a plane points from",
-    "(UP, -50.0)": "all of the wall at rest lies in the foundation, 50.5 mm deep: the normal of a plane points from",
+    "(UP, np.nan)": "the position of the foundation at rest is not a number",
+    "(-UP, -1.5)": "the whole wall at rest lies inside the foundation, 1 mm deep: the normal of a plane points from",
+    "(UP, -50.0)": "the whole wall at rest lies inside the foundation, 50.5 mm deep: the normal of a plane points from",
 }
 
 

@@ -140,7 +140,7 @@ def test_a_result_is_written_whatever_becomes_of_its_branches(
     said = capsys.readouterr()
     assert "tip_deflection_mm" in said.out
     if code == 2:
-        why = "--branch: the tangent does not tell its modes: no pivot; the result is written"
+        why = "--branch: the modes of the tangent are not known: no pivot; the result is written"
         assert said.err == f"footprint: {why}\n"
     written = json.loads((tmp_path / "result.json").read_text())
     assert written["outcome"] == "converged"
@@ -272,7 +272,7 @@ WRONG = {
     "negative mesh": (["solve", "tyre", "--mesh", "-8x8"], "mesh '-8x8' must be N1xN2 with two whole numbers"),
     "negative error": (
         ["solve", "tyre", "--error", "-1%"],
-        "error '-1%' must be a part of the quantity in [0.01%, 50%]",
+        "error '-1%' must be a relative error in [0.01%, 50%]",
     ),
     "no campaign file": (["run", "nofile.toml"], "footprint: campaign nofile.toml: No such file or directory\n"),
     "odd mesh": (["solve", "tyre", "--mesh", "41x40"], "even"),
@@ -287,8 +287,11 @@ WRONG = {
     "h >= R": (["solve", "tyre", "--set", "ply_thickness_mm=12.5"], "below R1_mm = 50"),
     "wall across the axis": (["solve", "tyre", "--set", "R0_mm=60"], "R0_mm = 60"),
     "negative modulus": (["solve", "tyre", "--set", "E_L_MPa=-5"], "E_L_MPa"),
-    "E without nu": (["solve", "tyre", "--set", "E_MPa=20"], "together"),
-    "isotropic mixture": (["solve", "tyre", "--set", "E_MPa=20", "--set", "nu=0.3", "--set", "E_L_MPa=5"], "together"),
+    "E without nu": (["solve", "tyre", "--set", "E_MPa=20"], "an isotropic tyre needs both E_MPa and nu"),
+    "isotropic mixture": (
+        ["solve", "tyre", "--set", "E_MPa=20", "--set", "nu=0.3", "--set", "E_L_MPa=5"],
+        "an isotropic tyre needs both E_MPa and nu",
+    ),
     "incompressible": (["solve", "tyre", "--set", "E_MPa=20", "--set", "nu=0.5"], "(-1, 0.5)"),
     "falling deltas": (["solve", "tyre", "--set", "delta_mm=10,5"], "increasing"),
     "negative delta": (["solve", "tyre", "--set", "delta_mm=-5"], "[0, 100]"),

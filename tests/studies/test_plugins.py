@@ -301,7 +301,7 @@ SCENES['whole'] = Whole{call}
 MISTAKEN = {
     "taken": (
         f"{OF_MEASURES}MEASURES['exact'] = MEASURES['linear']",
-        "'exact' of footprint.measures: there is another part of this name",
+        "'exact' of footprint.measures: the name is taken by another part",
     ),
     "another name": (
         f"{OF_MEASURES}MEASURES['mine'] = MEASURES['linear']",

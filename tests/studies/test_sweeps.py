@@ -240,8 +240,8 @@ def test_a_member_that_fails_is_recorded_and_the_others_go_on(tmp_path: Path, ca
 def test_what_an_answer_does_not_show_by_itself_is_said_of_its_members(tmp_path: Path, capsys) -> None:
     words = ["sweep", "strip-contact", "--mesh", "8x1", "--set", "load_fraction=0.1", "--over", "lam_over_a=0.3:0.4:2"]
     assert main([*words, "--out", str(tmp_path)]) == OK
-    assert "\n2 of 2 members: nothing touches at the last load" in capsys.readouterr().out
-    assert table(tmp_path)["reason"].str.startswith("nothing touches").all()
+    assert "\n2 of 2 members: no contact at the last load" in capsys.readouterr().out
+    assert table(tmp_path)["reason"].str.startswith("no contact").all()
 
 
 def test_a_member_that_cannot_be_is_recorded_and_the_others_go_on(tmp_path: Path) -> None:

@@ -66,7 +66,7 @@ class WallGeometry:
     def of(cls, surface: Surface, grid: Grid, sampling: Sampling, geometry: ElementGeometry) -> WallGeometry:
         """On lines of curvature; raises ValueError for hanging nodes."""
         if grid.hanging is not None:
-            raise ValueError("surfaces inside the wall know no hanging nodes")
+            raise ValueError("surfaces inside the wall do not support hanging nodes")
         points = grid.points(GAUSS)
         at = surface.geometry(points[..., 0], points[..., 1])
         turn = None

@@ -55,7 +55,7 @@ class Membrane(Declared):
     default_mesh = (80, 1)
     settings = (
         replace(LOAD_FRACTIONS, default=(0.1, *READ), help="pressures over 0.001 MPa, or volumes over half a sphere's"),
-        Setting.one_of("control", ("pressure", "volume"), "pressure", "which of both is given"),
+        Setting.one_of("control", ("pressure", "volume"), "pressure", "whether pressures or volumes are given"),
         *of_wall("3", "neo-hooke"),
         SOLVER,
     )
@@ -65,7 +65,7 @@ class Membrane(Declared):
     def build(self, request: Request) -> SceneModel:
         """Pressure on the middle surface, as that of a membrane."""
         if request.settings["law"] == "svk":
-            raise UsageError("law = svk: a wall stretched to twice its size would have to be thinner than nothing")
+            raise UsageError("law = svk: a wall stretched to twice its size would have a negative thickness")
         wall = Laminate.single(Ply.isotropic(E, NU, THICKNESS))
         edges = ("symmetric", "hinged", "symmetric", "symmetric")
         strip = patch(request, annulus(), (HOLE * RADIUS, RADIUS), (0.0, SECTOR), wall, edges)

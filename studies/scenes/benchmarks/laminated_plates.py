@@ -51,7 +51,7 @@ class LaminatedStrip(Declared):
     default_mesh = (40, 2)
     settings = (
         LOAD_FRACTION,
-        Setting.one_of("sides", SIDES, "free", "of the strip: free, or without motion across it"),
+        Setting.one_of("sides", SIDES, "free", "edges of the strip: free, or held across it"),
         *of_wall("3/ply", "svk", SURFACES),
         SOLVER,
     )

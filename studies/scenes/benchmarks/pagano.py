@@ -94,7 +94,7 @@ class Pagano(Declared):
         plies = cross_plies(request.number("E_ratio"))
         inside = surfaces_of(request) != BETWEEN_FACES
         if inside and request.settings.get("distort"):
-            raise UsageError("distort: stresses by equilibrium through the wall need lines that stay where they are")
+            raise UsageError("distort: stresses by equilibrium through the wall need undistorted grid lines")
         edge = "end-of-solid" if inside else "hard-diaphragm"
         edges = (edge, "symmetric", edge, "symmetric")
         quarter = patch(request, Plate(), (0, a / 2), (0, b / 2), centred_laminate(request, *plies), edges)

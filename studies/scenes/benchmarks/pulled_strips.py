@@ -173,7 +173,7 @@ class SlenderBeam(OnQuads):
     default_mesh = (SIX, 1)
     coarsest_mesh = (SIX, 2)  # in its plane it bends, across which one element is too stiff, whatever its length
     settings = (
-        Setting.one_of("shape", SHAPES, "rectangle", "the shape of its elements"),
+        Setting.one_of("shape", SHAPES, "rectangle", "shape of the elements"),
         Setting.one_of("load", ALONG, "in-plane", "force of 1 N at the end: along it (x), across (y), or normal (z)"),
         *(setting for setting in SETTINGS if setting is not LINES),
     )

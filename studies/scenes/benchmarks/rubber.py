@@ -72,7 +72,7 @@ class Rubber:
     @property
     def quantities(self) -> Mapping[str, str]:
         """What the reactions add up to."""
-        return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "share of the thickness lost"}
+        return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "relative loss of thickness"}
 
     def build(self, request: Request) -> SceneModel:
         """By displacements alone; raises UsageError where the linear law leaves nothing of a wall."""
@@ -113,9 +113,7 @@ class Rubber:
         stretch = 1 + largest * (LARGEST - 1)
         strain = 0.5 * (stretch**2 - 1) * (2 if self.of_sphere else 1)
         if request.settings["law"] == LINEAR and nu / (1 - nu) * strain >= 0.5:
-            raise UsageError(
-                f"law = svk: at load_fraction = {largest:g} the wall would have to be thinner than nothing"
-            )
+            raise UsageError(f"law = svk: at load_fraction = {largest:g} the thickness of the wall would be negative")
 
 
 def _distances(body: Discretisation) -> np.ndarray:

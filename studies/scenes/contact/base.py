@@ -114,10 +114,10 @@ class ContactModel(ShellSceneModel):
         x = self.candidates.reference
         gap = self.plane_at(0.0).gap(x)
         if np.any(np.isnan(gap)):
-            raise UsageError("where the foundation is at rest is not a number")
+            raise UsageError("the position of the foundation at rest is not a number")
         rounding = OVERLAP * self.shell.discretisation.laminate.thickness + ROUNDING * np.max(np.abs(x), initial=0.0)
         if np.all(gap <= rounding) and np.any(gap < -rounding):
-            inside = f"all of the wall at rest lies in the foundation, {-gap.min():.3g} mm deep"
+            inside = f"the whole wall at rest lies inside the foundation, {-gap.min():.3g} mm deep"
             raise UsageError(f"{inside}: the normal of a plane points from the wall to it, the offset is along that")
 
     def moved(self, t: float) -> Self:

@@ -28,7 +28,9 @@ SETTINGS = (
     Setting("shape", "cylinder", "shape of the panel", "choice", choices=SHAPES),
     Setting("h_over_R", 0.02, "thickness over 100 mm, the radius", low=1e-8, high=0.5),
     Setting("aspect", 1.0, "length of an element over its width", low=1e-6, high=1e6),
-    Setting("irregular", 0.0, "0: even grid lines; near 1: pairs of lines all but meet", low=0, high=1, open_high=True),
+    Setting(
+        "irregular", 0.0, "0: even grid lines; near 1: pairs of lines nearly coincide", low=0, high=1, open_high=True
+    ),
     Setting("E_ratio", 1.0, "modulus along the fibres over that across them, 100 MPa; 1: isotropic", low=1, high=1e9),
     Setting("gamma_deg", 30.0, "angle of the fibres from a1", low=-90, high=90),
     Setting("nu", 0.3, "Poisson ratio", low=-1, high=0.5, open_low=True, open_high=True),
@@ -37,8 +39,8 @@ SETTINGS = (
     Setting("delta_mm", 1.0, "travel of the foundation from first touch", low=-100, high=1000),
     Setting("foundation", "plane", "rigid obstacle that presses", "choice", choices=("plane", "ball")),
     Setting("ball_mm", 20.0, "radius of the ball", low=0, high=1e6, open_low=True),
-    Setting("length_unit", 1.0, "how many units of length a mm is taken as", low=1e-12, high=1e12),
-    Setting("stress_unit", 1.0, "how many units of stress a MPa is taken as", low=1e-12, high=1e12),
+    Setting("length_unit", 1.0, "length units in 1 mm", low=1e-12, high=1e12),
+    Setting("stress_unit", 1.0, "stress units in 1 MPa", low=1e-12, high=1e12),
     replace(EPSILON, help="regularisation, in the units of the problem; inf enforces exactly", unit="MPa/mm"),
     *ELEMENT,
     SOLVER,
@@ -108,7 +110,7 @@ def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]
     if shape == "cylinder":
         return cylinder(RADIUS * unit), (along * unit, HALF / RADIUS)
     if along > 1.5 * RADIUS:
-        raise UsageError(f"aspect = {request.number('aspect'):g} takes a sphere beyond its poles")
+        raise UsageError(f"aspect = {request.number('aspect'):g} extends the panel beyond the poles of its sphere")
     return sphere(RADIUS * unit), (along / RADIUS, HALF / RADIUS)
 
 

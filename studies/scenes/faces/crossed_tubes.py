@@ -36,9 +36,9 @@ ACROSS = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])  # half 
 POINT = 0.1  # mm: a travel at which one node touches, or a few beside each other
 QUARTERS = 4
 
-TRAVELS = Setting.positive("delta_mm", (0.25, 0.5, 1.0), "by which the tubes come together", 50.0, kind="floats")
+TRAVELS = Setting.positive("delta_mm", (0.25, 0.5, 1.0), "approach of the tubes", 50.0, kind="floats")
 LAYERS = Setting.one_of("layers", ("two", "many"), "two", "two tubes, or many that cross in turn, above each other")
-ENDS = Setting.one_of("ends", ("diaphragm", "free"), "diaphragm", "of the tubes; free ones with layers=many alone")
+ENDS = Setting.one_of("ends", ("diaphragm", "free"), "diaphragm", "ends of the tubes; free needs layers=many")
 LINES = Setting.one_of("lines", ("even", "crossing"), "crossing", "grid lines: even, or closer towards the crossing")
 
 
@@ -85,7 +85,7 @@ class CrossedTubes(Declared):
     )
     references = _references()
     quantities = {
-        "force_N": "by which the tubes press on each other, along the normal of both axes",
+        "force_N": "force between the tubes, along the normal of both axes",
         "dent_mm": "of the first tube at the crossing, in the middle of its wall",
         "other_dent_mm": "of the second tube",
         "dent_Eh_over_F": "that of the first tube times its E h over the force; 0 without one",
@@ -132,7 +132,7 @@ class CrossedTubes(Declared):
 
 def _check(request: Request) -> None:
     if (request.choice("layers"), request.choice("ends")) == ("two", "free"):
-        raise UsageError("ends = free: nothing would hold two tubes; it needs layers=many")
+        raise UsageError("ends = free: two tubes would not be held; it needs layers=many")
     for radius, h in zip(RADII, WALLS, strict=True):
         if request.number(h.key) >= request.number(radius.key):
             most = f"below {radius.key} = {request.number(radius.key):g}"

@@ -83,7 +83,7 @@ class FacePatch(Declared):
         flat = request.choice("shape") == "flat"
         drags = request.numbers(DRAG.key) if DRAG.key in request.settings else ()
         if drags and not flat:
-            raise UsageError("drag_mm needs shape=flat: tubes in each other are dragged nowhere")
+            raise UsageError("drag_mm needs shape=flat: tubes in each other cannot be dragged")
         if drags and request.choice("slave") != SLAVES[0]:
             raise UsageError("drag_mm needs slave=first: nodes of the longer plate would pass the rim of the other")
         far = max(map(abs, drags), default=0.0)

@@ -44,7 +44,7 @@ QUARTER = math.pi / 2 / WEDGE
 UNDER = RADII[2] / 2  # least height of what may meet the plane [mm]
 
 TRAVELS = Setting.positive("delta_mm", (1.0, 2.0, 3.0, 4.0), "travel of the plane", 5.0, kind="floats")
-BODIES = Setting.one_of("bodies", ("solids", "shells"), "solids", "what both are made of")
+BODIES = Setting.one_of("bodies", ("solids", "shells"), "solids", "elements of both half-spheres")
 THROUGH = Setting("through", 2, "elements through the wall of a solid", "int", 1, 16)
 COARSER = paired(slave="second", faces="curved")  # facets of both do not fit each other, and the finer one has more
 FILE = "half_spheres_nested.csv"

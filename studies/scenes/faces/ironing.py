@@ -51,17 +51,17 @@ LAYERS = 6  # elements along the slab for one through it
 BESIDE = 0.2  # on both sides of the way of the die where elements are closer there
 LOW = [9 * i + k for k in range(3) for i in range(3)]  # nodes of an element at its low a2, turned inwards as its inner
 HIGH_SIDE = [9 * i + 6 + k for i in range(3) for k in range(3)]
-DEPTH = Setting.positive("depth_mm", 1.0, "way of the top of the die down, 0.2 of it before it touches", 1.2)
+DEPTH = Setting.positive("depth_mm", 1.0, "downward travel of the top of the die, 0.2 of it before contact", 1.2)
 SLIDE = Setting(
-    "slide_mm", (1.0, 2.0, 3.0, 4.0, 5.0), "stops of the top of the die along the slab, in turn", "path", 0.0, 10.4
+    "slide_mm", (1.0, 2.0, 3.0, 4.0, 5.0), "positions of the top of the die along the slab, in turn", "path", 0.0, 10.4
 )
 BEGIN = Setting(
-    "start_mm", 0.2, "place of the rear side of the die along the slab where it is pressed in", low=0, high=10.8
+    "start_mm", 0.2, "position of the rear side of the die along the slab when it is pressed in", low=0, high=10.8
 )
 LINES = Setting.one_of(
     "lines", ("even", "way"), "even", "elements: alike along the slab, or larger away from the die's way"
 )
-SLAB = Setting.one_of("slab", ("solid", "shell"), "solid", "what the slab is made of")
+SLAB = Setting.one_of("slab", ("solid", "shell"), "solid", "elements of the slab")
 STIFFER = Setting("E_ratio", 10.0, "Young's modulus of the die over that of the slab", low=1e-2, high=1e4)
 DIE = replace(OTHER, default=100, help="elements along the die, per cent of those of the slab over the same length")
 

@@ -27,7 +27,7 @@ PAIRING = Setting.one_of(
 )
 SHAPES = ("facets", "curved")
 SHAPE_OF_FACES = Setting.one_of(
-    "faces", SHAPES, SHAPES[0], "faces between their points: flat patches, or curved by the normals at their corners"
+    "faces", SHAPES, SHAPES[0], "shape of the patches: flat, or curved by the normals at their corners"
 )
 TOUCHING = 1e-9  # of the size of faces: a smaller gap at rest counts as closed
 SLAVES = ("first", "second")
@@ -41,9 +41,7 @@ OTHER = Setting(
     high=1000,
     unit="%",
 )
-DRAG = Setting(
-    "drag_mm", None, "stops of the first body on its way along the second, in turn", "path", otherwise="none"
-)
+DRAG = Setting("drag_mm", None, "positions of the first body along the second, in turn", "path", otherwise="none")
 PAIRED = (OTHER, PAIRING, SHAPE_OF_FACES, SLAVE)
 
 

@@ -101,7 +101,7 @@ def _inflated(request: Request, body: TyreBody, start: ContactSolution | None) -
     (point,) = follow(problem_at, 0.0, [1.0], algorithm, begun, request.steps)
     if not point.outcome.converged:
         p0 = request.number("p0_MPa")
-        raise UsageError(f"p0_MPa = {p0:g}: this tyre is inflated no further than to {point.reached * p0:.3g}")
+        raise UsageError(f"p0_MPa = {p0:g}: the inflation of this tyre stops at {point.reached * p0:.3g}")
     return point.solution.u
 
 

@@ -39,7 +39,7 @@ def element(deck: Deck, card: Card) -> None:
     card.knows("TYPE", "ELSET")
     kind = card.parameter("TYPE")
     if kind not in QUADS:
-        understood = f"understood are {', '.join(QUADS)}"
+        understood = f"it must be one of {', '.join(QUADS)}"
         card.refuse(f", TYPE={shown(kind)} {OTHER_KINDS.get(kind, f'is not a quadrilateral shell; {understood}')}")
     numbers = []
     for row in card.rows:
@@ -61,7 +61,7 @@ def normal(deck: Deck, card: Card) -> None:
     """Element, node and normal; one that several elements tell in several ways is the mean."""
     card.knows("TYPE")
     if card.parameters.get("TYPE", "ELEMENT") != "ELEMENT":
-        card.refuse("has a TYPE that is not understood; understood is ELEMENT")
+        card.refuse("has a TYPE that is not supported; it must be ELEMENT")
     for row in card.rows:
         row.at_most(5)
         element, node = row.whole(0), row.whole(1)
@@ -111,7 +111,7 @@ def elastic(deck: Deck, card: Card) -> None:
     kind = card.parameters.get("TYPE") or "ISOTROPIC"
     constants = {"ISOTROPIC": 2, "ISO": 2, "LAMINA": 6, "ENGINEERING CONSTANTS": 9}
     if kind not in constants:
-        card.refuse(f", TYPE={shown(kind)} is not understood; understood are {', '.join(constants)}")
+        card.refuse(f", TYPE={shown(kind)} is not supported; it must be one of {', '.join(constants)}")
     count, fields = constants[kind], [field for row in card.rows for field in row.fields]
     if len(card.rows) != 1 + (count > 8) or not count <= len(fields) <= count + 1:
         card.refuse(f"needs {count} constants at one temperature, on {1 + (count > 8)} lines")
@@ -124,9 +124,9 @@ def orientation(deck: Deck, card: Card) -> None:
     """Its first axis [a1 a2 a3] is laid on the shell; the second line must turn it about the third axis."""
     card.knows("NAME", "SYSTEM", "DEFINITION")
     if card.parameters.get("SYSTEM", "RECTANGULAR") not in ("RECTANGULAR", "R"):
-        card.refuse("has a SYSTEM that is not understood; understood is RECTANGULAR")
+        card.refuse("has a SYSTEM that is not supported; it must be RECTANGULAR")
     if card.parameters.get("DEFINITION", "COORDINATES") != "COORDINATES":
-        card.refuse("has a DEFINITION that is not understood; understood is COORDINATES")
+        card.refuse("has a DEFINITION that is not supported; it must be COORDINATES")
     if len(card.rows) != 2 or card.rows[1].whole(0) != 3:
         card.refuse("needs a second line that begins with 3: programs differ in which axis they lay on a shell")
     first, second = card.rows
@@ -140,7 +140,7 @@ def shell_section(deck: Deck, card: Card) -> None:
     """Thickness and material, or plies, of a set of elements."""
     card.knows("ELSET", "MATERIAL", "COMPOSITE", "ORIENTATION", "OFFSET", "NODAL THICKNESS")
     if "OFFSET" in card.parameters and card.parameter("OFFSET") not in ("0", "0.", "0.0"):
-        card.refuse(": OFFSET is not understood: programs do not count it the same way")
+        card.refuse(": OFFSET is not supported: programs do not count it the same way")
     name, orientation = card.parameter("ELSET"), card.parameters.get("ORIENTATION", "")
     if orientation and orientation not in deck.orientations:
         card.refuse(f"names an orientation {shown(orientation)} that is not there")
@@ -176,13 +176,13 @@ def _layers(deck: Deck, card: Card) -> Iterator[Layer]:
         yield Layer(row.real(0) if by_section else 1.0, card.parameter("MATERIAL"), 0.0, row)
         return
     if "NODAL THICKNESS" in card.parameters:
-        card.refuse(": NODAL THICKNESS of a COMPOSITE is not understood: programs differ in whether plies grow")
+        card.refuse(": NODAL THICKNESS of a COMPOSITE is not supported: programs differ in whether plies grow")
     if not card.rows:
         card.refuse("has no plies")
     for row in card.rows:
         row.at_most(5)
         if named(row.text(3, "0")) in deck.orientations:
-            row.refuse("the orientation of a ply by name is not understood, an angle in degrees is")
+            row.refuse("the orientation of a ply by name is not supported, an angle in degrees is")
         yield Layer(row.real(0), named(row.text(2)), row.real(3, 0.0), row)
 
 
@@ -199,7 +199,7 @@ def boundary(deck: Deck, card: Card) -> None:
     """Degrees of freedom that are held, by number or by name, at a value; the last value of a displacement counts."""
     card.knows("OP", "TYPE")
     if card.parameters.get("OP", "MOD") != "MOD" or card.parameters.get("TYPE", "DISPLACEMENT") != "DISPLACEMENT":
-        card.refuse("is understood with OP=MOD and TYPE=DISPLACEMENT alone")
+        card.refuse("is supported with OP=MOD and TYPE=DISPLACEMENT only")
     for row in card.rows:
         row.at_most(4)
         nodes = deck.members_of(row, row.text(0), deck.nodes, deck.node_sets, "node")
@@ -210,13 +210,13 @@ def boundary(deck: Deck, card: Card) -> None:
             first = row.whole(1)
             last = row.whole(2, first)
             if not first <= last <= 6:
-                row.refuse(f"degrees of freedom {first} to {last}: understood are 1 to 6")
+                row.refuse(f"degrees of freedom {first} to {last} must lie in 1 to 6")
             held = tuple(range(first, last + 1))
         if named(row.text(0)) in deck.node_sets:
             deck.supports.setdefault(named(row.text(0)), {}).update(dict.fromkeys(nodes, 1.0))
         value = row.real(3, 0.0)
         if value != 0.0 and not set(held) <= {1, 2, 3}:
-            row.refuse(f"a prescribed rotation of {row.text(3)} is not understood, 0 is")
+            row.refuse(f"a prescribed rotation of {row.text(3)} is not supported, 0 is")
         for node in nodes:
             deck.degrees.setdefault(node, set()).update(held)
             deck.moved.setdefault(node, {}).update((degree, value) for degree in held if degree <= 3)
@@ -230,7 +230,7 @@ def cload(deck: Deck, card: Card) -> None:
         row.at_most(3)
         degree = row.whole(1)
         if degree > 6:
-            row.refuse(f"degree of freedom {degree}: understood are 1 to 6")
+            row.refuse(f"degree of freedom {degree} must be 1 to 6")
         word, value = row.text(0), row.real(2)
         for node in deck.members_of(row, word, deck.nodes, deck.node_sets, "node"):
             forces = deck.forces.setdefault(node, {})
@@ -249,7 +249,7 @@ def dload(deck: Deck, card: Card) -> None:
         row.at_most(3)
         label = named(row.text(1))
         if label != "P":
-            row.refuse(f"a load {shown(label)} is not understood: P is, pressure along the normal")
+            row.refuse(f"a load {shown(label)} is not supported: P is, pressure along the normal")
         value = row.real(2)
         for element in deck.members_of(row, row.text(0), deck.elements, deck.element_sets, "element"):
             if element in deck.pressures:
@@ -259,17 +259,17 @@ def dload(deck: Deck, card: Card) -> None:
 
 def _checked(card: Card) -> None:
     if card.parameters.get("OP", "MOD") not in ("MOD", "NEW"):
-        card.refuse("has an OP that is not understood; understood are MOD, NEW")
+        card.refuse("has an OP that is not supported; it must be MOD or NEW")
 
 
 def step(deck: Deck, card: Card) -> None:
     """Whether rotations are finite."""
     card.knows("NLGEOM", "INC", "NAME", "PERTURBATION")
     if deck.steps:
-        card.refuse("is a second one: one step is understood")
+        card.refuse("is a second one: only one step is supported")
     word = card.parameters.get("NLGEOM", "NO") or "YES"
     if word not in ("YES", "NO"):
-        card.refuse(f", NLGEOM={shown(word)} is not understood; understood are YES, NO")
+        card.refuse(f", NLGEOM={shown(word)} is not supported; it must be YES or NO")
     deck.steps, deck.nonlinear = 1, word == "YES"
 
 

@@ -95,8 +95,8 @@ def _on_both_faces(mesh: Mesh, node: int, moved: list[int], turned: list[int]) -
         degrees = ", ".join(str(i) for i in [*(i + 1 for i in moved), *(i + 4 for i in turned)])
         normal = ", ".join(f"{x + 0.0:.3g}" for x in mesh.normals[node])
         raise UsageError(
-            f"{mesh.file}: degrees {degrees} at node {mesh.numbers[node]}, whose normal is ({normal}): understood are "
-            "displacements alone, all six degrees, and planes of symmetry in which the normal lies"
+            f"{mesh.file}: degrees {degrees} at node {mesh.numbers[node]}, whose normal is ({normal}): a support must "
+            "hold displacements only, all six degrees, or those of a plane of symmetry in which the normal lies"
         )
     return both
 
@@ -150,7 +150,7 @@ def _couples(deck: Deck, mesh: Mesh, measure: str) -> np.ndarray:
     moments = moments_of(deck, mesh)
     if moments.any() and measure != "linear":
         why = "as the director turns, forces on both faces lose their lever"
-        raise UsageError(f"{mesh.file}: moments are understood with the measure linear alone: {why}")
+        raise UsageError(f"{mesh.file}: moments are supported with the measure linear only: {why}")
     about = np.abs(np.sum(moments * mesh.normals, axis=1)) > ABOUT_NORMAL * np.linalg.norm(moments, axis=1)
     if about.any():
         normal = ", ".join(f"{x + 0.0:.3g}" for x in mesh.normals[about][0])

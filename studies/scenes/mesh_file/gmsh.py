@@ -74,14 +74,14 @@ def read_mesh(path: Path) -> GmshMesh:
         raise UsageError(f"{path.name}: positions of nodes must be three numbers in {RANGE} each")
     for block in mesh.cells:
         if len(block.data) and block.type not in NODES:
-            why = OTHERS.get(block.type, f"elements {shown(block.type)}, understood are quadrilaterals")
+            why = OTHERS.get(block.type, f"elements {shown(block.type)}, only quadrilaterals are supported")
             raise UsageError(f"{path.name}: has {why}")
         if len(block.data) and not 0 <= np.min(block.data) <= np.max(block.data) < len(x):
             raise UsageError(f"{path.name}: elements that name nodes which are not there")
     blocks = [(block.type, np.asarray(block.data, int)) for block in mesh.cells]
     quads = np.concatenate([np.zeros((0, 4), int), *(data for kind, data in blocks if kind == "quad")])
     if not 0 < len(quads) <= LARGEST_MESH:
-        raise UsageError(f"{path.name}: {len(quads)} quadrilaterals, understood are 1 to {LARGEST_MESH}")
+        raise UsageError(f"{path.name}: {len(quads)} quadrilaterals, there must be 1 to {LARGEST_MESH}")
     twice = np.any(np.diff(np.sort(quads, axis=1), axis=1) == 0, axis=1)
     if twice.any():
         raise UsageError(f"{path.name}: element {np.flatnonzero(twice)[0] + 1} has a node twice, it is a triangle")
@@ -232,7 +232,7 @@ def _layer(deck: Deck, thickness: Said, material: Said, angle: Said) -> Layer:
 
 def _degrees(said: Said) -> set[int]:
     if isinstance(said.value, str):
-        return set(NAMED.get(said.value) or said.refuse(f": understood are {', '.join(NAMED)} and lists of 1 to 6"))
+        return set(NAMED.get(said.value) or said.refuse(f": must be one of {', '.join(NAMED)}, or a list of 1 to 6"))
     for each in said.items():
         if each.value not in range(1, 7) or isinstance(each.value, bool):
             each.refuse("must be one of 1 to 6")

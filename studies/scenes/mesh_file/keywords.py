@@ -74,7 +74,7 @@ class Row:
     def at_most(self, count: int) -> None:
         """Raise UsageError for more fields."""
         if len(self.fields) > count:
-            self.refuse(f"{len(self.fields)} fields, at most {count} are understood here")
+            self.refuse(f"{len(self.fields)} fields, at most {count} are supported here")
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,8 @@ class Card:
         """Raise UsageError for any parameter but these."""
         for name in self.parameters:
             if name not in names:
-                known = f"; understood are {', '.join(names)}" if names else ""
-                self.refuse(f"has a parameter {shown(name)} that is not understood{known}")
+                known = f"; it must be one of {', '.join(names)}" if names else ""
+                self.refuse(f"has a parameter {shown(name)} that is not supported{known}")
 
     def parameter(self, name: str) -> str:
         """The value of a parameter; raises UsageError where it is missing."""
@@ -105,7 +105,7 @@ class Card:
     def only_row(self) -> Row:
         """The data, one line."""
         if len(self.rows) != 1:
-            self.refuse(f"has {len(self.rows)} lines of data, one is understood")
+            self.refuse(f"has {len(self.rows)} lines of data, only one is supported")
         return self.rows[0]
 
 
@@ -202,7 +202,7 @@ class Said:
             self.refuse("must be a table")
         for key in self.value:
             if known and key not in known:
-                self.refuse(f"has a key {shown(key)} that is not understood; understood are {', '.join(known)}")
+                self.refuse(f"has a key {shown(key)} that is not supported; it must be one of {', '.join(known)}")
         return {
             key: Said(self.file, f"{self.key}{self.key and '.'}{shown(key)}", each) for key, each in self.value.items()
         }

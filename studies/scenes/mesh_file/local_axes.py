@@ -17,7 +17,7 @@ def transform(deck: Deck, card: Card) -> None:
     card.knows("NSET", "TYPE")
     kind = card.parameters.get("TYPE", "R")
     if kind not in ("R", "C"):
-        card.refuse(f", TYPE={shown(kind)} is not understood; understood are R, C")
+        card.refuse(f", TYPE={shown(kind)} is not supported; it must be R or C")
     row = card.only_row()
     row.at_most(6)
     a, b = ((row.real(i, 0.0), row.real(i + 1, 0.0), row.real(i + 2, 0.0)) for i in (0, 3))

@@ -42,9 +42,7 @@ SETTINGS = (
         )
         for i in AXES
     ),
-    Setting(
-        "delta_mm", None, "travel of the foundation from first touch", "floats", 0, 1e6, otherwise="it stays there"
-    ),
+    Setting("delta_mm", None, "travel of the foundation from first touch", "floats", 0, 1e6, otherwise="no travel"),
     Setting(
         "over_node",
         None,

@@ -53,7 +53,7 @@ def read_deck(path: Path) -> Deck:
 
 def _take(deck: Deck, card: Card) -> None:
     if deck.ended:
-        card.refuse("stands behind *END STEP: one step is understood")
+        card.refuse("stands behind *END STEP: only one step is supported")
     if card.keyword in SILENT:
         deck.silent[card.keyword] = deck.silent.get(card.keyword, 0) + 1
         name = card.parameters.get("NSET", "")
@@ -66,5 +66,5 @@ def _take(deck: Deck, card: Card) -> None:
     else:
         take = {**BEFORE_STEP, **ANYWHERE, **IN_STEP}.get(card.keyword)
         if take is None:
-            card.refuse("is not understood")
+            card.refuse("is not supported")
         take(deck, card)

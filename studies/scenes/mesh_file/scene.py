@@ -182,11 +182,11 @@ class DeckScene:
             span = f"{low:g}" if low == high else f"{low:g} to {high:g}"
             yield f"pressure {span} MPa along the normals of {len(deck.pressures)} elements"
         rotations = "finite" if deck.nonlinear else "small"
-        yield "mesh NxN: elements cut in N x N on the curved surface of positions and normals; 1x1 as they stand"
+        yield "mesh NxN cuts each element in N x N, on the curved surface of positions and normals; 1x1 cuts none"
         yield f"step: {rotations} rotations, measure {self.measure} unless another is asked for"
         if deck.silent:
             silent = ", ".join(f"*{name}" for name in sorted(deck.silent))
-            yield f"read and without effect: {silent}"
+            yield f"read, without effect: {silent}"
 
 
 def words(names: Iterable[str]) -> dict[str, str]:
@@ -285,9 +285,7 @@ class PressedDeckScene(DeckScene):
         """The foundation stands where it first touches the deck cut to its own default, on all meshes."""
         body, reading, loads = self._loaded(request)
         if "prescribed" in loads:
-            raise UsageError(
-                f"{self.deck.path.name}: supports that move, and a foundation, are not understood together"
-            )
+            raise UsageError(f"{self.deck.path.name}: supports that move, and a foundation, are not supported together")
         deck, finest = cut_in(self.deck, self.mesh, max(self.default_mesh), request.number("fold_deg"))
         face = pressed.touching_face(finest.middle, finest.normals, pressed.direction(request.settings))
         thickness = walls_of(deck, finest, self._laminates(request)).at_nodes(finest.elements, len(finest.numbers))

@@ -92,7 +92,7 @@ def first_axes(deck: Deck, mesh: Mesh) -> np.ndarray:
     axes = {deck.orientations[name][0] if name else (1.0, 0.0, 0.0) for name in names}
     if with_fibres and len(axes) > 1:
         where = deck.words("*ORIENTATION", "sections")
-        raise UsageError(f"{mesh.file}: plies count from {len(axes)} axes, one axis is understood: {where}")
+        raise UsageError(f"{mesh.file}: plies count from {len(axes)} axes, only one axis is supported: {where}")
     axis = np.array(min(axes))
     if not np.any(axis):
         raise UsageError(f"{mesh.file}: an orientation has no first axis")

@@ -241,5 +241,5 @@ def pressed(request: Request, model: TyreModel) -> list[Visited]:
     visited = list(walk(model.stages(), algorithm, request.steps))
     last = visited[-1]
     if not last.converged:
-        raise UsageError(f"grading 'adapted': the coarse tyre is not pressed beyond {last.point.reached:g}")
+        raise UsageError(f"grading 'adapted': the path of the coarse tyre stops at {last.point.reached:g}")
     return [each for each in visited if each.stage is last.stage]

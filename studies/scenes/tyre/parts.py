@@ -76,14 +76,12 @@ def base_of(settings: Mapping[str, Value]) -> str:
 def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
     """The model that will be solved, the smallest for "auto", and why; raises UsageError for one that is not valid."""
     if model in ("auto", "axisymmetric") and settings.get("delta_mm") == (0.0,):
-        return "axisymmetric", "delta_mm = 0 asks for inflation, which is the same all around"
+        return "axisymmetric", "delta_mm = 0 is inflation alone, which is axisymmetric"
     if model == "axisymmetric":
-        raise UsageError("model 'axisymmetric' needs delta_mm = 0: contact is not the same all around")
+        raise UsageError("model 'axisymmetric' needs delta_mm = 0: contact is not axisymmetric")
     if "mu" in settings:
         if model not in ("auto", "full"):
-            raise UsageError(
-                f"model {model!r} has no friction: it needs the model 'full', whose resultants are all there"
-            )
+            raise UsageError(f"model {model!r} has no friction: friction needs the whole tyre, model 'full'")
         return "full", "friction acts on the whole tyre"
     if mirrored(settings):
         plies = "isotropic plies" if "E_MPa" in settings else f"cords at {settings['gamma_deg']:g} deg"

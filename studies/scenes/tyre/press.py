@@ -42,7 +42,7 @@ def arc_of(request: Request) -> ArcLength | None:
     settings = request.settings
     if settings.get("path", "travel") == "travel":
         if "arc_points" in settings:
-            raise UsageError("arc_points belongs to path=arc")
+            raise UsageError("arc_points needs path=arc")
         return None
     points = int(settings.number("arc_points")) if "arc_points" in settings else MOST_POINTS
     tolerance = request.number("tolerance")

@@ -62,7 +62,7 @@ LADDER = Ladder(
 AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface differs from a solid by 4 %
 BY_LOAD = ", ".join(f"{load} {area}" for load, area in AREA_OF.items())
 TRAVELS = "indentation from first touch; 0: inflation alone"
-RIM = "rim of half length and width: half-way to the first node out of contact, or by pressure"
+RIM = "rim of the patch in half_length_mm and half_width_mm: half-way to the first open node, or by pressure"
 COUPLING = "from pressure to nodal forces: shares of area or mass matrix"
 POISSON = Setting("nu", None, "Poisson ratio of an isotropic tyre, with E_MPa", otherwise="orthotropic plies")
 SETTINGS = (
@@ -106,7 +106,7 @@ def with_wall(settings: Mapping[str, Value]) -> dict[str, Value]:
     if not isotropic:
         return {**settings, **{key: settings.get(key, value) for key, value in ORTHOTROPIC.items()}}
     if len(isotropic) == 1 or given:
-        raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(ORTHOTROPIC)}")
+        raise UsageError(f"an isotropic tyre needs both E_MPa and nu, and takes no {', '.join(ORTHOTROPIC)}")
     return dict(settings)
 
 

@@ -37,7 +37,7 @@ def settle_sector(model: str, settings: Settings) -> Settings:
     if model == "sector":
         return settings.with_values(sector_deg=settings.get("sector_deg", DEFAULT_DEG))
     if "sector_deg" in settings:
-        raise UsageError(f"sector_deg belongs to --model sector, not {model}")
+        raise UsageError(f"sector_deg needs --model sector, got {model}")
     return settings
 
 

@@ -143,7 +143,7 @@ def parse_budget(text: str | None, name: str = "budget") -> float:
     except ValueError:
         value = math.nan
     if not 0 < value < math.inf:
-        raise UsageError(f"{name} {text!r} must be a number of seconds above 0, as 5s")
+        raise UsageError(f"{name} {text!r} must be a number of seconds above 0, e.g. 5s")
     return value
 
 
@@ -222,7 +222,7 @@ def _none(scene: Scene, request: Request, budget: float, seconds: float) -> Resu
     model = scene.build(request)
     result = Result(request, model, Outcome.STEP_LIMIT, timing={"total": seconds, "cpu": seconds})
     result.counters["dofs"] = model.n_unknowns
-    result.reason = f"no grid that is begun within {budget:.3g} s has a path to the last load"
+    result.reason = f"no grid started within {budget:.3g} s reaches the last load"
     return result
 
 
@@ -240,7 +240,7 @@ def _stated(result: Result, cascade: Cascade, estimate: Estimate | str) -> bool:
         return False
     value, sketched = result.quantities[name], cascade.last.quantities[name]
     if abs(value - sketched) > max(estimate.uncertainty, TIGHT * error) * max(abs(value), abs(sketched)):
-        result.reason = f"from rest {name} is another than from coarser grids: there are two branches"
+        result.reason = f"{name} from rest differs from {name} from coarser grids: there are two branches"
         return False
     estimate = of_judged(estimate, sketched, value)
     record_estimate(result, name, estimate, error)

@@ -84,8 +84,8 @@ class EdgeLayer:
         """A sentence; empty where it is not worth one."""
         if self.left <= SAID:
             return ""
-        layer = f"edges along which the director is free have a layer of {self.width:.2g} mm"
-        missed = f"they may miss {100 * self.left:.2g} % of displacements"
+        layer = f"edges with a free director have a boundary layer of {self.width:.2g} mm"
+        missed = f"displacements may be in error by {100 * self.left:.2g} %"
         return f"{layer}, elements there are {self.length:.2g} mm: {missed}"
 
 

@@ -45,7 +45,7 @@ from studies.solving.solve import solve
 
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
-TOO_LONG = "elements are too long, with modes by themselves, and the budget leaves no time for shorter ones"
+TOO_LONG = "elements are too long and have unstable modes, and the budget leaves no time for shorter ones"
 TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
 
 
@@ -88,7 +88,7 @@ def parse_error(text: str) -> float:
     except ValueError:
         value = float("nan")
     if not 1e-4 <= value <= 0.5:
-        raise UsageError(f"error {text!r} must be a part of the quantity in [0.01%, 50%], as 1% or 0.01")
+        raise UsageError(f"error {text!r} must be a relative error in [0.01%, 50%], e.g. 1% or 0.01")
     return value
 
 
@@ -174,7 +174,7 @@ def solve_to_error(
             break
         family = following
         known = fine if family.asked == finer.asked else None
-    fine.reason = f"no grid of up to {most} unknowns has a {quantity} that is surely within {100 * error:g} %"
+    fine.reason = f"no grid of up to {most} unknowns gives {quantity} surely within {100 * error:g} %"
     if len(rounds) < FEWEST and limit.uncertainty <= error:
         fine.reason += f": {how_well}"
     return fine, False

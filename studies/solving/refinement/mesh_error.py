@@ -34,9 +34,9 @@ TWICE = 2  # grids below that of the request
 GROWS = (1.0, 1.5)  # powers of the unknowns that seconds grow with: of assembly, and of the factorisation
 NOISE = 1e-7  # of the largest quantity in a unit: what is smaller is 0
 POINT_LOAD = "it grows by {:.2g} % with every halving of the elements under a point load"
-NO_GRIDS = "not known: grids of half and a quarter of the elements need {} or more"
+NO_GRIDS = "not known: grids with half and a quarter of the elements need a mesh of {} or more"
 SAME = "not known: the unknowns do not follow the mesh"
-FAILED = "not known: no path to the last load on {}"
+FAILED = "not known: the path does not reach the last load on {}"
 
 
 @dataclass(frozen=True)

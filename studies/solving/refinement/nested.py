@@ -112,7 +112,7 @@ def solve_from(
         return result
     again = solve(scene, request, progress)
     if again.verdict != result.verdict:
-        again.remarks.append(f"from a coarser grid the path is {result.verdict}: this one is followed from rest")
+        again.remarks.append(f"from a coarser grid the path is {result.verdict}: this one starts from rest")
     return again
 
 

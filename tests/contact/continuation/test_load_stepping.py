@@ -147,7 +147,7 @@ def test_a_dead_end_keeps_the_last_converged_state(tracking) -> None:
     assert Outcome.ITERATION_LIMIT.value in final
     assert Outcome.STEP_LIMIT.value in final
     assert final.endswith(last.end.sentence)
-    assert last.end.sentence.startswith("no limit point: the eigenvalue of least size is 100 % of that at 0.5")
+    assert last.end.sentence.startswith("no limit point: the eigenvalue of least magnitude is 100 % of that at 0.5")
     assert last.cause is Outcome.ITERATION_LIMIT
     assert last.end.kind is PathEnd.NEITHER
     assert first.end is None

@@ -437,7 +437,7 @@ WRONG = {
     "x = 1": "it adds nothing to any catalogue",
     "from contact.catalogue import ALGORITHMS\nALGORITHMS['half'] = object": "the part has no parameters",
     "from contact.catalogue import ALGORITHMS\nALGORITHMS['lcp'] = ALGORITHMS['qp']": (
-        "'lcp' of footprint.contact: there is another part of this name; give it another one"
+        "'lcp' of footprint.contact: the name is taken by another part; choose another one"
     ),
     CATALOGUE + "SOLVERS['new'] = 3": "must be a studies.arena.solvers",
     CATALOGUE + "from studies.arena.solvers.outside import Outside\n"

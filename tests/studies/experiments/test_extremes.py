@@ -62,7 +62,7 @@ def test_a_refusal_is_a_class_with_its_reason() -> None:
         (panel(nu="0.5"), "nu = '0.5' must be a number in (-1, 0.5)"),
         (panel(mesh="1x4"), "must have at least 2 elements"),
         (panel("regularised", epsilon="inf"), "regularised does not apply: its law p = epsilon"),
-        (panel(aspect="10", shape="sphere"), "aspect = 10 takes a sphere beyond its poles"),
+        (panel(aspect="10", shape="sphere"), "aspect = 10 extends the panel beyond the poles of its sphere"),
     ):
         actual = attempt(cell)
         assert actual.kind == REFUSED

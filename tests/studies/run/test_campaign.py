@@ -103,7 +103,7 @@ def test_what_a_scene_sets_counts_before_an_axis_of_all(tmp_path: Path) -> None:
         ("[[cross]]\nmeasures = []\n[cross.scenes.panel]\n", "the axis measure has no value"),
         (
             "[[cross]]\n[cross.scenes.panel]\ntolerances = [1e-3]\nset = { tolerance = 1e-9 }\n",
-            "tolerance of panel is set, and an axis: it can be one of both",
+            "tolerance of panel is both a setting and an axis: keep one of them",
         ),
         ('[[cross]]\n[cross.scenes.panel]\nset = { nu = "0.6" }\n', "no cell can be solved: nu = '0.6' must be"),
     ],
@@ -173,7 +173,7 @@ def test_modules_are_imported_when_they_are_trusted_and_not_otherwise(tmp_path: 
     (tmp_path / "beside_it.py").write_text(f"import pathlib\npathlib.Path({str(tmp_path / 'ran')!r}).touch()\n")
     path = tmp_path / "c.toml"
     path.write_text('modules = ["beside_it"]\n[[cross]]\n[cross.scenes.cantilever]\n')
-    with pytest.raises(UsageError, match=r"runs beside_it\.py beside it: allow it by footprint run --trust"):
+    with pytest.raises(UsageError, match=r"runs beside_it\.py beside it: allow this by footprint run --trust"):
         find(str(path))
     assert not (tmp_path / "ran").exists()
     find(str(path), trust=True)

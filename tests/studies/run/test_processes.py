@@ -63,7 +63,7 @@ def test_a_file_where_a_folder_should_be_is_one_line(tmp_path: Path, capsys: pyt
     assert main(["run", str(small(tmp_path)), "--store", str(store)]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert f"{store} takes no more: {store / 'cells'}" in said
+    assert f"{store} cannot be written to: {store / 'cells'}" in said
     assert (store / "cells").read_text() == "mine"
     assert list(store.rglob(f"{PART}*")) == []
 
@@ -102,7 +102,7 @@ def test_a_store_that_becomes_read_only_is_one_line_and_what_was_finished_is_kep
     refuse_after(3, code, monkeypatch)
     store = tmp_path / "store"
     assert main(["run", str(small(tmp_path)), "--store", str(store), "--engine", "local:2"]) == 2
-    line = "footprint: {} takes no more: {}; what is finished is kept, run again to go on\n"
+    line = "footprint: {} cannot be written to: {}; finished cells are kept, run again to continue\n"
     assert capsys.readouterr().err == line.format(store, os.strerror(code))
     monkeypatch.undo()
     assert len(list((store / "cells").glob("*.json"))) == 3

@@ -240,7 +240,7 @@ TWICE = "".join(f"[[cross]]\nsteps = {n}\nmeshes = ['4x1']\n[cross.scenes.cantil
         ("[[cross]]\nmeasures = ['exat']\n[cross.scenes.tyre]", "'exat' in measures must be one of"),
         ("lists = ['all']", "'all' in lists must be one of"),
         (TWICE, "two cells have the label"),
-        ("modules = ['own']", "runs own.py beside it: allow it by footprint run --trust"),
+        ("modules = ['own']", "runs own.py beside it: allow this by footprint run --trust"),
         ("modules = ['../own']", "'../own', which must be the name of a module beside it"),
         ("modules = [1]", "modules[0] = 1 must be a text"),
         ("cross = 1", "cross = 1 must be a list"),
@@ -248,7 +248,7 @@ TWICE = "".join(f"[[cross]]\nsteps = {n}\nmeshes = ['4x1']\n[cross.scenes.cantil
         ("cross = [{scenes = {panel = 1}}]", "scenes.panel = 1 must be a set"),
         ("lists = [[]]", "lists = [1 values] must be a list of numbers or words"),
         (f"title = '{chr(0x202E)}'", "title = '\\u202e' must be a text that is printed on one line"),
-        (MANY, "is beyond a bound: 100000 cells"),
+        (MANY, "exceeds a limit: 100000 cells"),
         ("title = ", "campaign"),
     ],
 )

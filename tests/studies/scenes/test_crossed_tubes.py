@@ -195,7 +195,7 @@ def test_tubes_that_do_not_touch_have_no_dents_and_no_signs() -> None:
 @pytest.mark.parametrize(
     ("settings", "why"),
     [
-        ({"ends": "free"}, "ends = free: nothing would hold two tubes; it needs layers=many"),
+        ({"ends": "free"}, "ends = free: two tubes would not be held; it needs layers=many"),
         ({"other_h_mm": 100}, "other_h_mm = 100 must be below other_radius_mm = 100"),
     ],
 )

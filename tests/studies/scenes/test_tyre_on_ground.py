@@ -86,10 +86,10 @@ def test_the_file_has_the_tyre_and_its_ground(tmp_path) -> None:
         ("tyre-on-plate", "auto", {"plate_length_mm": 200}, "plate_length_mm must be above 201.9"),
         ("tyre-on-plate", "quarter", {}, "model 'quarter' needs isotropic plies"),
         ("tyre-on-plate", "auto", {"delta_mm": "0"}, "delta_mm"),
-        ("tyre-on-plate", "auto", {"E_MPa": 20}, "takes E_MPa and nu together"),
+        ("tyre-on-plate", "auto", {"E_MPa": 20}, "needs both E_MPa and nu"),
         ("tyre-on-drum", "auto", {"layer_mm": 100, "drum_radius_mm": 100}, "layer_mm must be below drum_radius_mm"),
         pytest.param(
-            *("tyre-on-drum", "auto", {"p0_MPa": 5}, "p0_MPa = 5: this tyre is inflated no further than to 1.67"),
+            *("tyre-on-drum", "auto", {"p0_MPa": 5}, "p0_MPa = 5: the inflation of this tyre stops at 1.67"),
             marks=pytest.mark.slow,
         ),
     ],

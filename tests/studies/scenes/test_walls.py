@@ -115,7 +115,9 @@ def test_stresses_of_a_wall_that_keeps_its_volume_are_lames(nu) -> None:
 def test_the_linear_law_leaves_nothing_of_a_wall_blown_up_further() -> None:
     for scene, last in (("rubber-tube", 0.41), ("rubber-sphere", 0.22)):
         assert solved(scene, law="svk", load_fraction=last, nu=0.499, h_over_R=0.03).quantities["thinning"] < 1
-        with pytest.raises(UsageError, match=r"law = svk: at load_fraction = 0.42 .* thinner than nothing"):
+        with pytest.raises(
+            UsageError, match=r"law = svk: at load_fraction = 0.42 the thickness of the wall would be negative"
+        ):
             solved(scene, law="svk", load_fraction=0.42, nu=0.499)
 
 
@@ -208,17 +210,21 @@ def test_order_of_a_law_at_points() -> None:
     ("scene", "settings", "message"),
     [
         ("tyre", {"surfaces": "4"}, "must be one of 2, 3, 5, 7"),
-        ("pagano", {"surfaces": "3", "element": "quads", "distort": "0.2"}, "need lines that stay where they are"),
+        ("pagano", {"surfaces": "3", "element": "quads", "distort": "0.2"}, "need undistorted grid lines"),
         ("tyre", {"law": "hencky"}, "needs surfaces = 3 or more"),
-        ("tyre", {"surfaces": "3", "section": "full-3d"}, "section = full-3d is of two faces"),
-        ("scordelis-lo", {"surfaces": "3", "shear_correction": "0.8"}, "shear_correction = 0.8 is of two faces"),
+        ("tyre", {"surfaces": "3", "section": "full-3d"}, "section = full-3d applies to two faces only"),
+        (
+            "scordelis-lo",
+            {"surfaces": "3", "shear_correction": "0.8"},
+            "shear_correction = 0.8 applies to two faces only",
+        ),
         (
             "tyre",
             {"surfaces": "3", "element": "arc"},
-            "bending = arc: arcs are of two faces, and the wall",
+            "bending = arc: arcs apply to two faces only, and the wall",
         ),
         ("tyre", {"bending": "arc"}, "bending = arc: arcs need thickness strain nodal, got balanced"),
-        ("strip-contact", {"surfaces": "3"}, "the shear correction of this wall is of two faces"),
+        ("strip-contact", {"surfaces": "3"}, "the shear correction of this wall applies to two faces only"),
         ("raasch-hook", {"element": "arc"}, "element = 'arc' must be one of"),
         ("manufactured", {"law": "ogden"}, "manufactured has no setting 'law'"),
     ],
@@ -229,7 +235,7 @@ def test_what_does_not_go_with_surfaces_is_refused_in_one_line(scene, settings, 
 
 
 def test_arcs_refuse_measures_that_know_no_large_rotations() -> None:
-    with pytest.raises(UsageError, match="arcs are of large rotations, which measure linear neglects"):
+    with pytest.raises(UsageError, match="arcs apply to large rotations, which measure linear neglects"):
         built("hemisphere", {"element": "arc"}, measure="linear")
 
 

@@ -163,7 +163,7 @@ def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytes
     assert solution.quantities["force_N"] > 0
     assert any("passes through the foundation" in cut for cut in solution.as_json()["cuts"])
     (note,) = solution.notes
-    assert "0.05 mm, is below the size of an element there, 12.6 mm: nodes alone touch" in note
+    assert "0.05 mm, is below the size of an element there, 12.6 mm: only nodes are checked" in note
     monkeypatch.setattr("contact.continuation.load_stepping.passed_through", lambda *step: [])
     blind = solve(*asked)
     assert (blind.outcome.word, blind.verdict, blind.quantities["force_N"]) == ("wrong", "wrong", 0.0)

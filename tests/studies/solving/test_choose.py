@@ -148,7 +148,7 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
     assert spent.as_json()["outcome"] == NOT_ANSWERED
     assert "fewer than three grids" in spent.reason
     for known, error in ((spent, 0.05), (choice, 0.01)):
-        with pytest.raises(ValueError, match="of ring nothing is known to 1 %"):
+        with pytest.raises(ValueError, match="no quantity of ring is known to 1 %"):
             loosened(known, error)
 
 
@@ -193,7 +193,7 @@ def test_a_point_load_has_no_limit() -> None:
     ("words", "says"),
     [
         (["no-such-scene"], "must be one of"),
-        (["ring", "--error", "0"], "must be a part of the quantity in"),
+        (["ring", "--error", "0"], "must be a relative error in"),
         (["ring", "--budget", "-1s"], "seconds above 0"),
         (["ring", "--set", "delta_mm=-3"], "delta_mm"),
         (["ring", "--set", "thickness=3"], "has no setting 'thickness'"),
@@ -232,7 +232,7 @@ def test_nothing_that_is_enough_is_not_converged(tmp_path, capsys) -> None:
 
 def test_a_grid_that_cannot_be_refined_is_named() -> None:
     assert (
-        "measure exact: no grid is finer than 1x1; one element along a coordinate stays one"
+        "measure exact: no grid is finer than 1x1: a single element along a coordinate is not cut"
         in choose("ring", {}, 0.01, 20.0, mesh="1x1").uncertain
     )
 

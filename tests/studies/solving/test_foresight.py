@@ -73,9 +73,9 @@ def test_of_solids_nothing_is_foreseen() -> None:
         (["--memory-limit", "0"], r"memory-limit = 0.0 must be a number in \(0, 1e\+09\]"),
         (["--memory-limit", "1e30"], r"memory-limit = 1e\+30 must be a number in \(0, 1e\+09\]"),
         (["--time-limit", "1e30"], r"time-limit = 1e\+30 must be a number in \(0, 500000\]"),
-        (["--time-limit", "soon"], r"time-limit 'soon' must be a number of seconds above 0, as 5s"),
+        (["--time-limit", "soon"], r"time-limit 'soon' must be a number of seconds above 0, e.g. 5s"),
         (["--time-limit", "5", "--error", "1%"], r"with --error, --budget limits the time: give no --time-limit"),
-        (["--error", "1%", "--budget", "-5s"], r"budget '-5s' must be a number of seconds above 0, as 5s"),
+        (["--error", "1%", "--budget", "-5s"], r"budget '-5s' must be a number of seconds above 0, e.g. 5s"),
     ],
 )
 def test_more_than_a_limit_is_one_line_and_nothing_is_solved(

@@ -64,8 +64,8 @@ def test_no_friction_asks_for_what_was_asked_for_before() -> None:
     [
         ("tyre", {"mu": -0.1}, "mu = -0.1 must be"),
         ("tyre", {"drag_mm": 1.0}, "drag_mm needs a coefficient of friction"),
-        ("tyre", {"mu": 0.5, "drag_mm": "1,1"}, "no two alike in a row"),
-        ("tyre", {"mu": 0.5, "turn_deg": "0,1"}, "no two alike in a row"),
+        ("tyre", {"mu": 0.5, "drag_mm": "1,1"}, "no two successive equal"),
+        ("tyre", {"mu": 0.5, "turn_deg": "0,1"}, "no two successive equal"),
         ("ring", {"mu": 0.5, "drag_mm": 1.0}, "has no setting 'drag_mm'"),
         ("scordelis-lo", {"mu": 0.5}, "has no setting 'mu'"),
     ],

@@ -122,7 +122,7 @@ def test_what_has_no_derivative_is_refused_before_anything_is_solved(tmp_path, c
         (("--gradient", "force_N:E_MPa"), "E_MPa has no value here"),
         (("--gradient", "force_N:colour"), "colour is not a setting of tyre"),
         (("--gradient", ":p0_MPa"), "must be QUANTITY"),
-        (("--check-gradient",), "give both"),
+        (("--check-gradient",), "--check-gradient needs --gradient"),
     ):
         assert main([*COARSE, *asked, "--out", str(tmp_path / "o")]) == 2
         assert said in capsys.readouterr().err

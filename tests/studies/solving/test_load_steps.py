@@ -130,7 +130,7 @@ def test_friction_at_its_bound_is_not_known_where_nothing_shows_slip() -> None:
     assert result.quantities["friction_N"] > 0.99 * result.quantities["bound_N"]
     estimate(result)
     assert result.errors["friction_N"]["low"] <= 0 < result.quantities["bound_N"] <= result.errors["friction_N"]["high"]
-    assert any("does not show that anything slips, so it is anything within 40.0" in line for line in lines(result))
+    assert any("does not show any slip, so it is only known to lie within 40.0" in line for line in lines(result))
 
 
 def test_the_error_of_a_vector_is_the_length_of_a_difference() -> None:

@@ -217,7 +217,7 @@ CAMPAIGNS: dict[str, tuple[str, str]] = {
     "a file beyond its size": ("#" * (MB // 2), "more than the"),
     "a module outside": ('modules = ["../beside"]', "name of a module beside it"),
     "a module by its path": ('modules = ["/tmp/beside"]', "name of a module beside it"),
-    "a module that nobody trusts": ('modules = ["beside"]', "allow it by footprint run --trust"),
+    "a module that nobody trusts": ('modules = ["beside"]', "allow this by footprint run --trust"),
     "a module that is a link": ('modules = ["linked"]', "leads out of the folder"),
 }
 

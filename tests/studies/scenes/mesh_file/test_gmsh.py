@@ -154,8 +154,8 @@ def test_plies_points_and_degrees(tmp_path, form) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("[supports]", "[suports]", "has a key suports that is not understood; understood are materials, sections"),
-        ("nu = 0.0", "mu = 0.0", "materials.steel has a key mu that is not understood"),
+        ("[supports]", "[suports]", "has a key suports that is not supported; it must be one of materials, sections"),
+        ("nu = 0.0", "mu = 0.0", "materials.steel has a key mu that is not supported"),
         (", nu = 0.0", "", "materials.steel needs nu"),
         ("nu = 0.0", "nu = nan", "materials.steel.nu must lie in"),
         ("nu = 0.0", "nu = 0.5", "materials.steel: nu = 0.5 must lie in (-1, 0.5)"),
@@ -164,7 +164,7 @@ def test_plies_points_and_degrees(tmp_path, form) -> None:
         ("thickness = 0.5", "thickness = -0.5", "thickness = -0.5 must be a positive number"),
         ('root = "ENCASTRE"', "root = [1, 7]", "supports.root[1] must be one of 1 to 6"),
         ('root = "ENCASTRE"', 'foot = "ENCASTRE"', "foot is not a physical group of the mesh, which has root, tip"),
-        ('root = "ENCASTRE"', 'root = "GLUED"', "supports.root: understood are ENCASTRE, PINNED"),
+        ('root = "ENCASTRE"', 'root = "GLUED"', "supports.root: must be one of ENCASTRE, PINNED"),
         ("tip = [0.0, 0.0, 1e-3]", "tip = [0.0, 0.0]", "forces.tip must be a list of 3"),
         ("tip = [0.0, 0.0, 1e-3]", "skin = [0.0, 0.0, 1.0]", "forces.skin must be a group of points, or of lines"),
         ("skin = 1e-6", "tip = 1e-6", "pressures.tip must be a group of quadrilaterals"),
@@ -198,7 +198,7 @@ def test_sections_of_two_axes_are_refused_by_their_table(tmp_path, capsys) -> No
     text = text.replace(
         "[materials]", "[materials]\nfibres = {E1 = 9000.0, E2 = 1000.0, nu12 = 0.0, G12 = 500.0, G23 = 500.0}"
     )
-    says = "plies count from 2 axes, one axis is understood: [sections] of panel.toml"
+    says = "plies count from 2 axes, only one axis is supported: [sections] of panel.toml"
     assert says in said_of(put(tmp_path, format41(X, groups), text), capsys)
 
 
@@ -213,7 +213,7 @@ def without(kind: str, nodes: Sequence[int]) -> Groups:
         (without("triangle", (1, 3, 4)), "has triangles; recombine in gmsh: Recombine Surface {:};"),
         (without("quad9", (1, 3, 4, 2, 5, 6, 7, 8, 9)), "of second order; mesh in gmsh with Mesh.ElementOrder = 1"),
         (without("quad", (1, 3, 3, 2)), "element 1 has a node twice"),
-        (STRIP[:2], "0 quadrilaterals, understood are 1 to"),
+        (STRIP[:2], "0 quadrilaterals, there must be 1 to"),
         ([("root", "line", [(1, 2)]), *STRIP[2:]], "supports.foot is not a physical group"),
     ],
 )  # fmt: skip

@@ -104,7 +104,7 @@ def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str
         assert lost.counters[what] < 60 * easy.counters[what]
     limit = lost.quantities["press_limit_point"]
     assert f"limit point of the path at {limit:.7g}" in lost.reason
-    assert "that is the path of this grid, " in lost.reason
+    assert "this is the path on the grid " in lost.reason
     assert "negative eigenvalues of the tangent" in lost.reason
     assert 50 < lost.quantities["mode_psi_deg"] < 90  # beside the rim of the patch
     assert lost.quantities["mode_phi_deg"] < 15

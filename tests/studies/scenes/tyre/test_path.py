@@ -45,7 +45,7 @@ def test_a_curve_that_goes_back_ends_where_it_began() -> None:
 
 
 def test_points_belong_to_an_arc() -> None:
-    with pytest.raises(UsageError, match="arc_points belongs to path=arc"):
+    with pytest.raises(UsageError, match="arc_points needs path=arc"):
         run("8x8", arc_points="9")
 
 

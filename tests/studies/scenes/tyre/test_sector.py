@@ -89,7 +89,7 @@ def test_a_cut_between_lines_is_solved() -> None:
         (["--model", "sector", "--set", "sector_deg=0"], "in (0, 180)"),
         (["--model", "sector", "--set", "sector_deg=180"], "in (0, 180)"),
         (["--model", "sector", "--set", "sector_deg=15"], "may reach it"),
-        (["--set", "sector_deg=60"], "belongs to --model sector"),
+        (["--set", "sector_deg=60"], "sector_deg needs --model sector"),
     ],
 )
 def test_wrong_cuts_are_refused(

@@ -116,7 +116,7 @@ def test_a_budget_is_kept_while_grids_fail(monkeypatch: pytest.MonkeyPatch, tmp_
     words = ["solve", "ring", "--set", "delta_mm=30", "--error", "1%", "--budget", "1.5s", "--out", str(tmp_path)]
     assert main(words) == NOT_CONVERGED
     assert len(begun) == 2
-    assert "did not converge: no grid that is begun within 1.5 s" in capsys.readouterr().err
+    assert "did not converge: no grid started within 1.5 s" in capsys.readouterr().err
     assert json.loads((tmp_path / "result.json").read_text())["class"] == "not-converged"
 
 

@@ -51,8 +51,8 @@ def test_the_interval_of_a_twisted_strip_has_what_finer_grids_find(tmp_path) -> 
         fine = solve(*complete(deck, {}, (16, 16))).quantities
     for name in ("along_forces_mm", "largest_mm"):
         assert coarse.errors[name]["low"] <= 1.005 * fine[name] <= coarse.errors[name]["high"] < 1.05 * fine[name]
-    (said,) = (note for note in coarse.notes if "director is free" in note)
-    assert said.startswith("edges along which the director is free have a layer of 0.29 mm, elements there are 2.5 mm")
+    (said,) = (note for note in coarse.notes if "free director" in note)
+    assert said.startswith("edges with a free director have a boundary layer of 0.29 mm, elements there are 2.5 mm")
 
 
 def test_an_error_that_is_asked_for_allows_for_it(tmp_path) -> None:

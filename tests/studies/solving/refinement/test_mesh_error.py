@@ -103,7 +103,7 @@ def test_fewer_grids_state_nothing_and_say_which_do() -> None:
     assert not result.errors
     assert TABLE not in result.tables
     assert result.notes[-1] == (
-        "the error of the mesh is not known: grids of half and a quarter of the elements need 40x40 or more"
+        "the error of the mesh is not known: grids with half and a quarter of the elements need a mesh of 40x40 or more"
     )
     kept = stated("shallow-cap", "32x4", {"load_fraction": "0.05"})  # 16x4 and 8x4
     assert kept.notes[-1] == result.notes[-1].replace("40x40", "32x16")
@@ -134,7 +134,7 @@ def test_a_coarser_grid_that_does_not_carry_the_load_is_named_with_the_reason(pi
     assert not result.errors
     (note,) = (each for each in result.notes if each.startswith("the error of the mesh is not known"))
     why = "(load at 20: the linearised contact problem was not solved; the load step was cut to its smallest size"
-    assert f"not known: no path to the last load on 1x16 {why}" in note
+    assert f"not known: the path does not reach the last load on 1x16 {why}" in note
     assert note in result.as_json()["notes"]
 
 

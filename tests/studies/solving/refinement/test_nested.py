@@ -97,7 +97,7 @@ def test_a_path_that_a_start_leads_elsewhere_is_followed_from_rest(monkeypatch: 
     monkeypatch.setattr(nested, "solve", solved)
     result = from_coarser(*complete("ring", {}, "1x32"))
     assert result.verdict == "converged"
-    assert result.remarks == ["from a coarser grid the path is unstable: this one is followed from rest"]
+    assert result.remarks == ["from a coarser grid the path is unstable: this one starts from rest"]
 
 
 def test_what_does_not_get_there_is_no_start() -> None:
