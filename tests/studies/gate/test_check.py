@@ -132,7 +132,7 @@ def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.Captur
         assert said in capsys.readouterr().out
     lane(same, {}, 7, canary=0.04)
     assert main([*words, str(same)]) == 0
-    assert "the canary takes 1.33 times what it took" in capsys.readouterr().out
+    assert "the canary takes 1.33 times as long" in capsys.readouterr().out
 
 
 def test_two_stores_make_a_comment(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:
