@@ -133,11 +133,18 @@ EPSILON = Setting.of(parameters.EPSILON, None, otherwise="that of the algorithm"
 SOLVER = Setting.of(parameters.SOLVER, "auto")
 TOLERANCE = Setting.of(parameters.TOLERANCE, RESIDUAL_TOLERANCE)
 MU = Setting("mu", None, "Coulomb's coefficient of friction", low=0, infinite=True, otherwise="0: no friction")
-STOPS = "positions of the foundation {}, in turn, after it has pressed"
-DRAG = Setting("drag_mm", None, STOPS.format("along its surface"), "path", otherwise="no drag")
+DRAG = Setting(
+    "drag_mm",
+    None,
+    "positions of the foundation along its surface, in turn, after it has pressed",
+    "path",
+    otherwise="no drag",
+)
 WAY = Setting("drag_deg", None, "direction of the drag in the tangent plane", low=-360, high=360, otherwise="0")
 STEPS = Setting("steps", 1, "load steps between two requested loads", "int", low=1, high=10_000)
-TURN = Setting("turn_deg", None, STOPS.format("turned about its normal, after the drag"), "path", otherwise="no turn")
+TURN = Setting(
+    "turn_deg", None, "angles of the foundation about its normal, in turn, after the drag", "path", otherwise="no turn"
+)
 SLIDING = (DRAG, WAY, TURN)
 
 

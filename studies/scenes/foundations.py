@@ -31,7 +31,7 @@ SETTINGS = (
         "foundation_radius_mm", None, "radius of a drum or a sphere", 1e6, otherwise="drum 854, sphere 100"
     ),
     Setting.positive("cleat_height_mm", None, "height of a cleat", 1e3, otherwise="cleat 10"),
-    Setting.positive("cleat_top_mm", None, "width of a cleat on top", 1e4, otherwise="cleat 20"),
+    Setting.positive("cleat_top_mm", None, "top width of a cleat", 1e4, otherwise="cleat 20"),
     Setting(
         "cleat_flank_deg", None, "angle of the flanks of a cleat from the plane", low=1, high=90, otherwise="cleat 60"
     ),

@@ -26,7 +26,7 @@ SHAPES = ("cylinder", "sphere", "plate")
 
 SETTINGS = (
     Setting("shape", "cylinder", "shape of the panel", "choice", choices=SHAPES),
-    Setting("h_over_R", 0.02, "thickness over 100 mm, the radius", low=1e-8, high=0.5),
+    Setting("h_over_R", 0.02, "thickness over the radius, 100 mm", low=1e-8, high=0.5),
     Setting("aspect", 1.0, "length of an element over its width", low=1e-6, high=1e6),
     Setting(
         "irregular", 0.0, "0: even grid lines; near 1: pairs of lines nearly coincide", low=0, high=1, open_high=True

@@ -59,7 +59,7 @@ BEGIN = Setting(
     "start_mm", 0.2, "position of the rear side of the die along the slab when it is pressed in", low=0, high=10.8
 )
 LINES = Setting.one_of(
-    "lines", ("even", "way"), "even", "elements: alike along the slab, or larger away from the die's way"
+    "lines", ("even", "way"), "even", "grid lines: even along the slab, or coarser away from the path of the die"
 )
 SLAB = Setting.one_of("slab", ("solid", "shell"), "solid", "elements of the slab")
 STIFFER = Setting("E_ratio", 10.0, "Young's modulus of the die over that of the slab", low=1e-2, high=1e4)

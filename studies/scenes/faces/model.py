@@ -22,16 +22,14 @@ from studies.ask.request import Request, Value
 from studies.ask.scene import Begun, Observation, Setting, Stage
 from studies.scenes.faces.bodies import Bodies, Body, Pairing, Placed, Side
 
-PAIRING = Setting.one_of(
-    "pairing", PAIRINGS, "mortar", "nodes of the slave against patches, or gaps averaged over them"
-)
+PAIRING = Setting.one_of("pairing", PAIRINGS, "mortar", "gaps of the nodes of the slave, or averaged gaps")
 SHAPES = ("facets", "curved")
 SHAPE_OF_FACES = Setting.one_of(
     "faces", SHAPES, SHAPES[0], "shape of the patches: flat, or curved by the normals at their corners"
 )
 TOUCHING = 1e-9  # of the size of faces: a smaller gap at rest counts as closed
 SLAVES = ("first", "second")
-SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "body whose face has the candidates; the other's is the master")
+SLAVE = Setting.one_of("slave", SLAVES, SLAVES[0], "slave body, whose face has the candidates; the other is the master")
 OTHER = Setting(
     "other_elements",
     75,

@@ -63,7 +63,7 @@ AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface d
 BY_LOAD = ", ".join(f"{load} {area}" for load, area in AREA_OF.items())
 TRAVELS = "indentation from first touch; 0: inflation alone"
 RIM = "rim of the patch in half_length_mm and half_width_mm: half-way to the first open node, or by pressure"
-COUPLING = "from pressure to nodal forces: shares of area or mass matrix"
+COUPLING = "nodal forces from pressures: by shares of area or by the mass matrix"
 POISSON = Setting("nu", None, "Poisson ratio of an isotropic tyre, with E_MPa", otherwise="orthotropic plies")
 SETTINGS = (
     Setting("gamma_deg", 52.0, "cord angle from the meridian; the plies alternate in sign", low=-90, high=90),
