@@ -59,7 +59,7 @@ def decision_part(store: Store) -> Part:
     lost = offers[(offers["mesh"] == "") & (offers["said"] != "")]
     unanswered = " ".join(filled("No configuration for `{scene}` within {asked:.0%}: {said}.", lost))
     scenes = codes(dict.fromkeys(offers[offers["command"].str.contains("grading=adapted")]["scene"]))
-    adapted = f"The grid lines of {scenes} follow an estimate of the error, which is included." if scenes else ""
+    adapted = f"The grid lines of {scenes} follow an error estimate, whose time is included." if scenes else ""
     lines = commands(filter(None, offers["command"]))
     return TEXT("recommended", adapted=adapted, unanswered=unanswered, offers=records, commands=lines)
 
@@ -161,7 +161,7 @@ def options_part(store: Store) -> Part:
     if own.empty:
         return Part()
     own = own[own["asked"] == own["asked"].min()]
-    title = f"The mesh from which on the error is surely within {share(own['asked'].min(), 0)}"
+    title = f"The mesh from which on the error is certainly within {share(own['asked'].min(), 0)}"
     return TEXT("options", table=by_problem(title, own, _mesh))
 
 
