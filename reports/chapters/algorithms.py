@@ -24,7 +24,7 @@ PAPER = 1e4  # MPa/mm
 SOFTEST = 1e-2  # of E/h: what fails below that fails for another reason than the penalty
 PANELS = (  # column, words, what is drawn of it
     ("force_error", "relative error of the force", (1e-11, 1e1)),
-    ("growth", "condition over that of exact contact", (3e-1, 1e12)),
+    ("growth", "condition number over that of exact contact", (3e-1, 1e12)),
 )
 ALONE = "alone"  # in the name of a solver that is taken at its word
 USUAL, CONVERGED = "semismooth", "converged"
@@ -105,7 +105,7 @@ def _cycles(store: Store) -> str:
         for line in cycles.to_dict("records")
     ]
     header = ["problem", "textbook", *map(_quoted, ways)]
-    return table("From the set that the textbook begins with", header, rows, words=len(header))
+    return table("From the starting set of the textbook", header, rows, words=len(header))
 
 
 def _period(period: int) -> str:

@@ -91,16 +91,16 @@ CONVEX, ALL = "convex", "all"
 FORMS = ("scaled", "condensed")  # of the programme that a public solver is given
 CYCLES, SIZE = "the contact set repeats itself", "too many"  # in what is said of a step that was left out
 REASONS = {  # in what is said, the first that fits: why no answer is certified
-    CYCLES: "`semismooth` cycles and its pivots do not settle it",
-    "kernels of BLAS": "with other kernels of BLAS the path leads elsewhere",
+    CYCLES: "`semismooth` cycles and its pivots do not resolve the cycle",
+    "kernels of BLAS": "other BLAS kernels lead to another path",
     "singular": "the equations are singular to working precision",
     "presses other candidates": "the interior point finds another contact set",
-    "wrong sign": "a force or gap has the wrong sign on the set that was found",
+    "wrong sign": "a force or gap has the wrong sign on the computed set",
 }
 OTHER = "another condition of the certificate fails"
 NAMED, ALWAYS = 7, "OSQP"
 PANELS = {
-    "the quickest": "time over that of the quickest",
+    "the quickest": "time over that of the fastest",
     "a factorisation": "time in factorisations of the stiffness",
 }
 
