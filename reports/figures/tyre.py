@@ -101,7 +101,7 @@ def pressure_map(pressures: pd.DataFrame, developed: Developed) -> Figure:
     most = float(np.nanmax(np.abs(odd), initial=0.0)) or 1.0
     drawn: list[tuple[np.ndarray, dict[str, Any], str]] = [
         (p, {"cmap": shades("viridis"), "vmin": 0.0}, "contact pressure p [MPa]"),
-        (odd, {"cmap": shades("RdBu"), "vmin": -most, "vmax": most}, "p less its mirror image [MPa]"),
+        (odd, {"cmap": shades("RdBu"), "vmin": -most, "vmax": most}, "p minus its mirror image [MPa]"),
     ]
     for axes, (values, how, words) in zip(panels, drawn, strict=True):
         colours = axes.pcolormesh(x, y, values, **how)
@@ -110,7 +110,7 @@ def pressure_map(pressures: pd.DataFrame, developed: Developed) -> Figure:
         axes.set_xlabel("around the axis [mm]")
         figure.colorbar(colours, ax=axes, label=words, location="bottom", shrink=0.8, aspect=30)
     panels[0].set_ylabel("along the meridian [mm]")
-    panels[0].plot([], [], color=VERMILION, label="outline, half-way between nodes that touch and that do not")
+    panels[0].plot([], [], color=VERMILION, label="outline, half-way between nodes in contact and not")
     figure.legend(loc="outside upper center", fontsize=8)
     return figure
 
