@@ -137,8 +137,8 @@ def dragged(table: pd.DataFrame) -> Figure:
         right.plot(way, shown["friction_N"] / shown["force_N"], **style.points, label=f"μ = {mu:g}")
         right.axhline(mu, color=style.colour, linestyle="--", linewidth=1.0)
     left.plot([], [], color=GREY, linestyle="--", linewidth=1.0, label="bound μ $F_n$")
-    _from_zero(left, "way of the plane [mm]", "friction $F_t$ [N]")
-    _from_zero(right, "way of the plane [mm]", "$F_t$ / $F_n$")
+    _from_zero(left, "displacement of the plane [mm]", "friction $F_t$ [N]")
+    _from_zero(right, "displacement of the plane [mm]", "$F_t$ / $F_n$")
     legend_above(figure, left)
     return figure
 
@@ -186,7 +186,7 @@ def path_errors(table: pd.DataFrame) -> Figure:
         finest = float(error.iloc[-1])
         line = finest * float(table["steps"].iloc[-1]) / table["steps"]
         left.plot(table["steps"], line, color=GREY, linestyle="--", linewidth=1.0, label="first order" if n else None)
-    left.set(xscale="log", yscale="log", xlabel="load steps of press and of drag", ylabel="error, of the limit")
+    left.set(xscale="log", yscale="log", xlabel="load steps of pressing and of dragging", ylabel="relative error")
     ticks(left, table["steps"])
     right.set(xscale="log", xlabel="operations [10⁹]")
     spent = table["operations"] / 1e9
