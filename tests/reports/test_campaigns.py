@@ -109,7 +109,7 @@ def test_what_depends_on_the_clock_is_not_compared(own: Path, pages: dict[str, s
 
 def test_advice_is_told_where_its_tables_are_of_this_campaign_and_whole(own: Path) -> None:
     text = advice_part(load_store(own)).text
-    assert re.search(r"the tolerance is met in [\d.]+ % of the \d+ that were advised", text)
+    assert re.search(r"the tolerance is met in [\d.]+ % of the \d+ with advice", text)
     assert "nan" not in text
     path = own / "tables" / "held_out.csv"
     pd.read_csv(path).assign(campaign="other").to_csv(path, index=False)
