@@ -38,7 +38,7 @@ TEN = {  # question: name of the sentence that answers it, and words that it mus
         r'OSQP alone .* "solved" on \d+ small contact problems.* \d+ fail the judge',
     ),
     "On which scenes does trial-and-error not converge?": ("trial-and-error-ends", TRIAL),
-    "Is the paper's table reproduced?": ("printed-table", r"is not reproduced at the travel that it states"),
+    "Is the paper's table reproduced?": ("printed-table", r"is not reproduced at the stated travel"),
     "What does 1 % cost?": ("one-per-cent", r"An error of 1 % takes [\d.]+ times the seconds of 5 %"),
     "What is the exact problem of a scene, and where is a picture of it?": (
         "scenes",

@@ -113,7 +113,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
             place += f" at {{low{n}:.2f}}{span} times"
         if other:
             values[f"other{n}"] = other
-            place += f", {{other{n}:.0f}} of them with the answer of springs"
+            place += f", {{other{n}:.0f}} of them with another answer, that of a finite ε"
         clauses.append(place)
     yield values | {"_told": "; ".join(clauses), "_problems": best["problems"]}
 

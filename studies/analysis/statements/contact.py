@@ -114,9 +114,7 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Values]:
     clauses = []
     for n, own in enumerate(stops):
         values |= {f"sticks{n}": own["sticks"].sum(), f"touch{n}": len(own), f"at{n}": own["drag_mm"].iloc[0]}
-        clauses.append(
-            f"{{sticks{n}:.0f}} of {{touch{n}:.0f}}" + (f" at {{at{n}:g}} mm" if n else " once it is pressed")
-        )
+        clauses.append(f"{{sticks{n}:.0f}} of {{touch{n}:.0f}}" + (f" at {{at{n}:g}} mm" if n else " once pressed"))
     last = stops[-1]
     back = len(stops) > 1 and last["drag_mm"].iloc[0] == 0.0
     if back:
