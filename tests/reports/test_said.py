@@ -190,4 +190,4 @@ def test_elements_better_than_their_yardsticks_are_counted(edited: Store) -> Non
         if lost:
             set_values(edited.path, "membrane_locking", int(known.to_numpy().argmax()), energy_norm_error=0.6)
         text = " ".join(locking_part(replace(edited)).text.split())
-        assert f"below those of the reduced one in {known.sum() - lost} of {known.sum()} cases" in text
+        assert f"below those of Elmer's reduced element in {known.sum() - lost} of {known.sum()} cases" in text
