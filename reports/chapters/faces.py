@@ -121,7 +121,7 @@ def errors(rows: pd.DataFrame) -> Figure:
         for number, (pairing, slave) in enumerate(KINDS):
             mine = own[(own["pairing"] == pairing) & (own["slave"] == slave)]
             elements = mine["mesh"].str.split("x").str[-1].astype(int)
-            axes.loglog(elements, mine["error"].abs(), label=f"{pairing}, {slave} is the slave", **look(number).whole)
+            axes.loglog(elements, mine["error"].abs(), label=f"{pairing}, {slave} as slave", **look(number).whole)
         axes.yaxis.set_minor_formatter("")
         ticks(axes, sorted(own["mesh"].str.split("x").str[-1].astype(int).unique()))
         title = "\n".join([*str(problem).split(", "), quantity(str(name))])
