@@ -32,7 +32,7 @@ def limits_page(store: Store) -> Part:
     headline = boundaries[boundaries["headline"]]
     usual = headline[headline["variant"] == DEFAULT]
     never, times = usual[usual["boundary_1"] == math.inf]["case"], usual["seconds_ratio"]
-    within = f"; within what was solved the error stays below 1 % in: {', '.join(never)}" if len(never) else ""
+    within = f"; within the thicknesses solved the error stays below 1 % in: {', '.join(never)}" if len(never) else ""
     exact = usual[usual["judge"] == "closed form"]
     doubtful = boundaries[~boundaries["decided"].astype(bool) & (boundaries["variant"] == DEFAULT)]
     values = {
@@ -90,7 +90,7 @@ def _options(headline: pd.DataFrame) -> str:
     variants = [name for name in dict.fromkeys(own["variant"]) if name != DEFAULT]
     cases = (((case,), of_case) for case, of_case in own.groupby("case", sort=False))
     rows = by_name(cases, (DEFAULT, *variants), lambda row: _boundary(row["boundary_1"], row), "variant")
-    return table("1 % is passed at, by option", ["scene", "usual", *variants], rows)
+    return table("1 % is exceeded at, by option", ["scene", "usual", *variants], rows)
 
 
 def _surfaces(headline: pd.DataFrame) -> Part:
@@ -105,7 +105,7 @@ def _surfaces(headline: pd.DataFrame) -> Part:
         cases = (((case,), of_case) for case, of_case in own.groupby("case", sort=False))
         return by_name(cases, (DEFAULT, *counts), entry, "variant")
 
-    passed = table("1 % is passed at", ["scene", *heads], rows(lambda row: _boundary(row["boundary_1"], row)))
+    passed = table("1 % is exceeded at", ["scene", *heads], rows(lambda row: _boundary(row["boundary_1"], row)))
     thickest = table(
         "Error of the thickest wall solved, and seconds of the solid over those of the shell (median over the walls)",
         ["scene", *heads],
@@ -184,7 +184,7 @@ def _stacked(axes: Axes, own: pd.DataFrame, name: str) -> tuple[float, float]:
         fmt="D",
         color=BLACK,
         capsize=4,
-        label="computed less measured, ± u_val",
+        label="computed minus measured, ± u_val",
     )
     axes.axhline(0.0, color=BLACK, linewidth=0.8)
     axes.set_xticks(places, [f"{value:g}" for value in own["approach"]])
