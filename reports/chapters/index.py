@@ -133,10 +133,10 @@ LEDGER = chapter(CLAIMED, claims_page, needs=(CLAIMS,), always=True)
 DATA = "data"
 BACK = Template(DATA)
 FILES = {  # beside the pages, of tables by these names; those of many rows are compressed when they are written
-    "cells.csv.gz": ("data_cells", "a row a cell of the plan, whatever became of it"),
-    "answers.csv.gz": ("data_answers", "a row a quantity of a cell"),
-    "columns.csv": ("data_columns", "a row a column of the other two: its unit and what it is"),
-    "claims.csv": ("claims", "a row a claim: status, interval, command"),
+    "cells.csv.gz": ("data_cells", "one row per planned cell, of any outcome"),
+    "answers.csv.gz": ("data_answers", "one row per quantity of a cell"),
+    "columns.csv": ("data_columns", "one row per column of the other two: unit and meaning"),
+    "claims.csv": ("claims", "one row per claim: status, interval, command"),
 }
 NEEDED = ("data_cells", "data_answers", "data_columns")
 AS_ASKED = ("converged", "unstable", "unsupported")
