@@ -36,7 +36,7 @@ def cost_ratios(table: pd.DataFrame, name: str, reference: str) -> Figure:
     own = table[table["who"] == name].drop_duplicates("problem").sort_values(["ratio", "problem"], na_position="last")
     place = {problem: i for i, problem in enumerate(own["problem"])}
     others = table[(table["who"] != name) & table["ratio"].notna() & table["problem"].isin(place)]
-    axes.plot(others["problem"].map(place), others["ratio"], ".", color=GREY, alpha=0.5, ms=4, label="others of ours")
+    axes.plot(others["problem"].map(place), others["ratio"], ".", color=GREY, alpha=0.5, ms=4, label="others")
     solved = own[own["ratio"].notna()]
     axes.plot(solved["problem"].map(place), solved["ratio"], "o", color=VERMILION, label=name)
     axes.axhline(1.0, color="black", linewidth=0.8)
@@ -72,7 +72,9 @@ def error_over_seconds(rows: Sequence[Mapping[str, Any]], quantity: str, error: 
     axes.set_xscale("log")
     axes.set_yscale("log")
     bottom = min(axes.get_ylim()[0], BELOW * 100 * uncertainty) or axes.get_ylim()[0]
-    axes.axhspan(bottom, max(100 * uncertainty, bottom), color=GREY, alpha=0.2, linewidth=0, label="known no better")
+    axes.axhspan(
+        bottom, max(100 * uncertainty, bottom), color=GREY, alpha=0.2, linewidth=0, label="reference uncertainty"
+    )
     axes.set_ylim(bottom=bottom)
     for axis in (axes.xaxis, axes.yaxis):  # less than a decade has marks, too
         axis.set_major_locator(LogLocator(subs=DECADE))
