@@ -55,7 +55,7 @@ def test_a_missing_table_leaves_its_claims_untested_alone(tmp_path: Path) -> Non
     write_table(tmp_path / "tables" / "cycles.csv", pd.DataFrame([row, {**row, "plain_period": 0}]))
     table = claims_table(tmp_path, "none")["claims"].set_index("claim")
     assert set(table.index[table["status"] != UNTESTED]) == {"no-cycles", "any-start"}
-    assert table.loc["no-cycles", "measured"] == "the textbook's set cycles on 1 of 2 published problems"
+    assert table.loc["no-cycles", "measured"] == "the textbook method cycles on 1 of 2 published problems"
     assert table.loc["any-start", "high"] == 1.0
 
 
