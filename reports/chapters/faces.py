@@ -39,7 +39,7 @@ def faces_page(store: Store) -> Part:
     usual = run["case"].map(run[run["algorithm"] == names[0]].set_index("case")["substeps"])
     run = run.assign(usual=usual)
     rows = by_name((([case], own) for case, own in run.groupby("case", sort=False)), names, _cell, "algorithm")
-    values["cases"] = table("Beside semismooth", ["problem", *map(code, names)], rows, words=1)
+    values["cases"] = table("Against `semismooth`", ["problem", *map(code, names)], rows, words=1)
     values["failed"] = _short(run[~run["outcome"].isin(SOLVED)])
     values |= {"costs": list(_costs(cost)), "spheres": list(_spheres(spheres)), **_ironed(ironed)}
     return TEXT("page", {"faces.svg": errors(readings)}, **values)

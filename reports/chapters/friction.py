@@ -125,7 +125,7 @@ def _separating(store: Store) -> dict[str, Part | str]:
         [code(name), _plate(finest, name, bound), *_found(springs, name), *(_public(files, name) if public else ())]
         for name in names
     ]
-    heads = ["algorithm", "GRECO plate", "one answer: found", "several: one found", "none: claimed", "claims wrong"]
+    heads = ["algorithm", "GRECO plate", "one answer: solved", "several: one solved", "none: claimed", "claims wrong"]
     heads += ["public: certified", "public: refused by the judge"] if public else []
     shown = table("Problems that separate the algorithms", heads, rows)
     if not public:

@@ -20,7 +20,7 @@ from reports.store import Store
 NAMED = r"(`{part}`|\| {part} \||footprint solve {part} |--(measure|contact) {part} )"
 MOST = 12  # scenes of a picture
 SOLVED = ("converged", "unstable")
-NO_REFERENCE = "No reference holds at these settings."
+NO_REFERENCE = "No reference applies at these settings."
 
 
 def gallery(store: Store) -> Part:
@@ -63,7 +63,7 @@ def with_appearances(texts: Mapping[str, str], chapters: Iterable[Chapter]) -> d
         _, _, part = sheet.name.partition("/")[2].partition("-")
         named = re.compile(NAMED.format(part=re.escape(part)))
         links = [f"[{title}]({relative(page, file)})" for page, title in others.items() if named.search(texts[page])]
-        pages[file] += f"\n## On other pages\n\n{' · '.join(links) if links else 'None names it.'}\n"
+        pages[file] += f"\n## On other pages\n\n{' · '.join(links) if links else 'No page names it.'}\n"
     return pages
 
 
@@ -97,23 +97,23 @@ def _first(own: pd.DataFrame, answer: pd.Series) -> str:
     """The answer of the page in one sentence."""
     shown = own[own["headline"].astype(bool) & own["value"].notna()]
     if answer["outcome"] not in SOLVED:
-        return f"Here it is {answer['outcome']}."
+        return f"The outcome here is {answer['outcome']}."
     if shown.empty:
         return "It has no headline quantity."
     best = shown.sort_values("uncertainty", kind="stable").iloc[0]
     unit = "" if best["unit"] == "1" else f" {best['unit']}"
     value = f"`{best['quantity']}` = {number(best['value'])}{unit} on {answer['mesh']}"
     if pd.isna(best["target"]):
-        return f"Here {value}; no reference holds at these settings."
+        return f"Here {value}; no reference applies at these settings."
     known = f"{best['kind']} target {number(best['target'])}"
-    off = "" if best["target"] == 0 else f", {percent(best['error'])} off"
+    off = "" if best["target"] == 0 else f", error {percent(best['error'])}"
     return f"Here {value}; {known}{off}."
 
 
 def _pictures(catalogue: Catalogue, name: str) -> Part | str:
     body = catalogue.body(name)
     if body is None:
-        return "There is no picture: the cell of this sheet has no fields."
+        return "No picture: the cell of this sheet has no fields."
     words = f"{name}: at rest with supports and loads, and deformed with its displacement"
     return picture(f"scene-{name}.svg", words, sheet_picture(body, catalogue.own("marks", scene=name)))
 

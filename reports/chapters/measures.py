@@ -138,7 +138,7 @@ def errors_over_seconds(data: pd.DataFrame) -> Figure:
     for axes in panels[::2]:
         axes.set_ylabel("error at most [%]")
     for axes in panels[-2:]:
-        axes.set_xlabel("processor time of its grids so far [s]")
+        axes.set_xlabel("accumulated processor time of the grids [s]")
     for name, own_look in looked.items():
         panels[0].plot([], [], **own_look.whole, label=name)
     legend_above(figure, panels[0], columns=4)

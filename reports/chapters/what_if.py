@@ -120,7 +120,7 @@ def design(every: pd.DataFrame, asked: pd.DataFrame) -> Figure:
         axes.contour(kept.columns, kept.index, kept.to_numpy(), levels=[least], colors=BLACK, linestyles=style)
         axes.plot([], [], style, color=BLACK, label=f"{quantity(name)} = {least:g}")
     own = asked[asked["mesh"] == asked["mesh"].iloc[0]]
-    axes.plot(*own[[*PAIR]].to_numpy().T, "o-", color=VERMILION, label="the optimiser, from the tyre of the paper")
+    axes.plot(*own[[*PAIR]].to_numpy().T, "o-", color=VERMILION, label="path of the optimiser, from the paper's tyre")
     axes.set(xlabel=quantity(PAIR[0]), ylabel=quantity(PAIR[1]))
     axes.grid(visible=False)
     figure.legend(loc="outside upper center", ncols=2)

@@ -80,7 +80,7 @@ def error_over_seconds(rows: Sequence[Mapping[str, Any]], quantity: str, error: 
         axis.set_major_locator(LogLocator(subs=DECADE))
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel("CPU time of the path on a grid, started from the grid before [s]")
+    axes.set_xlabel("CPU time of the path on a grid, started from the previous grid [s]")
     axes.set_ylabel(f"error of {quantity}, at most [%]")
     figure.legend(loc="outside right center")
     return figure

@@ -154,6 +154,6 @@ def refined_grid(elements: pd.DataFrame) -> Figure:
     drawn.set_clim(level.min() - 1, level.max() + 1)
     axes.add_collection(drawn)
     span = {"xlim": (ends[:, 0].min(), ends[:, 1].max()), "ylim": (ends[:, 2].min(), ends[:, 3].max())}
-    title = f"{len(elements)} elements, cut up to {int(level.max())} times"
+    title = f"{len(elements)} elements, subdivided up to {int(level.max())} times"
     axes.set(xlabel="a1 [rad or mm]", ylabel="a2 [rad or mm]", title=title, **span)
     return figure

@@ -145,7 +145,7 @@ def mode_map(mode: pd.DataFrame, mm_per_degree: tuple[float, float]) -> Figure:
     shown = float(np.max(rows))
     axes.set(xlim=(-SHOWN_PHI, SHOWN_PHI), ylim=(-shown, shown), aspect=mm_per_degree[0] / mm_per_degree[1])
     axes.set(xlabel="angle around the axis φ [deg]", ylabel="meridian angle ψ [deg]")
-    figure.colorbar(colours, ax=axes, label="motion along the normal, largest = 1")
+    figure.colorbar(colours, ax=axes, label="normal displacement, largest = 1")
     return figure
 
 
@@ -201,7 +201,7 @@ def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequen
     at, shown = (np.asarray(each, dtype=float)[near] for each in (deltas, forces))
     axes.set(xlim=(at.min() - 0.1 * behind, at.max() + 0.1 * behind), xlabel=TRAVEL, ylabel=FORCE)
     axes.set(ylim=(shown.min() - 0.1 * np.ptp(shown), shown.max() + 0.1 * np.ptp(shown)))
-    axes.set_title(f"at {deltas[first]:.4g} mm and {forces[first]:.4g} N it turns back, by {behind:.3g} mm")
+    axes.set_title(f"at {deltas[first]:.4g} mm and {forces[first]:.4g} N the path turns back, by {behind:.3g} mm")
     axes.legend()
     return figure
 

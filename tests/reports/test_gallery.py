@@ -33,9 +33,9 @@ def test_every_part_has_a_sheet_that_the_gallery_links_to(files: dict[str, str])
 def test_no_sheet_of_a_scene_lacks_a_target_a_picture_or_its_settings(files: dict[str, str]) -> None:
     for name in SCENES:
         text = files[f"sheets/scene-{name}.md"]
-        has = any(quantity in text for quantity in ("**Targets**", "No reference holds at these settings."))
+        has = any(quantity in text for quantity in ("**Targets**", "No reference applies at these settings."))
         assert has, name
-        assert f"![{name}: at rest" in text or (name not in DRAWN and "There is no picture" in text), name
+        assert f"![{name}: at rest" in text or (name not in DRAWN and "No picture:" in text), name
         assert f"\nfootprint solve {name} " in text, name
         for setting in SCENES[name].settings:
             assert f"| `{setting.key}` | " in text, (name, setting.key)
