@@ -20,13 +20,13 @@ SHOWN = 12  # digits of a commit
 MINUTE = len("2026-01-01T00:00")  # of a date as a record has it
 AXES = {"contact": "contact algorithm", "measure": "strain measure"}
 WORDS = {  # of each class, for people
-    "converged": "and the judge agrees",
-    "unstable": "converged, and the judge agrees, to an equilibrium with negative eigenvalues of the tangent",
-    "wrong": "said to have converged, and the judge does not agree",
-    "not-converged": "the iteration, or the path, came to an end before the load",
+    "converged": "accepted by the judge",
+    "unstable": "accepted by the judge; the tangent has negative eigenvalues",
+    "wrong": "reported as converged, but refused by the judge",
+    "not-converged": "the iteration, or the path, stopped before the load",
     "cap-hit": "a limit of iterations was reached",
-    "time": "killed at the time limit",
-    "memory": "more than the memory limit",
+    "time": "stopped at the time limit",
+    "memory": "exceeded the memory limit",
     "crash": "the process died",
     "unsupported": "refused, with a reason",
     "missing": "not solved yet",

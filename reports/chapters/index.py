@@ -39,9 +39,9 @@ def index_page(store: Store, contents: str) -> Part:
         "measures": measures_picture(store),
         "strains": _section("Exact or classical strains?", store, STRAINS, TEXT("strains", limits=limits_part(store))),
         "algorithms": _section("Which contact algorithm?", store, CONTACT, contact),
-        "spared": _section("What does it save?", store, SPARED),
-        "force": _section("What is the tyre's force worth?", store, FORCE, model_table(store)),
-        "sure": _section("How sure is this?", store, SURE, TEXT("others")),
+        "spared": _section("What reduces the cost?", store, SPARED),
+        "force": _section("How accurate is the tyre's force?", store, FORCE, model_table(store)),
+        "sure": _section("How well is this verified?", store, SURE, TEXT("others")),
         "limitations": limitations(store),
         "tyre": filmstrip_of(Catalogue.of(store)),
     }
