@@ -59,7 +59,7 @@ def isotropic() -> Result:
         ({"pressure_area": "mid"}, {}, "one of face"),
         ({"section": "full-3d"}, {}, "no setting 'section'"),
         ({"membrane": "relaxed"}, {}, "no setting 'membrane'"),
-        ({"E_MPa": "20"}, {}, "together"),
+        ({"E_MPa": "20"}, {}, "needs both E_MPa and nu, and takes no E_L_MPa"),
     ],
 )
 def test_what_does_not_apply_to_a_solid_is_refused(
