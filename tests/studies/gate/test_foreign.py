@@ -81,7 +81,7 @@ PLANTED: dict[str, tuple[Plant, str]] = {
     "a record that is a link": (lambda there, tmp: outside(record_path(there), tmp), "files: .* link"),
     "a field that is a link": (lambda there, tmp: outside(there.field(BEAM), tmp), "files: .* link"),
     "a folder that is a link": (lambda there, tmp: outside(there.field(BEAM).parent, tmp), "files: .* link"),
-    "a pipe": (pipe, "files: .* no regular file"),
+    "a pipe": (pipe, "files: .* not a regular file"),
     "a bomb": (bomb, "field: pressure has more than"),
     "a pickle": (pickled, "field: has the arrays of nothing"),
     "a file outside": (named("../../../secret.csv"), "files: must be"),
