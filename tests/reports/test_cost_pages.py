@@ -92,13 +92,13 @@ def test_stated_errors_are_counted_and_what_does_not_hold_is_listed(own_store: P
     assert "3 contain it" in text
     assert f"more than 4 times in {int(wrong)} of {3 + wrong}" in text
     if wrong:
-        outside, missed = text.split("do not hold")[1].split("not reached")
+        outside, missed = text.split("Statements that are wrong")[1].split("not reached")
         assert "| `cantilever` | – | `N` | 5.0 % | 20.00 % | 0.00 % to 15.00 % | 2.50 % | 5.00 % |" in outside
         assert "no grid is enough" in missed
     else:
         assert "3.0 times as wide as the error" in text
         assert "in 3 of 3; the uncertainty is 2.0 times its error" in text
-        assert "do not hold" not in text
+        assert "Statements that are wrong" not in text
         assert "not reached" not in text
 
 
