@@ -125,6 +125,7 @@ def traced() -> list[tuple[set[str], set[str]]]:
     return [(set(called), set(made)) for called, made in json.loads(found)]
 
 
+@pytest.mark.slow
 def test_nothing_is_called_in_a_cell_that_does_not_decide_its_identity(traced: list[tuple[set[str], set[str]]]) -> None:
     for called, made in traced:
         assert {"studies.solving.solve", "contact.verify"} <= called
@@ -132,6 +133,7 @@ def test_nothing_is_called_in_a_cell_that_does_not_decide_its_identity(traced: l
     assert any("contact.continuation.critical_points" in called for called, _ in traced)  # at the end of a path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ONLY_WITH)
 def test_what_is_left_out_without_something_is_called_with_it(
     what: str, traced: list[tuple[set[str], set[str]]]

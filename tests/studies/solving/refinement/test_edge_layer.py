@@ -55,6 +55,7 @@ def test_the_interval_of_a_twisted_strip_has_what_finer_grids_find(tmp_path) -> 
     assert said.startswith("edges with a free director have a boundary layer of 0.29 mm, elements there are 2.5 mm")
 
 
+@pytest.mark.slow
 def test_an_error_that_is_asked_for_allows_for_it(tmp_path) -> None:
     """On grids that are finer and finer, from the mesh of the deck on."""
     deck = strip(tmp_path, *TWISTED)
