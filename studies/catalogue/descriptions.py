@@ -106,10 +106,10 @@ def _of_scene(scene: Scene) -> Iterator[str]:
 
 
 def said_of_scene(scene: Scene) -> str:
-    """What its module, its class and its building are documented with."""
+    """What its module, its class and its building are documented with, but for the fields of the class."""
     documented = (inspect.getmodule(type(scene)), type(scene), scene.build)
-    texts = [plain_text(inspect.getdoc(each) or "") for each in documented]
-    return "\n\n".join(text for text in texts if text)
+    texts = [text for each in documented for text in plain_text(inspect.getdoc(each) or "").split("\n\n")]
+    return "\n\n".join(text for text in texts if text and not re.match(r"[a-z_]+: ", text))
 
 
 def _references(references: Sequence[Reference]) -> Iterator[str]:
@@ -166,6 +166,7 @@ def paragraphs(part: object) -> list[str]:
 def plain_text(text: str) -> str:
     """A docstring without its markup."""
     text = re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "")
+    text = text.replace("Raises UsageError", "Refused").replace("raises UsageError", "refused")
     return re.sub(r"(?<=\S) +", " ", text)
 
 

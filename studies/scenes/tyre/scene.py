@@ -178,7 +178,7 @@ class Tyre(Declared):
         return replace(request, model=model, model_reason=reason, settings=settings)
 
     def build(self, request: Request) -> TyreModel | InflatedTyre:
-        """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
+        """Raises UsageError for impossible geometry, plies or meshes."""
         return _built(request, self) if self.sizes is None else _kept(request, self.sizes)
 
     def lines(self, request: Request) -> tuple[np.ndarray, np.ndarray]:

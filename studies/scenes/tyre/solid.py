@@ -74,7 +74,7 @@ class SolidTyre(OfSolids):
         return replace(whole, model="quarter" if symmetric and request.model != "full" else "full")
 
     def build(self, request: Request) -> SolidTyreModel:
-        """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
+        """Raises UsageError for impossible geometry, plies or meshes."""
         settings = request.settings
         laminate, R1, R0, clamp = checked_wall(settings)
         quarter = request.model == "quarter"
