@@ -170,5 +170,5 @@ def test_no_combination_is_better_than_the_optimum(monkeypatch, tmp_path) -> Non
             return pd.read_csv(tmp_path / f"{name}.csv")
 
     said = str(what_if_page(Stored()))
-    assert f"Of 25 combinations on 12x14, every one solved and judged, {len(allowed)} are allowed" in said
+    assert f"Of 25 combinations on 12x14, all solved and judged, {len(allowed)} are feasible" in said
     assert f"{optimum['gamma_deg']:.2f} | {optimum['p0_MPa']:.4f}" in said
