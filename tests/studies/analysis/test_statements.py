@@ -237,4 +237,7 @@ def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) 
     assert trials["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
     assert trials["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
     stated = filled("which-algorithm", contact_summary=summary, choices=other)
-    assert "`lcp` 2 of 2 at 0.90 times, 2 of them with another answer, that of a finite ε" in stated
+    assert "`lcp` 2 of 2 at 0.90 times, 2 of them with another answer; " in stated
+    springs = other.assign(name=other["name"].replace("lcp", "regularised"))
+    stated = filled("which-algorithm", contact_summary=summary, choices=springs)
+    assert "2 of them with another answer, that of a finite ε; " in stated
