@@ -140,16 +140,16 @@ def limits(first: float = 8.0, last: float = 8.0, **changed: object) -> str:
 
 def test_the_limit_of_a_drag_and_of_a_turn() -> None:
     met = limits()
-    assert "dragged across by 8 mm" in met
+    assert "a drag of 8 mm across" in met
     assert "for μ = 0.25 and 0.5; it is within 1 % of that from 8 mm on" in met
-    assert "Turned on the spot by 12 degrees" in met
+    assert "After a turn of 12 degrees on the spot" in met
     assert "The judge certifies 16 of 16 loads." in met
     missed = limits(off=-0.2, certified=2, full=np.nan)
     assert "is μ F_n with a relative error of 2e-01" in missed
     assert "for μ = 0.5 it does not stay within 1 % of that" in missed
     assert "certifies 14 of 16 loads" in missed
-    assert "from 2 to 4 mm on, later the larger μ. Turned" in limits(2.0, 4.0)
-    assert "from 2 to 4 mm on. Turned" in limits(4.0, 2.0)
+    assert "from 2 to 4 mm on, later the larger μ. After a turn" in limits(2.0, 4.0)
+    assert "from 2 to 4 mm on. After a turn" in limits(4.0, 2.0)
 
 
 def test_who_sticks_and_what_is_left() -> None:
