@@ -117,7 +117,7 @@ def errors_stated(data: pd.DataFrame) -> Figure:
         axes.plot(own["high"], own["value_error"], linestyle="none", label=share(asked, 1), **each.points)
     ends = np.array([decided["high"].min(), decided["high"].max()]) if len(decided) else np.ones(2)
     axes.plot(ends, ends, color=BLACK, linewidth=1, linestyle=":")
-    axes.set(xscale="log", yscale="log", xlabel="stated bound", ylabel="relative error")
+    axes.set(xscale="log", yscale="log", xlabel="stated upper bound", ylabel="relative error")
     legend_above(figure, axes)
     return figure
 
