@@ -41,7 +41,7 @@ class Confirmation:
     displacement_error: size of the difference over that to be expected [-].  force_error: largest difference of a nodal
     force, normal or friction, over the largest of them [-].  differing: candidates that only one of the two presses by
     more than the agreement, touching without pressure is in both; with friction all that differ by more.  allowed: the
-    agreement, or what rounding leaves unknown of the forces where that is more.
+    agreement, or what rounding leaves unknown of the forces where that is more: for them alone.
     """
 
     displacement_error: float
@@ -52,7 +52,9 @@ class Confirmation:
     @property
     def agrees(self) -> bool:
         """True when set, forces and displacement are those of the oracle."""
-        return not len(self.differing) and max(self.displacement_error, self.force_error) <= self.allowed
+        if self.displacement_error > AGREEMENT:
+            return False
+        return not len(self.differing) and self.force_error <= self.allowed
 
 
 def refusal(step: FrozenStep) -> str | None:
@@ -199,7 +201,11 @@ def _rounding(step: FrozenStep, epsilon: float, factor: SuperLU, free: np.ndarra
     """Change of the largest nodal force by the rounding of the forces K free, one draw of its signs.
 
     An answer is the sum of motions of that size, which cancel on thin walls: no algorithm knows its forces better.
+    Zero where the changed step has no answer: that says nothing of the forces.
     """
     lost = np.finfo(float).eps * (abs(step.K) @ np.abs(free)) * np.random.default_rng(0).choice([-1.0, 1.0], len(free))
-    moved = _settle(replace(step, r=step.r + lost), epsilon, factor, multipliers > 0)[1]
+    try:
+        moved = _settle(replace(step, r=step.r + lost), epsilon, factor, multipliers > 0)[1]
+    except (OracleError, np.linalg.LinAlgError):
+        return 0.0
     return float(np.max(step.weights * np.abs(moved - multipliers), initial=0.0))

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
+from contact.interchange import oracle
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.interchange.oracle import OracleError, confirm, minimise, positive_definite, refusal
 from support.problems.contact_problems import Quadratic, dual_by_nnls, random_quadratic
@@ -68,6 +69,25 @@ def test_a_spoilt_answer_is_contradicted() -> None:
     assert len(slightly.differing) == 0
     without = np.where(np.arange(len(p)) == pressed, 0.0, p)
     np.testing.assert_array_equal(confirm(step, u, without).differing, [pressed])
+
+
+def test_rounding_excuses_no_displacement_and_a_changed_step_without_answer_nothing(monkeypatch) -> None:
+    data = random_quadratic(np.random.default_rng(5), "inclined")
+    u, p = dual_by_nnls(data, math.inf)
+    step = frozen(data)
+    monkeypatch.setattr(oracle, "_rounding", lambda *_: 1e-3 * float(np.max(data.w * p)))
+    assert confirm(step, u, 1.00001 * p).agrees
+    assert not confirm(step, u + 1e-5, 1.00001 * p).agrees
+    monkeypatch.undo()
+    settle, calls = oracle._settle, iter((False, True))
+
+    def fails_once_changed(*given):
+        if next(calls):
+            raise OracleError("the set of the oracle does not settle")
+        return settle(*given)
+
+    monkeypatch.setattr(oracle, "_settle", fails_once_changed)
+    assert not confirm(step, u, 1.00001 * p).agrees
 
 
 def test_no_programme_no_answer(rng) -> None:
