@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any
 
 from studies.ask.request import Request
-from studies.ask.scene import Scene, has_contact
+from studies.ask.scene import CutScene, Scene, has_contact
 from studies.solving.choice import Choice
 from studies.solving.offers import Offer, offers_of, recommended
 from studies.solving.refinement.cascade import FINER, TOO_FINE, Cascade
@@ -249,7 +249,11 @@ def follow(
                 if first_enough(errors(cascade.values, limit), NONE, cascade.error - beyond) is not None:
                     return ""
         grid = near(cascade.scene, grid, FINER)
-    return reason or f"no grid is finer than {text}: a single element along a coordinate is not cut"
+    if reason:
+        return reason
+    single = ": a single element along a coordinate is not cut"
+    whole = cascade.last.request.mesh == (1, 1) and not isinstance(cascade.scene, CutScene)
+    return f"no grid is finer than {text}{single if whole else ''}"
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:

@@ -237,6 +237,11 @@ def test_a_grid_that_cannot_be_refined_is_named() -> None:
     )
 
 
+def test_another_cause_of_no_finer_grid_is_not_taken_for_a_single_element(monkeypatch) -> None:
+    monkeypatch.setattr(choosing, "near", lambda *_: None)
+    assert "measure exact: no grid is finer than 1x8" in choose("ring", {}, 0.01, 20.0, mesh="1x8").uncertain
+
+
 @pytest.mark.slow
 def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
     words = ["choose", "pressed-arch", "--error", "3%", "--use", str(PLUGIN), "--out", str(tmp_path)]
