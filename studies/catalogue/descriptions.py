@@ -108,8 +108,9 @@ def _of_scene(scene: Scene) -> Iterator[str]:
 def said_of_scene(scene: Scene) -> str:
     """What its module, its class and its building are documented with, but for the fields of the class."""
     documented = (inspect.getmodule(type(scene)), type(scene), scene.build)
+    fields = tuple(f"{name}: " for name in getattr(type(scene), "__dataclass_fields__", ()))
     texts = [text for each in documented for text in plain_text(inspect.getdoc(each) or "").split("\n\n")]
-    return "\n\n".join(text for text in texts if text and not re.match(r"[a-z_]+: ", text))
+    return "\n\n".join(text for text in texts if text and not text.startswith(fields))
 
 
 def _references(references: Sequence[Reference]) -> Iterator[str]:
