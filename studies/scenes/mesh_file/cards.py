@@ -210,7 +210,7 @@ def boundary(deck: Deck, card: Card) -> None:
             first = row.whole(1)
             last = row.whole(2, first)
             if not first <= last <= 6:
-                row.refuse(f"degrees of freedom {first} to {last} must lie in 1 to 6")
+                row.refuse(f"degrees of freedom {first} to {last} must lie in 1 to 6, the lower first")
             held = tuple(range(first, last + 1))
         if named(row.text(0)) in deck.node_sets:
             deck.supports.setdefault(named(row.text(0)), {}).update(dict.fromkeys(nodes, 1.0))

@@ -190,7 +190,7 @@ class Said:
         try:
             return cls(path.name, "", read_toml(path))
         except ValueError as error:
-            raise UsageError(f"{path.name}: is not TOML: {' '.join(str(error).split())}") from None
+            raise UsageError(f"{path.name}: cannot be read as TOML: {' '.join(str(error).split())}") from None
 
     def refuse(self, why: str) -> NoReturn:
         """Raise UsageError with file and key."""

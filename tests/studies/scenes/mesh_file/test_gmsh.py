@@ -169,7 +169,7 @@ def test_plies_points_and_degrees(tmp_path, form) -> None:
         ("tip = [0.0, 0.0, 1e-3]", "skin = [0.0, 0.0, 1.0]", "forces.skin must be a group of points, or of lines"),
         ("skin = 1e-6", "tip = 1e-6", "pressures.tip must be a group of quadrilaterals"),
         ("skin = 1e-6", "skin = 1e999", "pressures.skin must lie in [-1e+60, 1e+60]"),
-        ("[pressures]", "[pressures", "panel.toml: is not TOML"),
+        ("[pressures]", "[pressures", "panel.toml: cannot be read as TOML"),
         ('root = "ENCASTRE"', "", "panel.msh: no support: [supports] of panel.toml"),
         ("[pressures]\nskin = 1e-6", "", None),
     ],
