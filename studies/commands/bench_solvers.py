@@ -29,7 +29,7 @@ SOLVER_ROUNDS, LIMIT_S, TOLERANCES = 3, 20.0, "1e-4,1e-6,1e-8"
 def add_solvers(parser: argparse.ArgumentParser) -> None:
     """A run, a comparison of two, or both."""
     parser.add_argument(
-        "--problems", type=Path, metavar="DIR", help="frozen problems (*.npz); without it no solver runs"
+        "--problems", type=Path, metavar="DIR", help="frozen problems (*.npz); without it and --held-out no solver runs"
     )
     parser.add_argument("--out", type=Path, default=STORE, metavar="STORE", help="directory of results and tables")
     parser.add_argument("--rounds", type=int, default=SOLVER_ROUNDS, help="solves of each problem")

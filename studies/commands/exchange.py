@@ -64,7 +64,7 @@ def run_export(options: argparse.Namespace) -> int:
     print(f"{len(bricks.x)} nodes, {len(bricks.elements)} bricks, {len(problem.steps)} steps: {options.out}")
     if options.format == "inp" and not all(isotropic(ply) for ply in problem.materials) and bricks.turning > ALIGNED:
         turn = f"{np.rad2deg(bricks.turning):.2g} deg"
-        print(f"each brick has one ply direction, which turns by up to {turn} within it: cords soften, refine --mesh")
+        print(f"each brick has one ply direction, the axes turn by up to {turn} from it: cords soften, refine --mesh")
     return OK
 
 

@@ -38,7 +38,8 @@ def add_sweep(parser: argparse.ArgumentParser) -> None:
     """The request, the ranges, the error, and where the answer goes."""
     parser.add_argument("scene", help=SCENE)
     parser.add_argument("--over", action="append", default=[], metavar="KEY=A:B:N", help=OVER)
-    parser.add_argument("--measure", help="strain measure, see footprint list measures; default exact")
+    measures = "strain measure, see footprint list measures; default exact, or linear for a deck without NLGEOM"
+    parser.add_argument("--measure", help=measures)
     mesh = "N1xN2, elements along a1 and a2, for all members; default that of the scene"
     add_solving(parser, "contact algorithm, see footprint list algorithms; default semismooth", mesh)
     parser.add_argument(

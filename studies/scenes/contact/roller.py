@@ -76,7 +76,7 @@ class Roller(Declared):
     )
     references = _references()
     quantities = {
-        "force_N": "of the whole width; friction quantities, with mu, are those of half of the solved slice",
+        "force_N": "of the whole width; friction quantities, with mu, are those of the solved half of the slice",
         "width_mm": "of the contact",
         "pressure_MPa": "in the middle of the contact",
         "width_over_hertz": "of Hertz's contact under the same force",
