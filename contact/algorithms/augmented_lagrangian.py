@@ -34,11 +34,11 @@ SETTLE = 0.05  # as semismooth
 class AugmentedLagrangian(NewtonAlgorithm):
     """Uzawa's outer loop p <- max(0, p - c g); the inner Newton balances r = G^T W max(0, p - c g) at fixed p.
 
-    c [-]: stiffness of the springs, not of the answer, over that of the candidates per area. It grows by ``growth``
-    when an update has not brought penetration and complementarity down to a quarter. The outer loop ends when both are
-    rounding: the multiplier is exact, epsilon is infinite.
-    The inner Newton stops at a tenth of the last relative change of the pressure, between 1e-3 and ``tolerance``, which
-    the last one keeps.
+    c [-]: stiffness of the springs over that of the candidates per area; the answer does not depend on it. It grows by
+    ``growth`` when an update has not reduced penetration and complementarity to a quarter. The outer loop stops when
+    both are rounding: the multiplier is exact, epsilon is infinite.
+    The inner tolerance is a tenth of the last relative change of the pressure, between 1e-3 and ``tolerance``. The last
+    inner solve uses ``tolerance``.
     Sources: Hestenes, J. Optim. Theory Appl. 4 (1969) 303-320; Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
     """
 
@@ -53,7 +53,7 @@ class AugmentedLagrangian(NewtonAlgorithm):
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Needs the exact constraint."""
+        """Needs the exact constraint, epsilon = inf."""
         if np.isfinite(self.epsilon):
             return "its multiplier is exact, so epsilon must be inf; for a finite epsilon use regularised"
         return super().supports(problem)

@@ -51,7 +51,7 @@ class NewtonAlgorithm:
     springs: ClassVar[bool] = False
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Applies to every problem without friction, and with friction where the algorithm as it is set solves it."""
+        """Applies to every problem without friction; with friction, where the algorithm with its settings solves it."""
         return (
             None
             if problem.coulomb is None

@@ -42,14 +42,15 @@ INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is ro
 class Lcp(NewtonAlgorithm):
     """0 <= f, 0 <= g + G du(f), their product zero, with du(f) = K^-1 (G^T f - r) and nodal forces f = W p.
 
-    system: ``condensed`` factorises on the expected set, and pivots on the candidates that are misplaced there; it
-    grows when their solution misplaces others (:class:`Condensed`). ``full`` factorises K and builds the Delassus
-    operator G K^-1 G^T (compliance, mm/N) of all that are expected to press or pushed in by the free step, one solution
-    a candidate; K alone must be regular then: a body that only the foundation holds has no compliance.
+    system: ``condensed`` factorises on the expected set and pivots on the candidates whose expected state is wrong
+    there. Others join them when the solution makes their state wrong (:class:`Condensed`). ``full`` factorises K and
+    builds the Delassus operator G K^-1 G^T (compliance, mm/N) of all candidates that are expected to press or penetrate
+    in the free step, one solution per candidate. K alone must then be regular: a body held only by the foundation has
+    no compliance.
     method: ``lemke`` (exact pivoting, any P-matrix), ``active-set`` (fast, any P-matrix), ``nnls`` (symmetric positive
-    definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling; where
-    the travel of the foundation is an unknown, in arc length, the active set takes its place).
-    Consistent coupling is solved in full.
+    definite matrices only). nnls excludes follower loads without a potential, non-symmetric sections and consistent
+    coupling; where the travel of the foundation is an unknown (arc length), the active set replaces it.
+    Consistent coupling is solved with the full system.
     Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
     """
 
@@ -72,7 +73,7 @@ class Lcp(NewtonAlgorithm):
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """All problems but consistent coupling with nnls."""
+        """Applies to all problems except consistent coupling with nnls."""
         if problem.coulomb is not None:
             refused = no_polygon(self.sides, problem.coulomb.mu, "is not a row of a complementarity problem")
             return refused or super().supports(problem)

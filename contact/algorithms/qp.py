@@ -40,18 +40,20 @@ SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tan
 class Qp(NewtonAlgorithm):
     """min du.K.du/2 + r.du subject to g + G du >= 0; a finite epsilon gives every gap a spring of stiffness epsilon w.
 
-    system: ``full`` is that programme, sparse, with all displacements. ``condensed`` is its dual on the candidates that
-    are misplaced in the expected set, joined by those that its solution misplaces: min f.C.f/2 + q.f, f >= 0, dense
-    and small, with the compliance C of the forces f at all else in its state (:class:`Condensed`). Where the tangent is
-    not definite on that set, the programme is ``full``: the dual has a maximum there, or nothing.
-    backend: ``osqp``, ``clarabel``; with the extra qp ``proxqp``, ``piqp``, and ``daqp`` (dense: small problems).
-    eps, polish: its tolerances, absolute and relative, and whether OSQP polishes.
-    The programme is scaled (unit diagonal, unit rows, displacements and energy about 1), and of the answer only the
-    contact set is used: exact linear steps start from it and correct it where it is wrong, so that a false "solved"
-    costs time but no digit. The history says when the solver did not claim success and how often it was corrected.
-    A tangent that is not convex is shifted until it is, for finding the set only; the history says that, too.
-    A tangent that is not symmetric has no energy: refused. So has a body with the travel of its foundation for an
-    unknown (arc length), or a multiplier: there the set is found by exact steps alone, and the history says so.
+    system: ``full`` is this programme, sparse, with all displacements. ``condensed`` is its dual on the candidates
+    whose expected state is wrong, joined by those whose state its solution makes wrong: min f.C.f/2 + q.f, f >= 0,
+    dense and small, where C is the compliance of the forces f with all other candidates in their expected state
+    (:class:`Condensed`). Where the tangent is not definite on that set, ``full`` is used: the dual would have a maximum
+    or no extremum.
+    backend: ``osqp``, ``clarabel``; with the extra qp also ``proxqp``, ``piqp`` and ``daqp`` (dense: small problems).
+    eps, polish: tolerance of the backend, absolute and relative; whether OSQP polishes.
+    The programme is scaled (unit diagonal, unit rows, displacements and energy about 1). Only the contact set of its
+    solution is used: exact linear steps start from this set and correct it where it is wrong, so a false "solved" costs
+    time but no accuracy. The history records when the solver did not claim success and how often the set was corrected.
+    A non-convex tangent is shifted until it is convex, only to find the set; the history records this, too.
+    A non-symmetric tangent has no energy and is refused. Where the travel of the foundation (arc length) or a
+    multiplier is an unknown, there is no programme either: the set is found by exact steps alone, and the history
+    records this.
     Source: Stellato et al., Math. Program. Comput. 12 (2020) 637-672; its false "solved": osqp#790, osqp#273.
     """
 
@@ -71,7 +73,7 @@ class Qp(NewtonAlgorithm):
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Needs its backend and lumped coupling."""
+        """Needs its backend installed, and lumped coupling."""
         if problem.coulomb is not None:
             refused = no_polygon(self.sides, problem.coulomb.mu, "gives no bound of friction")
             return refused or super().supports(problem) or missing(self.backend)

@@ -18,13 +18,13 @@ from contact.problem import ContactProblem, ContactSolution
 
 @dataclass(frozen=True)
 class Regularised(NewtonAlgorithm):
-    """The displacement is the only unknown and the set is where g < 0, updated at every Newton iteration.
+    """The displacement is the only unknown; the set is where g < 0, updated at every Newton iteration.
 
-    epsilon [MPa/mm]: stiffness of the foundation, the paper's 1e4; the penetration is p/epsilon. The pressure of an
+    epsilon [MPa/mm]: stiffness of the foundation, 1e4 in the paper; the penetration is p/epsilon. The pressure of an
     iterate comes from its linear step, not from epsilon times a rounded gap: no digit is lost at 1e14.
-    A set that comes back after another one is a cycle: the linearised problem is settled there, see semismooth.
-    On a stiff foundation the rim moves by one row of elements an iteration: their number grows with the mesh
-    (plate-contact: 97 on 64 elements, 1251 on 256, with load cuts); semismooth, lcp and qp do not have that.
+    A set that recurs after a different one is a cycle: the linearised problem is then settled as in semismooth.
+    On a stiff foundation the rim moves by one row of elements per iteration, so the number of iterations grows with the
+    mesh (plate-contact: 97 on 64 elements, 1251 on 256, with load cuts). In semismooth, lcp and qp it does not.
     Source: Grigolyuk et al. (2004), eqs 14-16; Simo, Wriggers, Taylor, Comput. Methods Appl. Mech. Eng. 50 (1985)
     163-180.
     """

@@ -28,21 +28,22 @@ if TYPE_CHECKING:
 class Semismooth(NewtonAlgorithm):
     """A node is in contact when p - c g > 0; one linear step on that set; repeat.
 
-    epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [-], over the stiffness of the candidates per area,
-    only weighs pressure against gap while both are non-zero, that is in the first iteration of a step: after a full
-    step one of them vanishes at every node.
-    settle: the set is updated on the same linearisation until at most this fraction of it changes. At 1 every set gets
-    a linearisation of its own, the textbook's method: far from the solution it chases sets that mean nothing and is
-    lost on fine meshes (tyre 84x80, 20 mm in one step); at 0 it solves each linearised problem to the end.
-    Swapping all violators may cycle, on a symmetric positive definite matrix of three unknowns already (Curtis, Han,
-    Robinson, Comput. Optim. Appl. 60 (2015) 311-341). A set that comes back is answered by solving the linearised
-    problem by principal pivots, finite for every P-matrix, and the history says so.
-    The rim of a beam or plate carries a line force, and like that of a membrane it lets go of one row of elements at a
-    time: what a fraction of the set allows would be one row an iteration, their number that of the elements. After two
-    such steps the set is settled to the end on one linearisation, and iterations do not grow with the mesh (strip,
-    plate and ring of 64 to 1024 elements: within a factor of two). They do at settle = 1, on an indefinite tangent,
-    which is never settled to the end, and in trial-and-error and regularised; not in lcp and qp.
-    max_iterations: those that only release nodes do not count; there are no more of them than candidates.
+    epsilon [MPa/mm]: infinity enforces the constraint exactly.
+    c [-], relative to the stiffness of the candidates per area, weighs pressure against gap. It matters only in the
+    first iteration of a step, while both are non-zero: after a full step one of them vanishes at every node.
+    settle: the set is updated on the same linearisation until at most this fraction of it changes. At 1 every set has
+    its own linearisation, the textbook method: far from the solution it follows meaningless sets and fails on fine
+    meshes (tyre 84x80, 20 mm in one step). At 0 each linearised problem is solved completely.
+    Swapping all violators can cycle, even on a symmetric positive definite matrix of three unknowns (Curtis, Han,
+    Robinson, Comput. Optim. Appl. 60 (2015) 311-341). When a set recurs, the linearised problem is solved by principal
+    pivots, which are finite for every P-matrix, and the history records this.
+    The rim of contact of a beam or plate carries a line force; like the rim of a membrane, it releases one row of
+    elements at a time. A tolerated fraction of the set would allow one row per iteration, and the number of iterations
+    would be that of the elements. After two such steps the set is therefore settled completely on one linearisation,
+    and the number of iterations does not grow with the mesh (strip, plate and ring of 64 to 1024 elements: within a
+    factor of two). It does grow at settle = 1, on an indefinite tangent, which is never settled completely, and in
+    trial-and-error and regularised; not in lcp and qp.
+    max_iterations: iterations that only release nodes do not count; there are at most as many of them as candidates.
     Source: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888.
     """
 

@@ -32,16 +32,16 @@ STATES_CYCLE = "cycle detected: these states were tried {} sets before"
 class TrialAndError(NewtonAlgorithm):
     """Guess a set, solve, release nodes under tension, add nodes that penetrate, repeat.
 
-    epsilon [MPa/mm]: the paper's regularisation, 1e4; infinity enforces exactly.
-    Swapping all violators at once can cycle: on a symmetric positive definite matrix of three unknowns already (Curtis,
-    Han, Robinson, Comput. Optim. Appl. 60 (2015) 311-341). The paper has no answer to that. Ours: at a set seen before,
-    the problem linearised at its equilibrium is solved by principal pivots, and its set is the next guess. With linear
-    mechanics, and a P-matrix, that is the answer; else, where a set comes back again, the first violator alone is
-    swapped (Murty's least index), until one comes back to that, too. The history says so.
-    At the rim of a beam, plate or membrane one row of elements is let go at a time: the number of sets grows with the
-    mesh (plate-contact: 209 iterations on 64 elements, 551 on 256); semismooth, lcp and qp do not have that.
-    max_sets: those that only release nodes do not count; between two others there are no more of them than candidates.
-    naive: with friction, whether nothing answers a cycle.
+    epsilon [MPa/mm]: the regularisation, 1e4 in the paper; infinity enforces the constraint exactly.
+    Swapping all violators at once can cycle, even on a symmetric positive definite matrix of three unknowns (Curtis,
+    Han, Robinson, Comput. Optim. Appl. 60 (2015) 311-341). The paper does not treat this. Here, when a set recurs, the
+    problem linearised at its equilibrium is solved by principal pivots, and its set is the next guess. With linear
+    mechanics and a P-matrix that set is the solution. Otherwise, when a set recurs again, only the first violator is
+    swapped (Murty's least index), until a set recurs a third time. The history records this.
+    At the rim of a beam, plate or membrane one row of elements is released at a time, so the number of sets grows with
+    the mesh (plate-contact: 209 iterations on 64 elements, 551 on 256). In semismooth, lcp and qp it does not.
+    max_sets: sets that only release nodes do not count; between two others there are at most as many as candidates.
+    naive: with friction, whether the first cycle stops the solve.
     Sources: Grigolyuk et al. (2004), eqs 14-16; Murty, Linear Algebra Appl. 5 (1972) 65-108.
     """
 
