@@ -1,4 +1,4 @@
-"""Cantilever under end shear: Sze, Liu, Lo (2004), section 3.1; the exact answer is the inextensible elastica."""
+"""Cantilever under end shear: Sze, Liu, Lo (2004), section 3.1; the exact solution is the inextensible elastica."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -56,7 +56,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 class Cantilever(Declared):
-    """A strip clamped at a1 = 0, sheared at a1 = L."""
+    """A strip clamped at a1 = 0 and sheared at a1 = L."""
 
     name = "cantilever"
     title = "Cantilever under end shear (Sze 3.1)"
@@ -72,7 +72,7 @@ class Cantilever(Declared):
     shell_limit = ShellLimit(BEAM, thickness_over(L, H))
 
     def build(self, request: Request) -> SceneModel:
-        """Half of the shear on each face, shared by the nodes as a uniform edge load."""
+        """Half of the shear acts on each face, distributed to the nodes as a uniform edge load."""
         strip = clamped_strip(request, L, B, Ply.isotropic(E, 0.0, H))
         tip = strip.grid.on_line(0, L)
         return StaticModel.of(request, strip, tip_motion(strip, tip), forces=edge_forces(strip, 0, L, P_MAX))

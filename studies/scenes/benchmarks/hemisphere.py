@@ -56,7 +56,7 @@ class Hemisphere(Declared):
     shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Outward pull at a2 = 0, inward push at a2 = 90 degrees, half on each face."""
+        """Outward force at a2 = 0, inward force at a2 = 90 degrees, half on each face."""
         right = np.pi / 2
         closer = (True,) * 4  # towards the free edges, and the loads on the planes of symmetry
         grid = even_grid(request, (0, right - HOLE), (0, right), closer)

@@ -1,9 +1,10 @@
 """Hyperboloid of one sheet with free ends under p cos 2 phi: it bends without stretching, the hardest test of locking.
 
-The printed reference is a shell of Reissner and Mindlin, which differs from one of two faces by O(t/R): nothing in thin
-shells, 0.4 % at t/R = 0.1, and at t/R = 1, where the waist of one face has half the radius of the middle and that of
-the other three halves, 30 %. Both have one-dimensional solutions (:mod:`studies.scenes.closed_forms`), so what is
-formulation and what is mesh is known. At t/R = 1 the solid, too, is solved: two faces are 3 % off it, Mindlin's 46 %.
+The printed reference is a Reissner-Mindlin shell. It differs from a shell of two faces by O(t/R): negligible in thin
+shells, 0.4 % at t/R = 0.1, and 30 % at t/R = 1, where the waists of the two faces have 1/2 and 3/2 of the radius of the
+middle surface. Both shells have one-dimensional solutions (:mod:`studies.scenes.closed_forms`), which separate the
+error of the formulation from that of the mesh. At t/R = 1 the solid is solved, too: two faces differ from it by 3 %,
+Mindlin's shell by 46 %.
 """
 
 from dataclasses import replace
@@ -97,7 +98,7 @@ class FreeHyperboloid(Declared):
     sheet = Sheet(azimuth=25.0, elevation=22.0)
 
     def build(self, request: Request) -> SceneModel:
-        """p on the area of the middle surface, half on each face, outwards at a2 = 0.
+        """p acts on the area of the middle surface, half on each face, outwards at a2 = 0.
 
         Raises UsageError for a wall too thin for its shear stiffness.
         """

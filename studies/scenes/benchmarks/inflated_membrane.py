@@ -1,14 +1,14 @@
-"""A flat circular membrane of rubber with a fixed edge, blown up by a pressure or a volume (Code_Aster SSNS115).
+"""A flat circular rubber membrane with a fixed edge, inflated by a pressure or a volume (Code_Aster SSNS115).
 
-The wall is a thousandth of the radius; the pressure follows its middle and has a limit point at a deflection of 1.3
-radii and stretches of 2.4. Between two faces a law linear in Green's strain would have to be thinner than nothing from
-a stretch of about 1.5 on, which plane stress alone does not notice. A small hole at the centre, whose edge slides along
-the axis, takes the place of the singular point of the coordinates.
+The thickness is a thousandth of the radius. The pressure follows the middle surface and has a limit point at a
+deflection of 1.3 radii and stretches of 2.4. From a stretch of about 1.5 on, a law linear in Green's strain would
+require a negative thickness between two faces; plane stress alone does not show this. A small hole at the centre, whose
+edge slides along the axis, replaces the singular point of the coordinates.
 
-Beyond the limit point the pressure falls while the membrane takes in more. There the states are stable that a given
-volume, as of a liquid, fills: with control=volume the pressure is unknown, see :mod:`contact.control`. Up to a
-deflection of 2.5 radii the wall thins to a fortieth. From 1.5 radii on elements at the hole have motions of their own,
-and the word on stability is that it was not counted.
+Beyond the limit point the pressure falls while the volume grows. The states there are stable when the volume is given,
+as for a liquid: with control=volume the pressure is unknown, see :mod:`contact.control`. Up to a deflection of 2.5
+radii the wall thins to a fortieth. From 1.5 radii on, elements at the hole have local modes, and the stability is
+reported as not counted.
 """
 
 from collections.abc import Iterator
@@ -63,7 +63,7 @@ class Membrane(Declared):
     quantities = {"w_centre_mm": "deflection at the centre", "pressure_MPa": "pressure inside"}
 
     def build(self, request: Request) -> SceneModel:
-        """Pressure on the middle surface, as that of a membrane."""
+        """Pressure acts on the middle surface, as on a membrane."""
         if request.settings["law"] == "svk":
             raise UsageError("law = svk: a wall stretched to twice its size would have a negative thickness")
         wall = Laminate.single(Ply.isotropic(E, NU, THICKNESS))

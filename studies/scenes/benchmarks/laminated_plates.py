@@ -37,13 +37,13 @@ def _of_strip() -> tuple[Reference, ...]:
 class LaminatedStrip(Declared):
     """NAFEMS R0031/1: a strip of seven cross-plies [0/90/0/90/0/90/0] in three-point bending.
 
-    The printed values are those of a beam of layers: M E h/(2 D), T S/D and P L^3/(48 D) with the shear's part, of the
-    moduli along the strip alone. They are met to their last digit with a span of 30 mm, plies of 0.1 mm and one of 0.4
-    mm in the middle, and 10 N/mm across the strip. In elasticity the line load on the upper face is felt below, too:
-    there the stress is 2.4 % larger, in a wall of two faces 1 %. Between sides that do not move across the strip it is
-    in plane strain, and a series gives all. The ends that hang over the supports carry nothing and are left out.
+    The printed values are those of a layered beam, M E h/(2 D), T S/D and P L^3/(48 D) plus the part of shear, with the
+    moduli along the strip alone. They are reproduced to the last digit with a span of 30 mm, plies of 0.1 mm with one
+    of 0.4 mm in the middle, and 10 N/mm across the strip. In elasticity the line load on the upper face raises the
+    stress below it on the lower face by 2.4 %, in a wall of two faces by 1 %. Between sides fixed across the strip,
+    plane strain holds, and a series gives all quantities. The ends beyond the supports carry nothing and are left out.
 
-    A quarter: a1 from a support to the load, a2 from the middle of the strip to a side; the load pushes along -z.
+    A quarter: a1 from a support to the load, a2 from the middle of the strip to a side; the load acts along -z.
     """
 
     name = "laminated-strip"
@@ -64,7 +64,7 @@ class LaminatedStrip(Declared):
     }
 
     def build(self, request: Request) -> SceneModel:
-        """The support holds the whole wall, the load is on the upper face."""
+        """The support holds the whole wall; the load is on the upper face."""
         if request.mesh[0] < 2:
             raise UsageError(f"mesh {request.mesh_text} must have at least 2 elements along the strip")
         laminate = Laminate(PLIES, -0.5 * sum(THICKNESSES))
@@ -117,14 +117,14 @@ def _of_sandwich() -> tuple[Reference, ...]:
 class SandwichPlate(Declared):
     """NAFEMS R0031/3: a simply supported sandwich plate under uniform pressure; lengths in inches and stresses in psi.
 
-    They are read as mm and MPa. The printed values are those of the theory of sandwiches, whose faces are membranes:
-    they belong into the middle of the lower face, its shear to the middle of the quarter, as a vendor says; at its
-    outer side elasticity has 5 % more. The core has no stiffness in its plane but for 1e-6 of that of the faces,
-    without which it is not a material, and along the normal that of the faces, ten times which changes the deflection
-    by 2e-6 and stresses by less: the printed values neglect how much it gets thinner. Two faces have one shear strain
-    for the soft core and the stiff faces: they are too stiff by far.
+    They are read as mm and MPa. The printed values are those of sandwich theory, whose faces are membranes. They apply
+    in the middle of the lower face, the shear stress at the middle of the quarter, according to a vendor; at the outer
+    side of the face elasticity gives 5 % more. In its plane the core has only 1e-6 of the stiffness of the faces,
+    because a material needs some. Along the normal it has that of the faces, since the printed values neglect its
+    change of thickness; ten times as much changes the deflection by 2e-6 and the stresses by less. Two faces have one
+    shear strain for the soft core and the stiff faces, and are far too stiff.
 
-    A quarter: a1 = x and a2 = y from the supports to the middle; the pressure pushes on the outer face along -z.
+    A quarter: a1 = x and a2 = y from the supports to the middle; the pressure acts on the outer face along -z.
     """
 
     name = "sandwich-plate"
@@ -140,7 +140,7 @@ class SandwichPlate(Declared):
     }
 
     def build(self, request: Request) -> SceneModel:
-        """The supports hold the edge's own plane."""
+        """The supports hold the displacements in the plane of the edge."""
         laminate = Laminate((FACE, CORE, FACE), -FACE.thickness - CORE.thickness / 2)
         edges = ("hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
         quarter = patch(request, Plate(), (0.0, SIDE / 2), (0.0, SIDE / 2), laminate, edges)

@@ -1,4 +1,4 @@
-"""Cylinders of layers under inner pressure, judged by elasticity: a cross-ply one in waves, and a wrapped thick one."""
+"""Layered cylinders under inner pressure against elasticity: a cross-ply one in waves, and a thick wrapped one."""
 
 from collections.abc import Mapping
 
@@ -39,13 +39,13 @@ def _normalised(S: float, p0: float, w: float, *stresses: float) -> dict[str, fl
 class LaminatedCylinder(Declared):
     """Varadan and Bhaskar's cross-ply cylinder [90/0/90], simply supported, under sinusoidal pressure inside.
 
-    The reference is three-dimensional and holds for every ratio S = R/h of radius to thickness: layer by layer,
-    equations with the curvature of the place, see :func:`studies.scenes.closed_forms.elasticity.through_wall`. Their
-    printed deflections, recalled, are these to the last digit. As for Pagano's plate two faces are too stiff where
-    shear counts. Three surfaces a ply are enough from S = 10 on; at S = 2 four leave 0.4 % of the deflection and 4 % of
-    the stresses.
+    The reference is three-dimensional and valid for every ratio S = R/h of radius to thickness. The equations are
+    solved layer by layer with the local curvature, see :func:`studies.scenes.closed_forms.elasticity.through_wall`.
+    They agree with the printed deflections (recalled) to the last digit. As for Pagano's plate, two faces are too stiff
+    where shear counts. Three surfaces per ply suffice from S = 10 on; at S = 2, with four, errors of 0.4 % in the
+    deflection and 4 % in the stresses remain.
 
-    An eighth of a wave: a1 = x from a support to the middle, a2 from a line at rest to a crest.
+    An eighth of a wave: a1 = x from a support to the middle, a2 from a nodal line to a crest.
     """
 
     name = "laminated-cylinder"
@@ -68,7 +68,7 @@ class LaminatedCylinder(Declared):
     }
 
     def build(self, request: Request) -> SceneModel:
-        """p0 sin(pi x/L) sin(4 theta) on the true inner face; nothing moves in the planes of the ends."""
+        """p0 sin(pi x/L) sin(4 theta) acts on the true inner face; the ends cannot move in their planes."""
         S = request.number("S")
         R, laminate = S * H, Laminate(PLIES, -H / 2)
         ends = (0.0, LENGTH * R / 2), (0.0, np.pi / (2 * WAVES))
@@ -140,11 +140,11 @@ class WrappedCylinder(Declared):
     """NAFEMS R0031/2: a thick cylinder wrapped with hoop windings, under inner pressure; Lamé's solution for its
     layers.
 
-    A metal liner from 23 to 25 mm, windings from 25 to 27 mm whose fibres run around; 200 MPa inside. Layers without
-    stress along the axis, those of a slice, have 1564.5, 1429.0, 880.5 and 756.3 MPa of hoop stress from inside to
-    outside; the benchmark prints 1565.3, 1429.7, 874.7 and 759.1. Between fixed ends a long cylinder has no strain
-    along the axis instead. Both are of small displacements: at 200 MPa measures of large ones differ by up to 1.2 %.
-    Nothing varies around or along: all that a shell can miss is the wall.
+    A metal liner reaches from 23 to 25 mm, windings with hoop fibres from 25 to 27 mm; the pressure inside is 200 MPa.
+    In a slice, whose layers have no axial stress, the hoop stresses from inside to outside are 1564.5, 1429.0, 880.5
+    and 756.3 MPa; the benchmark prints 1565.3, 1429.7, 874.7 and 759.1. A long cylinder between fixed ends has no axial
+    strain instead. Both solutions are for small displacements: at 200 MPa measures of large ones differ by up to 1.2 %.
+    Nothing varies around or along, so a shell can err only in the variation through the wall.
 
     A sector of a slice; a1 along the axis.
     """
@@ -162,7 +162,7 @@ class WrappedCylinder(Declared):
     quantities = HOOP
 
     def build(self, request: Request) -> SceneModel:
-        """Pressure on the true inner face."""
+        """The pressure acts on the true inner face."""
         laminate = Laminate((LINER, WINDINGS), INNER - BETWEEN)
         end = "free" if request.choice("ends") == "free" else "symmetric"
         span = (0.0, ENDS[request.choice("ends")])

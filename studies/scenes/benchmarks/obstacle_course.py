@@ -1,4 +1,4 @@
-"""Two of the obstacle course of linear shells: the pinched cylinder and the Scordelis-Lo roof."""
+"""Two linear benchmarks of the shell obstacle course: the pinched cylinder and the Scordelis-Lo roof."""
 
 from collections.abc import Mapping
 
@@ -16,12 +16,12 @@ AT: Mapping[str, float | str] = {"load_fraction": 1.0, "measure": "linear"}
 
 
 class PinchedCylinder(Declared):
-    """Pinched cylinder with end diaphragms: the classic linear test of bending without extension under point loads.
+    """Pinched cylinder with end diaphragms: the classic linear test of inextensional bending under point loads.
 
-    The reference is a thin-shell (Kirchhoff) value, 164.24 P/(E t). A shell with transverse shear has no limit to
-    compare with it: a point load sinks in by P/(2 pi G t) for every e-fold of mesh refinement (the shear force around
-    it is P/(2 pi r)), which is 0.25 % of the reference. With ``shear_correction`` 1000 the shell is one of Kirchhoff
-    and has one.
+    The reference is a thin-shell (Kirchhoff) value, 164.24 P/(E t). A shell with transverse shear has no limit: the
+    deflection under a point load grows by P/(2 pi G t) for every e-fold of mesh refinement (the shear force around it
+    is P/(2 pi r)), which is 0.25 % of the reference. With ``shear_correction`` 1000 the shell is a Kirchhoff shell and
+    has a limit.
 
     An eighth: a1 from the loaded section to the diaphragm, a2 from the force over 90 degrees.
     """
@@ -41,7 +41,7 @@ class PinchedCylinder(Declared):
     shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Three symmetry planes and a diaphragm; half of the force on each face."""
+        """Three symmetry planes and a diaphragm; half of the force acts on each face."""
         laminate = centred_laminate(request, Ply.isotropic(self.E, self.NU, self.H))
         edges = ("symmetric", "hard-diaphragm", "symmetric", "symmetric")
         eighth = patch(request, cylinder(self.RADIUS), (0, self.LENGTH / 2), (0, np.pi / 2), laminate, edges)
@@ -60,9 +60,9 @@ REFERENCES = (
 class ScordelisLo(Declared):
     """Scordelis-Lo roof: a cylindrical roof on two diaphragms under its weight.
 
-    References are as transcribed in public codes: none of the printed pages was seen. 0.3024 is the value that MacNeal
-    and Harder proposed for normalising; 0.30202 is Krysl and Chen's for flat facets; 0.3006 is that of a Kirchhoff-Love
-    isogeometric code, in which the whole equations are solved to convergence.
+    References are as transcribed in public codes; the printed pages were not seen. MacNeal and Harder proposed 0.3024
+    for normalising; 0.30202 is Krysl and Chen's for flat facets; 0.3006 is that of a Kirchhoff-Love isogeometric code,
+    which solves the complete equations to convergence.
 
     A quarter: a1 from a diaphragm to the middle, a2 from the crown (the Cartesian x axis points up) to the edge.
     """
@@ -82,7 +82,7 @@ class ScordelisLo(Declared):
     shell_limit = ShellLimit(ROOF, thickness_over(RADIUS, H))
 
     def build(self, request: Request) -> SceneModel:
-        """The diaphragm holds the motion in its plane, half of the weight is on each face."""
+        """The diaphragm holds the displacements in its plane; half of the weight acts on each face."""
         laminate = centred_laminate(request, Ply.isotropic(self.E, 0.0, self.H))
         edges = ("hard-diaphragm", "symmetric", "symmetric", "free")
         quarter = patch(request, cylinder(self.RADIUS), (0, self.LENGTH / 2), (0, self.HALF_ANGLE), laminate, edges)

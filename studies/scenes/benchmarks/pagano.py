@@ -1,10 +1,11 @@
 """Pagano's cross-ply plate [0/90/0], simply supported, under a sinusoidal pressure: the elasticity solution.
 
-The reference is three-dimensional and holds for every span-to-thickness ratio S = a/h. A shell of two faces has one
-director and no shear correction: its shear strain is constant through plies whose shear moduli differ by 2.5, so it is
-stiffer than the plate, and the more so the thicker the plate. Stresses: sigma_x from strain and S33 of the section's
-law, the transverse shears from the equilibrium of each ply, since a constant shear strain carries no local shear
-stress. With surfaces inside the wall all are those of the law, the shears by equilibrium as well.
+The reference is three-dimensional and valid for every span-to-thickness ratio S = a/h. A shell of two faces has one
+director and no shear correction. Its shear strain is constant through plies whose shear moduli differ by a factor of
+2.5, so it is stiffer than the plate, the more so the thicker the plate. sigma_x follows from the strain and S33 of the
+section's law, the transverse shear stresses from the equilibrium of each ply, since a constant shear strain carries no
+local shear stress. With surfaces inside the wall all stresses follow from the law; the shear stresses are also given by
+equilibrium.
 """
 
 import numpy as np
@@ -58,7 +59,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 class Pagano(Declared):
-    """A quarter: a1 = x in [0, a/2], a2 = y in [0, b/2]; the pressure pushes on the outer face along +z."""
+    """A quarter: a1 = x in [0, a/2], a2 = y in [0, b/2]; the pressure acts on the outer face along +z."""
 
     name = "pagano"
     title = "Simply supported cross-ply plate under a sinusoidal pressure (Pagano 1970)"
@@ -85,9 +86,10 @@ class Pagano(Declared):
     shell_limit = ShellLimit("cross-ply plate", lambda settings: 1 / settings.number("S"))
 
     def build(self, request: Request) -> SceneModel:
-        """q0 sin(pi x/a) sin(pi y/b) on the outer face; nothing moves in the planes x = 0 and y = 0.
+        """q0 sin(pi x/a) sin(pi y/b) acts on the outer face; the edges x = 0 and y = 0 cannot move in their planes.
 
-        Between two faces these hold the middle of the wall. Raises UsageError for moved nodes and surfaces inside it.
+        A wall of two faces is held there at its middle surface. Raises UsageError for moved nodes with surfaces inside
+        it.
         """
         S = request.number("S")
         a, b = S * H, request.number("aspect") * S * H

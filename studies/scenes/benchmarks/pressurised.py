@@ -1,16 +1,16 @@
-"""Thin shells under pressure against closed forms: cylinder, sphere, and the resultants of a torus.
+"""Thin shells under pressure against closed forms: cylinder, sphere, and the stress resultants of a torus.
 
-Cylinder and sphere: membranes of St. Venant-Kirchhoff material (plane stress) under a pressure that follows, stretch
-lam = deformed over reference radius. Virtual work gives::
+Cylinder and sphere are membranes of St. Venant-Kirchhoff material (plane stress) under a follower pressure; the stretch
+lam is the deformed over the reference radius. Virtual work gives::
 
     sphere                     p R/(E h) = (lam - 1/lam)/(1 - nu)
     cylinder of fixed length   p R/(E h) = (lam^2 - 1)/(2 (1 - nu^2))
     cylinder with open ends    p R/(E h) = (lam^2 - 1)/(2 sqrt(1 - nu (lam^2 - 1)))
 
 Torus (linear): N_phi = p r (2 R + r sin phi)/(2 (R + r sin phi)), N_theta = p r/2 with phi from the crown. The
-displacement of that membrane theory is singular at the crown, so it is compared by its resultants.
-Sources: the first three derived here; the torus e.g. Timoshenko, Woinowsky-Krieger, Theory of Plates and Shells (1959),
-section 108.
+displacement of this membrane theory is singular at the crown, so the resultants are compared.
+Sources: the first three are derived here; for the torus e.g. Timoshenko, Woinowsky-Krieger, Theory of Plates and Shells
+(1959), section 108.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -130,7 +130,7 @@ class PressurisedCylinder(Declared):
     shell_limit = ShellLimit("inflated tube", thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
-        """Length of half a radius."""
+        """The length is half a radius."""
         if request.choice("ends") == "open":
             end, load = "free", open_cylinder_load
         else:
@@ -140,7 +140,7 @@ class PressurisedCylinder(Declared):
 
 
 class PressurisedSphere(Declared):
-    """A piece from the equator up, 30 by 30 degrees; the motion is radial, so every edge slides in its cone."""
+    """A piece from the equator up, 30 by 30 degrees; the motion is radial, so each edge slides in its cone."""
 
     name = "pressurised-sphere"
     title = "Sphere under follower pressure (St. Venant-Kirchhoff membrane)"
@@ -153,7 +153,7 @@ class PressurisedSphere(Declared):
     shell_limit = ShellLimit("inflated sphere", thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
-        """No rigid motion is left."""
+        """The supports leave no rigid motion."""
         return _inflated(request, sphere(RADIUS), SECTOR, ALL_SYMMETRIC, sphere_load(LARGEST))
 
 
@@ -186,7 +186,7 @@ def _named(place: str, resultants: Sequence[float] | np.ndarray) -> dict[str, fl
 
 
 class PressurisedTorus(Declared):
-    """Half a meridian, outer to inner equator, over a sector of 10 degrees; four symmetry planes."""
+    """Half a meridian, from the outer to the inner equator, over a sector of 10 degrees; four symmetry planes."""
 
     name = "pressurised-torus"
     title = "Torus under pressure (linear membrane resultants)"
@@ -211,7 +211,9 @@ class PressurisedTorus(Declared):
     shell_limit = ShellLimit("inflated torus", thickness_over(TUBE, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
-        """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""
+        """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node at the
+        crown.
+        """
         n1, n2 = request.mesh
         if n1 % 2 or n1 < 4:
             raise UsageError(f"mesh {n1}x{n2}: the first number must be even and at least 4")

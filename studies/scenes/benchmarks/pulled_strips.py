@@ -1,4 +1,4 @@
-"""Strips clamped at one end and pulled at the other: a twisted beam, a hook, a slender one on distorted elements."""
+"""Strips clamped at one end and loaded at the other: a twisted beam, a hook, a slender beam on distorted elements."""
 
 from collections.abc import Mapping
 
@@ -29,20 +29,20 @@ def twisted(s: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 class TwistedBeam(OnQuads):
-    """Twisted beam of MacNeal and Harder: a strip clamped at one end and turned by 90 degrees, with a force at the
-    other.
+    """Twisted beam of MacNeal and Harder: a strip clamped at one end, twisted by 90 degrees, with a force at the other.
 
-    The targets 0.005424 and 0.001754 are those of beams, whose sections are rectangles: solids have 0.99990 and 1.0001
-    of them. A shell has its thickness along its normals, which lean by 4 degrees at the edges, so that its sections are
-    thicker there: solids of its shape have 0.9977 and 0.9982, in plane and out of it. The limits here are 0.9975 and
-    0.9964; a shear correction of 5/6 adds 0.0003, and 0.0017 of bending across the width is what the slender beam loses
-    to straight fibres, too. Shells of h = 0.32 mm differ by 0.5 % among themselves. The limits of the thin strip here
-    are 0.0052499 and 0.0012926; the usual targets, 0.005256 and 0.001294, are 0.12 and 0.11 % off them. Out of plane
-    the limit of S4 is 0.2 % higher than this one, of which a force on the middle node alone explains 0.04 %; the shells
-    of another program (Kratos' thick quadrilaterals) under the forces of this scene agree to 0.03 % on 96x16. Source:
-    MacNeal, Harder, Finite Elem. Anal. Des. 1 (1985) 3-20.
+    The targets 0.005424 and 0.001754 are those of beams with rectangular sections; solids give 0.99990 and 1.0001 of
+    them. A shell has its thickness along its normals, which lean by 4 degrees at the edges, so its sections are thicker
+    there: solids of this shape give 0.9977 in plane and 0.9982 out of it. The limits here are 0.9975 and 0.9964. A
+    shear correction of 5/6 adds 0.0003; straight fibres cost 0.0017 of the bending across the width, as in the slender
+    beam. Shells of h = 0.32 mm differ by 0.5 % among themselves. The limits of the thin strip here are 0.0052499 and
+    0.0012926; the usual targets, 0.005256 and 0.001294, differ by 0.12 and 0.11 %. Out of plane the limit of S4 is 0.2
+    % above this one; a force on the middle node alone explains 0.04 % of that. The shells of another program (Kratos'
+    thick quadrilaterals) under the forces of this scene agree to 0.03 % on 96x16. Source: MacNeal, Harder, Finite Elem.
+    Anal. Des. 1 (1985) 3-20.
 
-    s along x from the clamp to the loaded end, t across. The force is (h/0.32 mm)^3 N, so that all deflect alike.
+    s along x from the clamp to the loaded end, t across. The force is (h/0.32 mm)^3 N, so the deflection is about the
+    same for all thicknesses.
 
     At h = 0.0032 mm the rounding of the forces, E A u eps/h, is 0.006 of that load: a single linear solve has three
     digits, the iterations of a solve have nine.
@@ -67,7 +67,7 @@ class TwistedBeam(OnQuads):
     sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """The force is spread over the end, half on each face."""
+        """The force is distributed over the end, half on each face."""
         h, axis = request.number("h_mm"), LOADS[request.choice("load")]
         wall = centred_laminate(request, Ply.isotropic(self.E, self.NU, h))
         return pulled_strip(request, twisted, wall, axis, (h / THICK) ** 3)
@@ -95,14 +95,15 @@ class RaaschHook(OnQuads):
     """Raasch's hook: a thick curved strip of two arcs of opposite curvature, clamped at one end, sheared at the other.
 
     It bends, twists and shears across the wall at once; shells whose drilling rotation is coupled to the twist do not
-    converge. With nu = 0.35; values for 0.3 are in use, too. The limit here is 0.992 of the solids', with a shear
-    correction of 5/6 it is 0.998: a strip in torsion shears across its wall in layers along its edges, h/sqrt(12 kappa)
-    wide, which take 2 h/(b sqrt(12 kappa)) of its stiffness, with 5/6 as much as in a solid. Elements that are wider
-    than the layers are too stiff by the first order of their width, 0.970 on 56x8; lines=edges has 0.987 there. Source:
-    Knight, AIAA J. 35 (1997) 1281-1285; 5.022 by solids of 20 nodes and 5.02 by another program are as read in
-    FinEtoolsFlexStructures.
+    converge. nu = 0.35 here; values for 0.3 are also in use. The limit here is 0.992 of that of solids, with a shear
+    correction of 5/6 it is 0.998. A strip in torsion shears across its wall in layers along its edges, h/sqrt(12 kappa)
+    wide. They reduce its stiffness by the fraction 2 h/(b sqrt(12 kappa)), with 5/6 as much as in a solid. Elements
+    wider than these layers are too stiff, to first order in their width: 0.970 on 56x8, and 0.987 there with
+    lines=edges. Source: Knight, AIAA J. 35 (1997) 1281-1285; 5.022 by solids of 20 nodes and 5.02 by another program
+    are as read in FinEtoolsFlexStructures.
 
-    s from the clamp along both arcs by their angle, t along z; 7 elements, or a multiple, meet where arcs do.
+    s from the clamp along both arcs by their angle, t along z; with 7 elements, or a multiple, a grid line lies where
+    the arcs meet.
     """
 
     E, NU, H, WIDTH = 3300.0, 0.35, 2.0, 20.0  # MPa, -, mm, mm
@@ -117,7 +118,7 @@ class RaaschHook(OnQuads):
     sheet = Sheet(azimuth=-60.0, elevation=35.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """The force is spread over the end, half on each face."""
+        """The force is distributed over the end, half on each face."""
         wall = centred_laminate(request, Ply.isotropic(self.E, self.NU, self.H))
         return pulled_strip(request, hook, wall, 2, FORCE)
 
@@ -155,17 +156,18 @@ def strip(shape: str) -> Map:
 
 
 class SlenderBeam(OnQuads):
-    """Slender cantilever of MacNeal and Harder on six rectangles, trapezoids or parallelograms, with angles of 45
-    degrees.
+    """Slender cantilever of MacNeal and Harder on six rectangles, or trapezoids or parallelograms with 45 degree
+    angles.
 
-    No four-noded element can pass the patch test and bend in its plane without locking once it is a trapezoid (MacNeal,
-    IJNME 24 (1987) 1793-1799): on six of them it takes a part of the load in plane only. Values are Timoshenko's beam.
-    In plane the limit is 0.9909 of it. Poisson's ratio makes the wall thinner where it is stretched, so that its faces
-    lean across the beam. In a solid fibres across the wall bend with them; straight ones leave shears of nu M h/(2 E I)
-    at the faces, and nu^2 G (h/b)^2/(E + (1 - nu^2) G (h/b)^2) = 0.0080 of the flexibility goes. A solid has 0.9984:
-    the clamp. Source: MacNeal, Harder, Finite Elem. Anal. Des. 1 (1985) 3-20.
+    No trapezoidal element of four nodes can both pass the patch test and bend in its plane without locking (MacNeal,
+    IJNME 24 (1987) 1793-1799): six of them give only a part of the in-plane deflection. Values are those of
+    Timoshenko's beam. In plane the limit is 0.9909 of it. By Poisson's ratio the wall is thinner where it is stretched,
+    so its faces lean across the beam. In a solid, fibres across the wall bend with them; straight fibres leave shear
+    strains of nu M h/(2 E I) at the faces, which remove nu^2 G (h/b)^2/(E + (1 - nu^2) G (h/b)^2) = 0.0080 of the
+    flexibility. A solid has 0.9984, because of the clamp. Source: MacNeal, Harder, Finite Elem. Anal. Des. 1 (1985)
+    3-20.
 
-    s from the clamp along x, t along y; finer meshes of 6 k elements cut the six into parts.
+    s from the clamp along x, t along y; finer meshes of 6 k elements divide the six.
     """
 
     name = "slender-beam"
@@ -185,7 +187,7 @@ class SlenderBeam(OnQuads):
     sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """The force is spread over the end, half on each face."""
+        """The force is distributed over the end, half on each face."""
         axis = ALONG[request.choice("load")]
         wall = centred_laminate(request, Ply.isotropic(E, NU, H))
         return pulled_strip(request, strip(request.choice("shape")), wall, axis, 1.0)

@@ -33,10 +33,10 @@ def _supports(free: Supports, square: Grid) -> Supports:
 class MorleySkewPlate(OnQuads):
     """Morley's skew plate: a rhombus with angles of 30 and 150 degrees, simply supported, under a uniform pressure.
 
-    The moments are singular at the obtuse corners, so that all elements converge slowly. Morley's series for the thin
-    plate is quoted with 0.408 of 1000 D w/(p a^4). The edges here hold the deflection alone, and a plate with shear
-    then deflects more, by about (h/a)^0.42: 4.0 % at a/h = 100, 1.5 % at 1000, where no shell of this support can meet
-    0.408. Source: Morley, Skew plates and structures (1963), whose pages were not seen.
+    The moments are singular at the obtuse corners, so all elements converge slowly. Morley's series for the thin plate
+    is quoted with 0.408 for 1000 D w/(p a^4). The edges here hold only the deflection, and a plate with shear then
+    deflects more, by about (h/a)^0.42: 4.0 % at a/h = 100, 1.5 % at 1000. No shell with this support can reach 0.408
+    there. Source: Morley, Skew plates and structures (1963), whose pages were not seen.
 
     The whole rhombus: s along x, t at 30 degrees to it.
     """
@@ -56,7 +56,7 @@ class MorleySkewPlate(OnQuads):
     sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Half of the pressure on each face, so small that the deflection is 1/1000 of the thickness.
+        """Half of the pressure acts on each face; it is so small that the deflection is 1/1000 of the thickness.
 
         Raises UsageError for odd numbers of elements, which have no node in the middle.
         """
@@ -107,9 +107,9 @@ def _clamped(free: Supports, square: Grid) -> Supports:
 class Hypar(OnQuads):
     """Hyperbolic paraboloid z = x^2 - y^2 over a square, clamped along one edge, under its weight: it bends and locks.
 
-    The thinner, the more of the energy is bending; nothing but inextensional bending is left in the end. Values are
-    those of elements of order four, as read in FinEtoolsFlexStructures, in m and Pa there: all consistent units are
-    alike. Source: Bathe, Iosilevich, Chapelle, Comput. Struct. 75 (2000) 1-30, table 2.
+    The thinner the shell, the larger the share of bending in its energy; the limit is purely inextensional bending. The
+    values are those of elements of order four, as read in FinEtoolsFlexStructures, given there in m and Pa; any
+    consistent units are equivalent. Source: Bathe, Iosilevich, Chapelle, Comput. Struct. 75 (2000) 1-30, table 2.
 
     The half y >= 0 with a plane of symmetry at y = 0: s along x from the clamp, t along y.
     """
@@ -131,7 +131,7 @@ class Hypar(OnQuads):
     sheet = Sheet(azimuth=-60.0, elevation=30.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """The weight on the area of the middle surface, half on each face."""
+        """The weight acts on the area of the middle surface, half on each face."""
         h = request.number("t_over_L") * self.SIDE
         shell = MappedShell.of(
             request,

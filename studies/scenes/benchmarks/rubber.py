@@ -1,4 +1,4 @@
-"""Rubber at large strains: blown up, and pinched."""
+"""Rubber at large strains: inflated, and pinched."""
 
 from __future__ import annotations
 
@@ -46,14 +46,15 @@ def _of_incompressible(*, of_sphere: bool) -> tuple[Reference, ...]:
 
 @dataclass(frozen=True)
 class Rubber:
-    """Thick rubber blown up, a tube of fixed length and a sphere, against closed forms for an incompressible wall.
+    """Thick rubber inflated, a tube of fixed length and a sphere, against closed forms for an incompressible wall.
 
-    The inner face is moved outwards, and the pressure is read off the reactions: under a given pressure most of them
-    have a limit point on the way. A wall that is compressible differs from the closed form by about mu/K; with nu =
-    0.4999 that is 2e-4. Nothing varies along the surface: what a shell can miss is the wall, which a stretch of 2 thins
-    to a third. Three surfaces are within 0.1 % at h/R = 0.3 and 1 % at 0.6; at h/R = 1 five are within 0.2 %.
+    The inner face is moved outwards and the pressure is read from the reactions, because under a given pressure most
+    cases have a limit point on the way. A compressible wall differs from the closed form by about mu/K, which is 2e-4
+    with nu = 0.4999. Nothing varies along the surface, so a shell can err only in the variation through the wall, which
+    a stretch of 2 thins to a third. Three surfaces are within 0.1 % at h/R = 0.3 and 1 % at 0.6; at h/R = 1 five are
+    within 0.2 %.
 
-    A sector whose edges slide in their planes and cones, its inner face moved along the normal.
+    A sector whose edges slide in their planes and cones; its inner face moves along the normal.
     """
 
     name: str
@@ -75,7 +76,7 @@ class Rubber:
         return {"pressure_MPa": "pressure on the deformed inner face", "thinning": "relative loss of thickness"}
 
     def build(self, request: Request) -> SceneModel:
-        """By displacements alone; raises UsageError where the linear law leaves nothing of a wall."""
+        """Only displacements are given; raises UsageError where the linear law gives the wall no thickness."""
         self._check(request)
         h = RADIUS * request.number("h_over_R")
         ply = Ply.isotropic(2 * MU * (1 + request.number("nu")), request.number("nu"), h)
@@ -162,15 +163,15 @@ class PinchedRubber(Declared):
 
     Radius 90, length 300, thickness 20 or 2 mm, mu = 6e4 and lam = 2.4e5 MPa, both ends free: the problem of Büchter,
     Ramm and Roehl (1994) and of Reese, Wriggers and Reddy (2000), who hold the line opposite to the load (recalled; the
-    data are those of public programs). Here both lines carry the same load, half of it on each face, and planes of
-    symmetry keep the cylinder. At the unit of the load the thick one is 146 mm lower; it goes with the cube of the
-    thickness, as bending does. At 160 mm the inner faces of the thick one meet; the thin one is that low at 35 kN, as
-    in print (recalled).
+    data are those of public programs). Here both lines carry the same load, half of it on each face, and the cylinder
+    is symmetric about both planes. At load fraction 1 the loaded line of the thick cylinder is 146 mm lower. That load
+    is proportional to the cube of the thickness, as in bending. At 160 mm the inner faces of the thick one meet; the
+    thin one reaches 160 mm at 35 kN, as in print (recalled).
 
-    Under a line load a solid has no limit: it sinks in by the logarithm of the size of its elements. The middle of the
-    wall does not, and is what is read. In the limit of the meshes three surfaces leave the thick wall within 3 % of the
-    solid, five within 0.3 %. Elements much longer than wide have modes of their own on the face that is compressed: the
-    default mesh is of squares.
+    Under a line load the deflection of a solid has no limit: it grows with the logarithm of the element size. The
+    middle of the wall has a limit and is read. In the limit of the meshes three surfaces are within 3 % of the solid
+    for the thick wall, five within 0.3 %. Elements much longer than wide have local modes on the compressed face, so
+    the default mesh has squares.
 
     An eighth: a1 from mid-length to the free end, a2 from the load to the side.
     """
@@ -194,7 +195,7 @@ class PinchedRubber(Declared):
     }
 
     def build(self, request: Request) -> SceneModel:
-        """A quarter of the force on the line in the plane of symmetry, half of it on each face."""
+        """A quarter of the force acts on the line in the plane of symmetry, half of it on each face."""
         h, side = request.number("h_mm"), np.pi / 2
         laminate = Laminate.single(Ply.isotropic(self.E, self.NU, h))
         edges = ("symmetric", "free", "symmetric", "symmetric")

@@ -1,12 +1,13 @@
 """Clamped shallow spherical cap under uniform pressure: snap-through at a published load.
 
 The coordinates are singular at the apex, so a small hole is left there. Its edge is held as by a rigid plug, which also
-carries the pressure on the hole: nothing moves along the meridian. What the hole costs is measured in the tests: at
-lam = 4 a tenth of the radius raises the snap pressure by 2.7 %, half of it by 0.8 %, 0.01 of it by less than 0.1 %.
+carries the pressure on the hole: it cannot move along the meridian. The tests measure the effect of the hole: at lam =
+4 a hole of 0.1 of the radius raises the snap pressure by 2.7 %, one of 0.05 by 0.8 %, and one of 0.01 by less than 0.1
+%.
 
-The cap is as shallow as a/R = 0.05, so that the shallow equations judge it
+With a/R = 0.05 the cap is so shallow that the shallow-shell equations apply
 (:mod:`studies.scenes.closed_forms.marguerre_cap`). They give 0.5637 of the classical pressure at lam = 4, Teng and
-Rotter's finite rotations 0.563; Budiansky's 0.578 of 1959 is 2.5 % more. Beyond lam = 5.5 a real cap buckles without
+Rotter's finite rotations 0.563; Budiansky's 0.578 of 1959 is 2.5 % higher. Beyond lam = 5.5 a real cap buckles without
 symmetry, which a quarter with few elements around cannot show.
 """
 
@@ -73,7 +74,7 @@ class ShallowSphericalCap(Declared):
     )
 
     def build(self, request: Request) -> SceneModel:
-        """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""
+        """Dead pressure acts along the normals, half on each face; load fraction 1 is the classical pressure."""
         h, hole = thickness(request.number("shallowness")), BASE * request.number("hole")
         base, rim = (float(np.arccos(r / RADIUS)) for r in (BASE, hole))
         surface, laminate = sphere(RADIUS), Laminate.single(Ply.isotropic(E, NU, h))

@@ -1,4 +1,4 @@
-"""Shells of Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, that snap: their curves are traced by arc length."""
+"""Shells of Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, that snap; arc length traces their curves."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -58,7 +58,7 @@ def published_limit(table: np.ndarray) -> tuple[float, float]:
 class Roof:
     """Hinged cylindrical roof under a central point load, section 3.8.
 
-    The load passes two or four limit points, the displacement may turn back.
+    The load passes two or four limit points, and the displacement may turn back.
 
     A quarter with two symmetry planes; the straight edges are hinged at the middle surface, the curved ones free.
 
@@ -164,8 +164,8 @@ def _with_even(published: tuple[Reference, ...], rise: float) -> tuple[Reference
 class PullOut(Declared):
     """Open cylinder pulled apart by two radial point forces: Sze, Liu, Lo (2004), section 3.5.
 
-    At half of the load the sides snap inwards, through a maximum and a minimum of the load about one per cent apart:
-    the curve is traced by arc length.
+    At half of the load the sides snap inwards. The load has a maximum and a minimum about one per cent apart, so arc
+    length traces the curve.
 
     An octant: a1 from mid-length to the free end, a2 from the load to the side.
 
@@ -207,7 +207,7 @@ class PullOut(Declared):
     shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """A quarter of the force in the octant's corner, half of it on each face."""
+        """A quarter of the force acts in the corner of the octant, half of it on each face."""
         end, side = self.LENGTH / 2, np.pi / 2
         laminate, edges = (
             Laminate.single(Ply.isotropic(self.E, self.NU, self.H)),

@@ -1,4 +1,4 @@
-"""Thin shells of Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, whose loads grow all the way."""
+"""Thin shells of Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, whose loads increase monotonically."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -42,7 +42,7 @@ def _references() -> tuple[Reference, ...]:
 class SlitAnnulus(Declared):
     """Slit annular plate lifted along one side of the slit, section 3.3.
 
-    The whole turn: a2 = 0 is loaded, a2 = 360 degrees clamped; A is the inner, B the outer corner of the load.
+    The whole annulus: a2 = 0 is loaded, a2 = 360 degrees clamped; A is the inner and B the outer corner of the load.
     """
 
     E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
@@ -62,7 +62,7 @@ class SlitAnnulus(Declared):
     shell_limit = ShellLimit(BEAM, thickness_over(OUTER - INNER, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Half of the line force on each face, along e3."""
+        """Half of the line force acts on each face, along e3."""
         laminate, edges = Laminate.single(Ply.isotropic(self.E, 0.0, self.H)), ("free", "free", "free", "clamped")
         plate = patch(request, annulus(), (self.INNER, self.OUTER), (0, 2 * np.pi), laminate, edges)
         corners = {
@@ -104,9 +104,9 @@ class RolledCantilever(Declared):
 class PinchedBetweenDiaphragms(Declared):
     """Cylinder between diaphragms pinched by two radial point forces, section 3.6.
 
-    Between an eighth and a fifth of the load the wall snaps: u_B turns from inwards to outwards on a nearly level piece
-    of the curve. The load grows all the way on 48x48; coarser meshes have limit points of their own, where the wall
-    folds over single elements, and loads must be close to one another for the path to be followed.
+    Between an eighth and a fifth of the load the wall snaps: u_B turns from inwards to outwards on a nearly level part
+    of the curve. On 48x48 the load increases monotonically. Coarser meshes have additional limit points, where the wall
+    folds over single elements, and need close load steps to follow the path.
 
     An octant: a1 from mid-length to the diaphragm, a2 from the load to the side.
 
@@ -138,7 +138,7 @@ class PinchedBetweenDiaphragms(Declared):
     shell_limit = ShellLimit(BENT, thickness_over(RADIUS, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """A quarter of the force in the octant's corner, half of it on each face."""
+        """A quarter of the force acts in the corner of the octant, half of it on each face."""
         end, side = self.LENGTH / 2, np.pi / 2
         laminate, edges = (
             Laminate.single(Ply.isotropic(self.E, self.NU, self.H)),
@@ -156,8 +156,10 @@ class SemiCylinder:
 
     Half of it: a1 from the clamped end to the free one, a2 from the crown to the straight edge.
 
-    The straight edge rests on a plane: it slides along it, and its director stays in it. w_A is the deflection under
-    the force, inwards.  layers: "isotropic", or the fibre directions of three equal plies, degrees from the generator.
+    The straight edge slides on a plane, and its director stays in this plane. w_A is the inward deflection under the
+    force.
+
+    layers: "isotropic", or the fibre directions of three equal plies, degrees from the generator.
     column: of the published table.
     """
 
@@ -204,7 +206,7 @@ class SemiCylinder:
         )
 
     def build(self, request: Request) -> SceneModel:
-        """Half of the force in the corner of crown and free end, half of it on each face."""
+        """Half of the force acts in the corner of the crown and the free end, half of it on each face."""
         edges = ("clamped", "free", "symmetric", "symmetric")
         half = patch(request, cylinder(self.RADIUS), (0, self.LENGTH), (0, np.pi / 2), self.laminate(), edges)
         A = half.grid.node_at(self.LENGTH, 0.0)
