@@ -1,20 +1,20 @@
 """A tube that buckles under outside pressure and collapses onto itself: a quarter of it, before its plane of symmetry.
 
-Both halves do the same, so the contact of one with the other is that of a quarter with the plane y = 0. The plane lies
-half a wall below it: middle lines touch, as those of the ring without thickness that the references are of. The
-pressure, taken off the inner face, differs from one on the middle by an even tension along the wall, which bends
-nothing. What the ring has not, extension and shear, counts by (h/R)^2: with h = R/100 the pressure of touch is 0.04 %
-lower, that of line contact 0.11 %.
+Both halves move alike, so their contact is that of a quarter with the plane y = 0. The obstacle lies half a wall below
+it: the middle lines touch, as those of the references' ring without thickness do. The pressure is a suction on the
+inner face. It differs from a pressure on the middle surface by a uniform tension along the wall, which causes no
+bending. The ring neglects extension and shear, whose effect is of order (h/R)^2: with h = R/100 the touch pressure is
+0.04 % lower, the pressure of line contact 0.11 %.
 
-The tube stays round up to p = 3 D/R^3. It is brought onto the other branch, that of two lobes, by a start in its mode
-of buckling, with no imperfection: the travel of the crown is given there and the pressure unknown, see
-:mod:`contact.control`, until the crown touches. From there on pressures are given: they grow all along this branch,
-so that its states are stable under them, too.
+The tube stays round up to p = 3 D/R^3. Without imperfection, a start in the buckling mode leads to the other branch,
+that of two lobes. There the travel of the crown is given and the pressure unknown, see :mod:`contact.control`, until
+the crown touches. After that the pressures are given: they increase along this branch, so its states are also stable
+under given pressure.
 
-Contact is a point with a force first. From p_line on a flat part 2 c wide grows. The wall there is pressed by p from
-outside and from the plane, and a force acts at both ends; the rest is the same shape on every pressure, smaller by
-s = 1 - 2 c/(pi R): p s^3 and the forces times s^2 stay, and are those of the first line contact. With friction the
-plane would be one, for halves that mirror each other have none.
+Contact is first a point with a force. From p_line on, a flat part of width 2 c grows. There p presses the wall from
+outside, the plane presses back with p, and a force acts at each end. The rest has the same shape at every pressure,
+smaller by s = 1 - 2 c/(pi R): p s^3 and the forces times s^2 stay those of the first line contact. Friction would be
+that of a real plane: halves that mirror each other have none.
 """
 
 import math
@@ -105,7 +105,7 @@ class CollapsingTube(Declared):
     shell_limit = ShellLimit(CRUSHED, thickness_over(RADIUS, "h_mm"), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all four sides, so that nothing moves along the axis."""
+        """All four sides are symmetric, so nothing moves along the axis."""
         h = request.number("h_mm")
         wall, D = Laminate.single(Ply.isotropic(E, NU, h)), E * h**3 / 12 / (1 - NU**2)
         grid = even_grid(request, (0, WIDTH), (0, SIDE))

@@ -1,7 +1,7 @@
 """The polyurethane ring of Saleeb, Chen and Chang, crushed between rigid plates: an experiment, and thick for a shell.
 
-h/R = 0.42 at the middle radius. A quarter of the ring, one element across the width, whose sides do not move along the
-axis: plane strain, as in the computations published with the test. The solid of the same ring is in
+h/R = 0.42 at the middle radius. The model is a quarter of the ring with one element across the width. Its sides do not
+move along the axis: plane strain, as in the computations published with the test. The solid of the same ring is in
 :mod:`studies.scenes.contact.crushed_ring_solid`.
 """
 
@@ -91,7 +91,7 @@ class CrushedRing(Declared):
     shell_limit = ShellLimit(CRUSHED, _thickness, solid="crushed-ring-solid")
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all four sides, so that nothing moves along the axis."""
+        """All four sides are symmetric, so nothing moves along the axis."""
         surface, laminate = ring(request)
         grid = even_grid(request, (0, WIDTH), (0, TOP))
         quarter = on_grid(request, surface, grid, laminate, ("symmetric",) * 4)

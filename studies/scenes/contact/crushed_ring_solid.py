@@ -1,8 +1,8 @@
-"""The crushed ring of :mod:`studies.scenes.contact.crushed_ring` as a solid, with a law of its own choice.
+"""The crushed ring of :mod:`studies.scenes.contact.crushed_ring` as a solid, with a choice of laws.
 
-The same ring, plates and readings; no strain measure, no section, no mid surface. Plane strain holds the displacement
-along the axis; plane stress is a slice so thin that its contraction costs nothing, free on one side; 3D is half of the
-width with a free side.
+Ring, plates and readings are the same; there is no strain measure, section or middle surface. Plane strain fixes the
+displacement along the axis. Plane stress is a slice, free on one side, so thin that it contracts freely. 3D is half of
+the width with a free side.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""A clamped panel pressed by a plane or a ball: a scene made to be driven to extremes, small and quick.
+"""A clamped panel pressed by a plane or a ball: a small, fast scene for extreme settings.
 
-A square piece of a cylinder, a sphere or a plate, as long along a1 as ``aspect`` says, inflated while it is pressed.
-It has no reference: what is asked of it is where it can be solved at all, and whether the judge agrees.
+The panel is a square piece of a cylinder, a sphere or a plate, stretched along a1 by ``aspect``, and inflated while it
+is pressed. It has no reference: it tests where a solution is obtained, and whether the judge accepts it.
 """
 
 from dataclasses import replace
@@ -57,7 +57,7 @@ def lines(n: int, half: float, irregular: float) -> np.ndarray:
 
 
 class Panel(Declared):
-    """a1 along the generators of a cylinder, a2 around; the foundation comes along -e_x, of a plate along -e_z."""
+    """a1 along the generators of a cylinder, a2 around; the foundation moves along -e_x, for a plate along -e_z."""
 
     name = "panel"
     title = "Clamped panel pressed by a plane or a ball, for extremes"
@@ -69,7 +69,7 @@ class Panel(Declared):
     shell_limit = ShellLimit(CRUSHED, lambda settings: settings.number("h_over_R"), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Pressure and travel grow together; results in mm, N, MPa whatever the units of the problem."""
+        """Pressure and travel increase together; results are in mm, N, MPa whatever the units of the problem."""
         n1, n2 = request.mesh
         if min(n1, n2) < 2:
             raise UsageError(f"mesh {n1}x{n2} must have at least 2 elements along each side: its edges are clamped")

@@ -1,8 +1,9 @@
 """Clamped circular plate pressed on a plane: the contact disc of a Kirchhoff plate, with a line force on its rim.
 
-Polar coordinates are singular at the centre: a small hole is left, its edge held as by a rigid plug that carries the
-pressure on it. The contact disc covers it. What the hole costs is measured in the tests. The wall, 0.01 a thick, is
-squeezed by the line force over some 0.6 h around the rim; its contact radius is smaller by up to 0.002 a (measured).
+Polar coordinates are singular at the centre, so a small hole is left there. Its edge is held as by a rigid plug that
+carries the pressure on the hole; the contact disc covers it. The tests measure the effect of the hole. The line force
+squeezes the wall, which is 0.01 a thick, over about 0.6 h around the rim; this reduces the contact radius by up to
+0.002 a (measured).
 """
 
 import numpy as np
@@ -42,7 +43,7 @@ REFERENCES = tuple(
 
 
 class PlateContact(Declared):
-    """A quarter; a1 from the hole to the clamp. Nothing varies around."""
+    """A quarter; a1 from the hole to the clamp. Nothing varies around the axis."""
 
     name = "plate-contact"
     title = "Clamped circular plate pressed on a plane"
@@ -66,10 +67,11 @@ class PlateContact(Declared):
     shell_limit = ShellLimit(PRESSED, thickness_over(A, H), same=False)
 
     def build(self, request: Request) -> SceneModel:
-        """Half of the pressure on each face; results over a and D g/a^2.
+        """Half of the pressure acts on each face; results are over a and D g/a^2.
 
-        The plane returns the pressure under the disc and a line force on its rim. The plate around feels the sums of
-        f and of f r^2 only, so the radius is taken from the same sums of what the nodes carry beyond the pressure.
+        The plane reacts with the pressure under the disc and a line force on its rim. The plate around depends only on
+        the sums of f and of f r^2, so the radius is that of the same sums of the nodal forces in excess of the
+        pressure.
         """
         rim = A * request.number("hole")
         laminate = ShearCorrected((Ply.isotropic(E, NU, H),), -H / 2, KIRCHHOFF)

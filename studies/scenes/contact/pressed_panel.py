@@ -1,8 +1,8 @@
 """Clamped cylindrical panel of angle plies pressed on a plane, on quadrilaterals that need not follow its generators.
 
-Small enough for meshes of any sort beside those on the lines of curvature, which have the same limit: anisotropy,
-curvature, moved nodes and contact meet in one number. The plies alternate in sign and are symmetric about nothing, so
-that stretching bends and twists the wall and no part of the panel mirrors another.
+The panel is small enough for meshes of any kind beside those on lines of curvature, which have the same limit: one
+number tests anisotropy, curvature, moved nodes and contact together. The plies alternate in sign without any symmetry,
+so stretching bends and twists the wall, and no part of the panel mirrors another.
 """
 
 import numpy as np
@@ -23,7 +23,7 @@ TOWARDS = np.array([1.0, 0.0, 0.0])  # outer normal in the middle of the panel
 
 
 class PressedPanel(OnQuads):
-    """a1 along the generators, a2 around; the plane comes along -x."""
+    """a1 along the generators, a2 around; the plane moves along -x."""
 
     name = "pressed-panel"
     title = "Clamped angle-ply panel of quadrilaterals pressed on a plane"
@@ -41,7 +41,7 @@ class PressedPanel(OnQuads):
     sheet = Sheet("x", 40.0, 28.0, listed=False)
 
     def build(self, request: Request) -> SceneModel:
-        """The straight edges are clamped, the curved ones free; the travel is from rest to the last one asked for."""
+        """The straight edges are clamped, the curved ones free; the path leads from rest to the last travel."""
         gamma, plies = np.deg2rad(request.number("gamma_deg")), int(request.number("plies"))
         wall = Laminate(
             tuple(Ply(E_L, E_T, G, G, NU, NU, (-1) ** k * gamma, PLY) for k in range(plies)), -0.5 * plies * PLY

@@ -1,9 +1,9 @@
-"""Ring between two rigid plates: the elastica that flattens, and whose flat part carries no pressure at all.
+"""Ring between two rigid plates: the elastica, whose flattened part carries no pressure at all.
 
-A quarter, its plate moving inwards; the middle lines of both contacts are 2 (R - delta) apart. Over the flat part
-bending alone keeps the ring straight, so it touches without pressure and strict complementarity fails there; all load
-stands on the ends of the flat part. The elastica neither stretches nor shears: P of this wall is lower by 2.4 (h/R)^2
-of it at delta = R/2, which is 2.4e-4 with the thickness h = R/100 (measured).
+The model is a quarter of the ring, whose plate moves inwards; the middle lines of both contacts are 2 (R - delta)
+apart. Over the flat part bending alone keeps the ring straight. It touches there without pressure, and strict
+complementarity fails; the ends of the flat part carry all load. The elastica neither stretches nor shears: at delta =
+R/2 the P of this wall is lower by the fraction 2.4 (h/R)^2, which is 2.4e-4 for h = R/100 (measured).
 """
 
 from collections.abc import Iterable
@@ -108,7 +108,7 @@ class Ring(Declared):
     shell_limit = ShellLimit(CRUSHED, thickness_over(RADIUS, "h_mm"))
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all four sides; P is the whole force of a plate."""
+        """All four sides are symmetric; P is the whole force of a plate."""
         h, deltas = request.number("h_mm"), request.numbers("delta_mm")
         quarter = part_around(request, h, lines_around(request, request.mesh[1]))
         shell, side = loaded_shell(quarter, request), quarter.grid.on_line(1, np.pi / 2)

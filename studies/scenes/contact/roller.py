@@ -1,14 +1,14 @@
-"""A rubber roller whose bore is held, pressed on a rigid plane: a wall as thick as two thirds of its radius.
+"""A rubber roller whose bore is held, pressed on a rigid plane: its wall is two thirds of the middle radius thick.
 
-Outer radius 35, bore 17.5, width 28 mm, nu = 0.475, 380 N: the roller of a public thread (felupe#870), where a contact
-30 mm wide under 0.62 MPa is expected. Its modulus, 0.275 MPa, cannot give that: ten times as much is taken here, with
-which Hertz's line contact is 26 mm wide under 0.66 MPa. His body is a linear half space. Of this one the bore leaves no
-more than 17.5 mm, and rubber stiffens where it is pressed: 22 mm under 0.83 MPa at 380 N, a travel of 2.568 mm. With a
-linear law, which softens, it is 28 mm under 0.59 at the same force.
+Outer radius 35, bore 17.5, width 28 mm, nu = 0.475, 380 N: the roller of a public thread (felupe#870), which expects a
+contact 30 mm wide under 0.62 MPa. Its modulus, 0.275 MPa, cannot give that. Ten times as much is used here; Hertz's
+line contact is then 26 mm wide under 0.66 MPa. Hertz's body is a linear half space. This wall is only 17.5 mm thick,
+and rubber stiffens in compression: the contact is 22 mm wide under 0.83 MPa at 380 N, at a travel of 2.568 mm. With a
+linear law, which softens, it is 28 mm under 0.59 MPa at the same force.
 
-The force of three surfaces is within 1.1 % of the solid's up to a travel of 3 mm, that of five within 0.1 %. A slice in
-plane strain, as wide as its elements are long: in wider ones what is compressed has modes that alternate between the
-sides of the slice.
+The force of three surfaces is within 1.1 % of the solid's up to a travel of 3 mm, that of five within 0.1 %. The model
+is a slice in plane strain, as wide as its elements are long; in wider elements the compressed part has modes that
+alternate between the sides of the slice.
 """
 
 import math
@@ -84,7 +84,7 @@ class Roller(Declared):
     }
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all four sides, all of the inner face held."""
+        """All four sides are symmetric, and the whole inner face is held."""
         n = request.mesh[1]
         if n % 2:
             raise UsageError(f"mesh {request.mesh_text}: the second number must be even, half of it in the patch")

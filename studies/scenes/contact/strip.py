@@ -1,4 +1,4 @@
-"""Strips against a flat obstacle: clamped and pressed on it, and heavy and lifted off it."""
+"""Strips against a flat obstacle: one clamped and pressed on it, one heavy and lifted off it."""
 
 from dataclasses import replace
 
@@ -76,13 +76,13 @@ def _references() -> tuple[Reference, ...]:
 
 
 class ClampedStrip(Declared):
-    """Clamped-clamped strip pressed on a flat obstacle: Timoshenko's contact zone, Euler and Bernoulli's edge force.
+    """Clamped-clamped strip pressed on a flat obstacle: Timoshenko's contact zone, Euler-Bernoulli's edge force.
 
-    Half of the strip. Its shear stiffness is not that of the thin wall but what ``lam_over_a`` asks for, lam =
-    sqrt(D/S) = h/sqrt(6 kappa) with the shear correction kappa. So the strip can be so thin that its squeeze under the
-    contact pressure, of the order (h/a)^4 of the gap, does not show. Where lam is smaller than that, the squeeze and
-    not the shear spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(1/4) = 0.64 h, and no
-    load is lost.
+    The model is half of the strip. ``lam_over_a``, not the thin wall, sets its shear stiffness: lam = sqrt(D/S) =
+    h/sqrt(6 kappa) with the shear correction kappa. The strip can therefore be so thin that its squeeze under the
+    contact pressure, of the order (h/a)^4 of the gap, is invisible. Where lam is smaller than the length of the
+    squeeze, (2 D h/E)^(1/4) = 0.64 h for a wall of stiffness 2 E/h, the squeeze and not the shear spreads the edge
+    force over this length, and no load is lost.
 
     a1 from the clamp to the middle; the plane is above.
     """
@@ -118,7 +118,7 @@ class ClampedStrip(Declared):
     shell_limit = ShellLimit(PRESSED, thickness_over(A, H))
 
     def build(self, request: Request) -> SceneModel:
-        """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
+        """Half of the pressure acts on each face; results are over the half span a and D g/a^3, D g/a^4."""
         lam, last = request.number("lam_over_a"), request.numbers("load_fraction")[-1]
         edges = ("clamped", "symmetric", "symmetric", "symmetric")
 
@@ -159,9 +159,9 @@ REFERENCES = tuple(
 class HeavyStrip(Declared):
     """Heavy strip on a rigid plane, lifted at one end: free length and lifting force of a Timoshenko beam.
 
-    The strip hangs under a ceiling, so to say: its weight presses the outer face on the plane, the lift pulls it off.
+    The model is upside down: the weight presses the outer face against the plane above, the lift pulls it off.
 
-    a1 from the lifted end, which may turn, to the other one, which lies.
+    a1 from the lifted end, which may turn, to the other end, which lies on the plane.
     """
 
     name = "heavy-strip"
@@ -176,7 +176,7 @@ class HeavyStrip(Declared):
     ladders = (Ladder(CONTACT, LONG, ("lift_force", "free_length"), "linear", {**FULL, **ON_RIM}),)
 
     def build(self, request: Request) -> SceneModel:
-        """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
+        """The full weight acts from the start and the end is displaced; results are over UNIT and WEIGHT UNIT."""
         lam, highest = request.number("lam_over_unit"), request.numbers("load_fraction")[-1]
         unit = highest**0.25  # the length that a lift scales with, over UNIT
 

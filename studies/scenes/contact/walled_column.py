@@ -1,13 +1,13 @@
-"""A column between clamps that is shortened and bows against a rigid wall, along which it has a clearance.
+"""A column between clamps that is shortened and bows against a rigid wall at a clearance.
 
-It buckles at P_E = 4 pi^2 EI/L^2, touches the wall with its middle, and is then stiffer: under a force of the wall on
-that point the load grows to 4 P_E. The first state is looked for from the mode of buckling, with no imperfection.
+It buckles at P_E = 4 pi^2 EI/L^2, touches the wall with its middle, and is then stiffer: with the force of the wall on
+that point the load grows to 4 P_E. The first state is sought from the buckling mode, without imperfection.
 
 At 4 P_E each half buckles between clamps, and the path has two branches. On one both halves bow away from the wall and
-the load stays; on the other the middle lies flat, without pressure, and the load grows to 9 P_E, where the flat part
-buckles. What tells them apart are forces that are zero, so an algorithm may follow either one; and where the force at
-the end of the flat part stands on one node alone the column can turn there, so that its tangent has a negative
-eigenvalue. So the scene ends before 4 P_E. Line contact up to 9 P_E is solved on sets that are given, in its tests.
+the load stays constant. On the other the middle lies flat, without pressure, and the load grows to 9 P_E, where the
+flat part buckles. Only forces that are zero distinguish the branches, so an algorithm may follow either. Where a single
+node carries the force at the end of the flat part, the column can turn there and its tangent has a negative eigenvalue.
+The scene therefore stops before 4 P_E. Its tests solve line contact up to 9 P_E on given sets.
 """
 
 import math
@@ -97,21 +97,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 class WalledColumn(Declared):
-    """A column between clamps that is shortened and bows against a rigid wall, along which it has a clearance.
-
-    It buckles at P_E = 4 pi^2 EI/L^2, touches the wall with its middle, and is then stiffer: under a force of the wall
-    on that point the load grows to 4 P_E. The first state is looked for from the mode of buckling, with no
-    imperfection.
-
-    At 4 P_E each half buckles between clamps, and the path has two branches. On one both halves bow away from the wall
-    and the load stays; on the other the middle lies flat, without pressure, and the load grows to 9 P_E, where the flat
-    part buckles. What tells them apart are forces that are zero, so an algorithm may follow either one; and where the
-    force at the end of the flat part stands on one node alone the column can turn there, so that its tangent has a
-    negative eigenvalue. So the scene ends before 4 P_E. Line contact up to 9 P_E is solved on sets that are given, in
-    its tests.
-
-    Half of it: a1 from the clamp to the middle; the wall is above.
-    """
+    """Half of the column: a1 from the clamp to the middle; the wall is above."""
 
     name = "walled-column"
     title = "Clamped column that bows against a wall"

@@ -1,4 +1,4 @@
-"""A shell on a ball with a given pressure and a given edge of contact, which moves as the path goes on."""
+"""A shell on a ball with a given pressure and a given edge of contact, which moves along the path."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ class PressedOnBall(ContactModel):
 
 
 class ManufacturedContact(Declared):
-    """A piece of a surface that a ball presses, its pressure c^2 - r^2 within the radius c of contact."""
+    """A piece of a surface pressed by a ball; the pressure is c^2 - r^2 within the radius c of contact."""
 
     name = "manufactured-contact"
     title = "Shell on a ball with a given pressure and edge of contact (errors known exactly)"
@@ -175,7 +175,9 @@ class ManufacturedContact(Declared):
     sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
-        """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
+        """The first edge of each coordinate is held and the last one loaded; the exact solution is that of a wall of
+        two faces.
+        """
         piece, laminate, shell, supports = held_piece(request)
         angle, ball = np.deg2rad(request.number("rotation_deg")), request.number("ball_mm")
         motion = OntoBall(piece, laminate, angle, request.number("stretch"), request.number("wave_mm"), ball, 0.0)

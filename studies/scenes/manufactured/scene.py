@@ -1,4 +1,4 @@
-"""A shell that is loaded so that it moves as given: its errors are known on every mesh, for every measure.
+"""A shell under the loads of a given motion: its errors are known on every mesh, for every measure.
 
 Two edges are held at their given displacements, two carry the edge loads, and the body forces act on both faces.
 """
@@ -184,7 +184,9 @@ class Manufactured(Declared):
     sheet = Sheet("x", 40.0, 28.0)
 
     def build(self, request: Request) -> SceneModel:
-        """The first edge of either coordinate is held, the last one loaded; the solution is one of two faces."""
+        """The first edge of each coordinate is held and the last one loaded; the exact solution is that of a wall of
+        two faces.
+        """
         piece, laminate, shell, _ = held_piece(request)
         measure, stiffness = MEASURES[request.measure], laminate.stiffness(request.choice("section"))
         patch = Patch.over(piece.a1, piece.a2)

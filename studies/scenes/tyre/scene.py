@@ -1,7 +1,7 @@
 """The pneumatic tyre of the 2004 paper: an angle-ply torus, inflated, then pressed by a rigid plane.
 
 a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-clamp are held. The plane is that of
-:mod:`studies.scenes.tyre.press`; it may also be a foundation of :mod:`studies.scenes.foundations`.
+:mod:`studies.scenes.tyre.press`; any foundation of :mod:`studies.scenes.foundations` can replace it.
 """
 
 from __future__ import annotations

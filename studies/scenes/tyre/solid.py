@@ -1,7 +1,7 @@
-"""The tyre of :mod:`studies.scenes.tyre.scene` as a 3D solid of quadratic hexahedra: the judge of all its shells.
+"""The tyre of :mod:`studies.scenes.tyre.scene` as a 3D solid of quadratic hexahedra: the reference of all its shells.
 
-Same settings, stages, plane and readings; no strain measure, no section, no mid surface. Where two mirror planes halve
-the tyre (isotropic plies, cords at 0 or 90 degrees) a quarter is solved and the whole is reported.
+Settings, stages, plane and readings are the same; there is no strain measure, section or middle surface. Where two
+mirror planes halve the tyre (isotropic plies, cords at 0 or 90 degrees), a quarter is solved and the whole is reported.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def _settings() -> tuple[Setting, ...]:
 
 @dataclass(frozen=True)
 class SolidTyre(OfSolids):
-    """Inflation, then contact with a plane, of a solid."""
+    """Inflation, then contact of a solid with a plane."""
 
     name: str = "tyre-solid"
     title: str = "The tyre as a 3D solid of quadratic hexahedra; by default isotropic"
