@@ -1,18 +1,19 @@
 """Two thin tubes that cross at right angles, pressed on each other: the contact begins as a point.
 
-The axis of the first is along y, that of the second along x; the second is above. Half of the length and half of the
-circumference of each, between two planes of symmetry, on diaphragms at the ends that come together by delta; or, of
-tubes in many layers that cross in turn, a quarter of the circumference, whose planes of the axes come together.
+The axis of the first tube is along y, that of the second, above, along x. The model has half of the length and half of
+the circumference of each, between two planes of symmetry; the diaphragms at the ends of both approach by delta. Of
+tubes in many layers that cross in turn it has a quarter of the circumference, and the planes of the axes approach by
+delta.
 
-Of small forces each wall gives way as under a force at a point; of thin shells that is the classic pinched cylinder. A
-shell with shear sinks in at a point without limit, by the logarithm of the size of elements, and so does one face
-towards the other, until the contact is as wide as the wall is thick. With ``shear_correction`` 1000 the middle of the
-wall has a limit. From about a wall's thickness on the contact opens at the crossing and becomes a ring. Equal tubes of
-the default sizes share delta up to 5 mm; beyond, one of them dents in under the other, and meshes and slaves that are
-not alike say which.
+Under small forces each wall deflects as under a point force; for thin shells that is the classic pinched cylinder. In a
+shell with shear the deflection under a point grows without limit, by the logarithm of the element size. So does the
+approach of the faces, until the contact is as wide as the wall is thick. With ``shear_correction`` 1000 the middle of
+the wall has a limit. From a delta of about the wall thickness on, the contact opens at the crossing and becomes a ring.
+Equal tubes of the default sizes share delta equally up to 5 mm. Beyond, one dents more than the other; differences of
+mesh and slave decide which.
 
-Grid lines get closer towards the crossing as sin does. A gap averaged around a node is open by the square of the size
-of elements where the node itself touches: by mortar nothing touches before delta is that.
+Grid lines get closer towards the crossing like a sine. Where a node touches, the gap averaged around it is still open
+by the square of the element size: with mortar there is no contact before delta reaches that.
 """
 
 import numpy as np
@@ -73,7 +74,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 class CrossedTubes(Declared):
-    """a1 from the crossing along the axis of each tube, a2 from there around it."""
+    """a1 from the crossing along the axis of each tube, a2 from the crossing around it."""
 
     name = "crossed-tubes"
     title = "Two crossing tubes pressed on each other"
@@ -96,7 +97,7 @@ class CrossedTubes(Declared):
     sheet = Sheet("z", 35.0, 30.0, settings={"delta_mm": "4"})
 
     def build(self, request: Request) -> SceneModel:
-        """Two planes of symmetry of each tube, and a third one of many layers."""
+        """Each tube has two planes of symmetry, and a third with many layers."""
         request = uncut(request)
         _check(request)
         radii, lengths, walls = ([request.number(each.key) for each in of_both] for of_both in SIZES[:3])

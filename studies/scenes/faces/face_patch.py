@@ -1,12 +1,13 @@
 """A patch test of contact: a uniform pressure through two faces whose meshes do not match.
 
-Flat: two plates on each other, the lower one on a rigid ground, nothing moves sideways. Whatever the meshes, uniform
-stress is in the space of both, and the pressure between them is that on top; gaps averaged over the pieces that both
-meshes cut pass it to the last digit, nodes against patches do not.
-Curved: a tube in another one, an eighth of it less than a turn, pressed outwards from inside. The exact pressure
-between them is uniform; chords of two polygons are not at a uniform distance, by the square of the size of elements.
-With friction the upper plate is dragged along the lower one, which is longer then: it pulls by mu times its weight once
-all of it slips.
+Flat: two plates on each other, the lower one on a rigid ground; nothing moves sideways. Both meshes represent a uniform
+stress exactly, and the pressure between them is that on top. Gaps averaged over the intersections of the two meshes
+pass it to the last digit; nodes against patches do not.
+Curved: a tube in another one, an eighth of the circumference, pressed outwards from inside. The exact pressure between
+them is uniform. The chords of two polygons are not at a uniform distance; the deviation is of the order of the square
+of the element size.
+With friction the upper plate is dragged along the lower, longer one. Once all of it slips, the drag force is mu times
+the normal force.
 """
 
 import math
@@ -44,7 +45,7 @@ def lame_between(inner: float, outer: float) -> float:
 
 
 class FacePatch(Declared):
-    """a1 and a2 along both sides, or along the axis and around."""
+    """a1 and a2 along both sides of a plate; for tubes along the axis and around."""
 
     name = "face-patch"
     title = "Uniform pressure through two faces whose meshes do not match"

@@ -1,22 +1,22 @@
 """Two hollow half-spheres, one in the other, pressed down by a rigid plane: a wedge of both about the axis.
 
-A benchmark of mortar methods (Puso, Laursen, CMAME 193 (2004) 601-629), with the data of a public one that has the
-curves of four codes (solids4foam/solid-benchmarks, hyperElasticity/compressedSpheres): radii of 10, 12 and 14 mm,
-E = 1 MPa, nu = 0.3, a compressible neo-Hookean material, rims on a plane without friction, and the force on a quarter
-of the whole. Both walls are solids, or shells of 0.18 and 0.15 of their radii. The wedge is as narrow as one element
-around can be for an arc: with 10 degrees forces are 0.7 % too low. A hole about the axis, HOLE from the pole to its
-rim, keeps elements from meeting in a point; rims of solids there move along the axis alone, as the axis does. One of a
-degree is worth 1 % of the force at 1 mm, and 0.3 % at 5 mm.
-What the codes agree on ends near 5 mm, where without friction the inner one snaps through.
+A benchmark of mortar methods (Puso, Laursen, CMAME 193 (2004) 601-629), with the data of a public version that has the
+curves of four codes (solids4foam/solid-benchmarks, hyperElasticity/compressedSpheres): radii of 10, 12 and 14 mm, E = 1
+MPa, nu = 0.3, a compressible neo-Hookean material, rims on a plane without friction, and the force on a quarter of the
+whole. Both walls are solids, or shells with h/R = 0.18 and 0.15. The wedge is narrow enough for one element around to
+represent an arc: with 10 degrees forces are 0.7 % too low. A hole about the axis, with HOLE the angle from the pole to
+its rim, keeps elements from meeting in a point; the rims of solids there move only along the axis. A hole of one degree
+is worth 1 % of the force at 1 mm, and 0.3 % at 5 mm.
+The codes agree up to about 5 mm, where without friction the inner one snaps through.
 
-With friction forces are inside the band of three codes up to 5 mm, on all meshes, with both pairings and either slave:
-3 to 9 % above one, and 4 to 10 % below two that agree, as they are without friction. The curve that the code of the
-public benchmark draws of its own (about 4000 cells) is 1 to 4 % above.
-Faces are curved: as the pole is pressed in the inner one is folded along the edges of facets, and a point that comes to
-rest in a fold is pushed by one facet and by the other in turn, until the step is cut (80x1 in steps of 0.125 mm, at
-3.25 mm); of nodes, which are not averaged, the path ends there (80x1 in steps of 0.25 mm, before 2 mm).
-Shells are unstable from 0.5 mm on: in a short wave at the pole the pressed face of either moves along the meridian,
-one way and the other from line to line of the mesh. Solids are stable.
+With friction the forces are within the band of three codes up to 5 mm, on all meshes, with both pairings and either
+slave: 3 to 9 % above one code, and 4 to 10 % below two that agree, as without friction. The curve of the benchmark's
+own code (about 4000 cells) is 1 to 4 % above.
+Faces are curved. With facets, the inner one folds along their edges as the pole is pressed in. A point at rest in a
+fold is pushed by either facet in turn, until the step is cut (80x1 in steps of 0.125 mm, at 3.25 mm). With
+pairing=nodes, which does not average, the path stops there (80x1 in steps of 0.25 mm, before 2 mm).
+Shells are unstable from 0.5 mm on: in a short wave at the pole the pressed face of either moves along the meridian, in
+alternate directions from grid line to grid line. Solids are stable.
 """
 
 import math
@@ -90,7 +90,7 @@ def limits() -> tuple[Reference, ...]:
 
 
 class HalfSpheres(OfSolids):
-    """a1 the latitude from the rim, a2 around the axis; the inner one is the first."""
+    """a1 is the latitude from the rim, a2 the angle around the axis; the inner half-sphere is the first body."""
 
     name = "half-spheres"
     title = "Two hollow half-spheres, one in the other, under a rigid plane"
@@ -111,7 +111,7 @@ class HalfSpheres(OfSolids):
         return super().settle(request) if request.choice("bodies") == "solids" else replace(request, model="full")
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on both sides of the wedge and at the rims."""
+        """Both sides of the wedge and the rims are symmetric."""
         request = uncut(request)
         count = request.mesh[0]
         inner, outer = _half(request, 0, count), _half(request, 1, of_second(count, request))

@@ -1,17 +1,17 @@
 """Shallow ironing: a die whose lower face is an arc is pressed into a slab and drawn along it, with friction.
 
-Plane strain. The slab is held at its bottom; the top of the die is moved down by ``depth_mm`` and then along the slab.
+Plane strain. The slab is held at its bottom; the top of the die moves down by ``depth_mm`` and then along the slab.
 Both have the law of :class:`formulations.section.laws.NeoHooke`. The slab is a solid of quadratic elements, or a shell:
-bilinear elements along it, cubic displacements through each of its layers, strains assumed as in all shells here. V and
-H are what it takes to move the die, downwards and along, by the forces on its top.
+bilinear along the slab, cubic displacements through each of its layers, assumed strains as in all shells here. V and H
+are the downward and the longitudinal force on the top of the die.
 
-In a steady slide nothing more is stored, and all work of H is friction's, whatever the law of the solids::
+In a steady slide no more energy is stored, and friction takes all work of H, whatever the law of the solids::
 
     H = mu sum f ds/dX,    H/V = mu (sum f/V) mean(ds/dX)
 
-with the normal forces f and the way ds of the surface of the slab past the die while this moves by dX, about as far.
-Normal forces lean to both sides on the arc: their sum is more than V, and H/V more than mu. No slide by Coulomb's law
-with H/V far above that is steady.
+with the normal forces f and the path ds of the surface of the slab past the die while the die moves by dX; ds is about
+dX. The normal forces on the arc lean to both sides: their sum exceeds V, and H/V exceeds mu. A slide with H/V far above
+that is not steady under Coulomb's law.
 Sources: Fischer, Wriggers, CMAME 195 (2006) 5020-5036; dimensions after Yastrebov, Numerical Methods in Contact
 Mechanics (2013), as in the tutorial ``shallowIroning`` of solids4foam, whose README has the digitised curves of others.
 """
@@ -99,7 +99,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 class Ironing(OfSolids):
-    """a1 across, a2 along the slab."""
+    """a1 across the slab, a2 along it."""
 
     name = "ironing"
     title = "Shallow ironing: a die pressed into a slab and drawn along it"
@@ -114,7 +114,7 @@ class Ironing(OfSolids):
     sheet = Sheet("z", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
-        """The slab is the first body; raises UsageError where the die would slide beyond its end."""
+        """The slab is the first body; raises UsageError where the die would slide beyond the end of the slab."""
         far = request.number("start_mm") + max(request.numbers("slide_mm")) + 2 * HALF
         if far > LONG:
             raise UsageError(f"start_mm and slide_mm take the die to {far:g} mm: the slab ends at {LONG:g} mm")

@@ -1,8 +1,9 @@
 """A ring pinched by two opposite forces until it touches itself inside: a shell in contact with itself.
 
-A half, between the plane of symmetry through both forces and itself: the part around a2 = 0 is the slave, that around
-a2 = pi the master, and their meshes need not match. By symmetry either meets a rigid plane in the middle, which is a
-quarter of the ring, `against=plane`. Once both forces meet, what is added to them goes through the contact.
+The model is half of the ring, on one side of the plane of symmetry through both forces. The part around a2 = 0 is the
+slave, that around a2 = pi the master, and their meshes need not match. By symmetry each meets a rigid plane in the
+middle: `against=plane` solves a quarter of the ring. Once the loaded points meet, the contact carries any additional
+force.
 """
 
 import numpy as np
@@ -47,7 +48,7 @@ class PinchedRing(Declared):
     sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry at the ends of the part and on both sides; half of each force is that of the other half."""
+        """The ends of the part and both sides are symmetric; half of each force acts on this half."""
         request = uncut(request)
         half = request.choice("against") == "itself"
         strand = spaced_lines(0, SIDE, request.mesh[1])

@@ -1,11 +1,11 @@
 """A ring pressed on an elastic layer: a shell against a solid.
 
-The ring of :mod:`studies.scenes.contact.ring`, a quarter of it, whose plate has a coat bonded to it: solid elements in
-plane strain. On a stiff layer it is the ring on a rigid plate. A layer that is thin beside the length of the contact is
-a bed of springs, for next to nothing but the strain across it stores energy: p = M w/t with the indentation w, the
-thickness t and the modulus M = E (1 - nu)/((1 + nu)(1 - 2 nu)) that it has while nothing moves along it (Johnson,
-Contact Mechanics (1985), 5.8, recalled). That is the ring on a rigid plate with the law of a finite epsilon = M/t, and
-where the ring is far stiffer than the layer, a rigid cylinder on springs: with its outer radius R ::
+The model is a quarter of the ring of :mod:`studies.scenes.contact.ring`; an elastic layer of solid elements in plane
+strain is bonded to the plate. On a stiff layer it is the ring on a rigid plate. A layer that is thin compared with the
+length of the contact acts as a bed of springs, because almost only the strain across it stores energy: p = M w/t with
+the indentation w, the thickness t and the modulus M = E (1 - nu)/((1 + nu)(1 - 2 nu)) for no motion along the layer
+(Johnson, Contact Mechanics (1985), 5.8, recalled). That is the ring on a rigid plate with a finite epsilon = M/t. Where
+the ring is far stiffer than the layer, it is a rigid cylinder on springs: with the outer radius R ::
 
     a = sqrt(2 R delta),    F = 4/3 (M/t) delta a,    p0 = (M/t) delta
 """
@@ -92,7 +92,7 @@ class RingOnLayer(Declared):
     sheet = Sheet("-x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all four sides of the ring and in the middle of the layer, whose back is held."""
+        """All four sides of the ring and the middle of the layer are symmetric; the back of the layer is held."""
         request = uncut(request)
         deltas, h, t = request.numbers("delta_mm"), request.number("h_mm"), request.number("layer_mm")
         count = of_second(request.mesh[1], request)

@@ -1,9 +1,9 @@
 """Three rings in a row, pressed between the middle planes of the first and the last: two pairs in one problem.
 
-A quarter of the first and the last and a half of the middle one, whose outer face is the master of one pair and the
-slave of the other. The middle planes come nearer by 4 delta. Equal rings share that: each line of contact is straight,
-and each ring is the elastica of :mod:`studies.scenes.contact.ring` between plates that travel by delta. By symmetry
-nothing pushes the middle ring along the row; it is held there at two points.
+The model is a quarter of the first and the last ring and half of the middle one, whose outer face is the master of one
+pair and the slave of the other. The middle planes approach by 4 delta. Equal rings share that: each line of contact is
+straight, and each ring is the elastica of :mod:`studies.scenes.contact.ring` between plates that travel by delta. By
+symmetry nothing pushes the middle ring along the row; it is held there at two points.
 """
 
 from collections.abc import Mapping
@@ -50,7 +50,7 @@ class Stack(Declared):
     sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all sides."""
+        """All sides are symmetric."""
         request = uncut(request)
         h, middle = request.number("h_mm"), request.number("other_h_mm")
         half = ring.lines_around(request, of_second(request.mesh[1], request))

@@ -1,12 +1,12 @@
-"""Two solid cylinders pressed on each other: Hertz's line contact, both sides of which deform.
+"""Two solid cylinders pressed on each other: Hertz's line contact between two deformable bodies.
 
-A quarter of each in plane strain, cut where its middle plane and the plane of symmetry through the contact are: an
-infinite column of cylinders of two materials in turn, whose middle planes approach by 2 delta. As small as the contact
-is, it is that of two half spaces, and the approach of halves of discs has a closed form, too. Both hold up to the order
-of a/R, in which the solids, whose strains are large where they may, differ from it.
+The model is a quarter of each cylinder in plane strain, cut at its middle plane and at the plane of symmetry through
+the contact: an infinite column of cylinders of two alternating materials, whose middle planes approach by 2 delta. The
+contact is so small that it is that of two half spaces; the approach of halves of discs has a closed form, too. Both are
+valid up to the order of a/R, by which the solids, which allow large strains, differ from them.
 
-Lines of the mesh get closer towards the contact as sinh does, so that a quarter of them is in it and one lies on its
-rim by the closed form. The middle of each cylinder is left out, as its rays meet there: it is BORE wide.
+Grid lines get closer towards the contact like sinh, so that a quarter of them is in the contact and one lies on its rim
+by the closed form. The middle of each cylinder, BORE wide, is left out, because its rays meet there.
 """
 
 import math
@@ -67,7 +67,7 @@ class TwoCylinders(OfSolids):
     sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry where the quarters are cut."""
+        """The cuts of the quarters are symmetric."""
         deltas, moduli = request.numbers("delta_mm"), _moduli(request.number("E_ratio"))
         half_width = pressed_cylinders(2 * deltas[-1], RADIUS, moduli)[1]
         counts = request.mesh[1], of_second(request.mesh[1], request)

@@ -1,8 +1,8 @@
 """Two rings pressed on each other: between equal ones the line of contact is straight, as on a rigid plate.
 
-A quarter of each, of an infinite column of rings of two kinds in turn, whose middle planes approach by 2 delta. Equal
-rings are mirror images: each is the elastica of :mod:`studies.scenes.contact.ring` between plates. Meshes need not
-match: the second ring has its own number of elements.
+The model is a quarter of each ring in an infinite column of two alternating kinds, whose middle planes approach by 2
+delta. Equal rings are mirror images: each is the elastica of :mod:`studies.scenes.contact.ring` between plates. Meshes
+need not match: the second ring has a separate number of elements.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ OTHER_THICKNESS = Setting("other_h_mm", ring.THIN, "thickness of the second ring
 
 
 class TwoRings(Declared):
-    """a1 along the axis, a2 from the line of contact over a quarter of each ring; its force, over E I of the first."""
+    """a1 along the axis, a2 from the line of contact over a quarter of each ring; forces are over E I of the first."""
 
     name = "two-rings"
     title = "Two rings pressed on each other"
@@ -45,7 +45,7 @@ class TwoRings(Declared):
     sheet = Sheet("x", -62.0, 14.0)
 
     def build(self, request: Request) -> SceneModel:
-        """Symmetry on all four sides of both."""
+        """All four sides of both rings are symmetric."""
         request = uncut(request)
         thick = [request.number("h_mm"), request.number("other_h_mm")]
         counts = request.mesh[1], of_second(request.mesh[1], request)

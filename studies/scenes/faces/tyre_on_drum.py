@@ -1,10 +1,11 @@
-"""The tyre pressed on a drum with a coat of rubber: a shell against a solid that is curved the other way.
+"""The tyre pressed on a drum with a rubber coat: a shell against a solid of opposite curvature.
 
-The axes are parallel. By default the drum of a test rig, 854 mm in radius, with a lagging of 10 mm of rubber as soft as
-a tread. The drum is rigid, the coat is bonded to it and is modelled under the patch and some of its thickness around.
-On a stiff coat the tyre is that on the rigid drum. A coat that is thin beside the patch is a bed of springs, p = M w/t,
-see :mod:`studies.scenes.faces.ring_on_layer`: the rigid drum with the law of a finite epsilon = M/t.
-Nodes of the tyre sink one by one into a coat softer than 1 MPa/mm and finer than the tyre: it wants slave=second.
+The axes are parallel. The default is the drum of a test rig, 854 mm in radius, with a 10 mm rubber lagging as soft as a
+tread. The drum is rigid. The coat is bonded to it and is modelled under the patch and for some of its thickness around.
+On a stiff coat the tyre is that on the rigid drum. A coat that is thin compared with the patch acts as a bed of
+springs, p = M w/t, see :mod:`studies.scenes.faces.ring_on_layer`: the rigid drum with a finite epsilon = M/t.
+On a coat softer than 1 MPa/mm and with a finer mesh than the tyre, nodes of the tyre sink in one by one: slave=second
+is needed.
 """
 
 import math

@@ -1,9 +1,9 @@
 """The tyre pressed on a plate that bends: two shells, the softer one inflated.
 
-By default a ramp of aluminium, 6 mm thick, between beams 600 mm apart: under the tyre it bends by about its thickness,
-and its stresses stay elastic. Its edges, held where they are, turn freely or not at all. On a stiff plate the tyre is
-that on the rigid plane. Where the plate bends by little of its thickness, its deflection is the sum of Navier's under
-the forces of the contact.
+The default is an aluminium ramp, 6 mm thick, between beams 600 mm apart: under the tyre it bends by about its
+thickness, and its stresses stay elastic. Its edges are supported, and hinged or clamped. On a stiff plate the tyre is
+that on the rigid plane. Where the deflection of the plate is small compared with its thickness, it is the sum of
+Navier's solutions for the contact forces.
 """
 
 from dataclasses import replace
@@ -44,7 +44,7 @@ def _references() -> tuple[Reference, ...]:
 
 
 class TyreOnPlate(OnGround):
-    """The mesh is that of the whole tyre; a1 of the plate along the axis, a2 in the way of the tyre."""
+    """The mesh is that of the whole tyre; a1 of the plate along the axis, a2 in the rolling direction of the tyre."""
 
     name = "tyre-on-plate"
     title = "Tyre pressed on a plate that bends"
