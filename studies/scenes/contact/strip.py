@@ -176,7 +176,10 @@ class HeavyStrip(Declared):
     ladders = (Ladder(CONTACT, LONG, ("lift_force", "free_length"), "linear", {**FULL, **ON_RIM}),)
 
     def build(self, request: Request) -> SceneModel:
-        """The full weight acts from the start and the end is displaced; results are over UNIT and WEIGHT UNIT."""
+        """The full weight acts from the start; the end is displaced.
+
+        Lengths are over (D delta/q)^(1/4) at load fraction 1, the lift over q times that length and the width.
+        """
         lam, highest = request.number("lam_over_unit"), request.numbers("load_fraction")[-1]
         unit = highest**0.25  # the length that a lift scales with, over UNIT
 

@@ -4,9 +4,9 @@ A benchmark of mortar methods (Puso, Laursen, CMAME 193 (2004) 601-629), with th
 curves of four codes (solids4foam/solid-benchmarks, hyperElasticity/compressedSpheres): radii of 10, 12 and 14 mm, E = 1
 MPa, nu = 0.3, a compressible neo-Hookean material, rims on a plane without friction, and the force on a quarter of the
 whole. Both walls are solids, or shells with h/R = 0.18 and 0.15. The wedge is narrow enough for one element around to
-represent an arc: with 10 degrees forces are 0.7 % too low. A hole about the axis, with HOLE the angle from the pole to
-its rim, keeps elements from meeting in a point; the rims of solids there move only along the axis. A hole of one degree
-is worth 1 % of the force at 1 mm, and 0.3 % at 5 mm.
+represent an arc: with 10 degrees forces are 0.7 % too low. A hole about the axis, 0.1 degrees from the pole to its rim,
+keeps elements from meeting in a point; the rims of solids there move only along the axis. A hole of one degree is worth
+1 % of the force at 1 mm, and 0.3 % at 5 mm.
 The codes agree up to about 5 mm, where without friction the inner one snaps through.
 
 With friction the forces are within the band of three codes up to 5 mm, on all meshes, with both pairings and either

@@ -6,7 +6,7 @@ contact is so small that it is that of two half spaces; the approach of halves o
 valid up to the order of a/R, by which the solids, which allow large strains, differ from them.
 
 Grid lines get closer towards the contact like sinh, so that a quarter of them is in the contact and one lies on its rim
-by the closed form. The middle of each cylinder, BORE wide, is left out, because its rays meet there.
+by the closed form. The middle of each cylinder, up to 0.005 of the radius, is left out, because its rays meet there.
 """
 
 import math
