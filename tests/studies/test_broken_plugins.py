@@ -309,6 +309,7 @@ def test_a_page_that_cannot_be_made_says_why(of_page: Callable[..., tuple[int, s
     assert "campaign 'oddities' cannot be put on pages: odd.py:15: AttributeError: 'Series' object" in odd
 
 
+@pytest.mark.slow
 def test_a_picture_that_is_no_function_is_a_line(of_page: Callable[..., tuple[int, str, str]], tmp_path: Path) -> None:
     drawn = PAGE.replace("import Part", "import Part, picture")
     drawn = drawn.replace('Part("# Odd" + store.table("odd_table").a.missing)', 'picture("odd.svg", "Odd", "<svg/>")')

@@ -305,6 +305,7 @@ def test_lines_that_follow_the_error_are_those_of_the_member_in_the_middle(monke
     assert [member.verdict for member in clamped.members.values()] == ["unsupported", "converged", "unsupported"]
 
 
+@pytest.mark.slow
 def test_in_a_notebook(tmp_path: Path) -> None:
     actual = sweep_in_notebook(
         "panel", {"nu": [0.1, 0.2, 0.3], "E_ratio": range(1, 3)}, mesh="4x4", keep=tmp_path / "m"

@@ -265,7 +265,10 @@ def test_elements_of_a_mesh_without_lines_are_as_long_as_on_a_grid() -> None:
     assert np.allclose(values[1].drive, values[0].drive, rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.parametrize(("scene", "mesh"), [("hemisphere", "32x32"), ("tyre", "36x36"), ("ring", "1x40")])
+@pytest.mark.parametrize(
+    ("scene", "mesh"),
+    [pytest.param("hemisphere", "32x32", marks=pytest.mark.slow), ("tyre", "36x36"), ("ring", "1x40")],
+)
 def test_the_tangent_that_couples_neighbours_has_an_order_of_its_own(scene: str, mesh: str) -> None:
     """All unknowns once; where a grid extends both ways it saves most of the operations, and counts the same."""
     named, request = complete(scene, {}, mesh)

@@ -35,6 +35,7 @@ def bodies_of(model: object, at: float) -> tuple[PlacedSolid, PlacedSolid]:
     return slab, die
 
 
+@pytest.mark.slow
 def test_what_moves_the_die_is_what_holds_the_slab_and_friction_keeps_to_its_cone() -> None:
     result = solved(mu=MU, steps=1, slide_mm=(0.3, 0.7))
     last, end = result.last, result.steps[-1]

@@ -107,14 +107,14 @@ def test_a_mesh_without_a_node_that_may_touch_is_refused(slave: str) -> None:
         scene.build(request)
 
 
-@pytest.mark.parametrize("shares", [(50, 100), pytest.param((50, 100, 200), marks=pytest.mark.slow)])
-def test_a_stiff_coat_is_the_rigid_drum_but_for_the_facets(shares: tuple[int, ...]) -> None:
+@pytest.mark.slow
+def test_a_stiff_coat_is_the_rigid_drum_but_for_the_facets() -> None:
     """Whose chords lie inside the circle: of the second order in their length."""
     drum = force("tyre", "28x28", foundation="drum", **PRESSED)
-    own = {"E_layer_MPa": "1e4", "nu_layer": 0, "through": 1}
+    own, shares = {"E_layer_MPa": "1e4", "nu_layer": 0, "through": 1}, (50, 100, 200)
     errors = [1 - force("tyre-on-drum", "28x28", other_elements=share, **own, **PRESSED) / drum for share in shares]
     assert fitted_order(np.divide(1, shares), errors) == pytest.approx(2, abs=0.2)
-    assert 0 < errors[-1] <= 3e-4 * (200 / shares[-1]) ** 2
+    assert 0 < errors[-1] <= 3e-4
 
 
 @pytest.mark.slow

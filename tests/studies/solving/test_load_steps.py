@@ -120,6 +120,7 @@ def test_a_resultant_that_turns_round_is_not_taken_for_the_same() -> None:
     assert any("turned by 180 degrees; " in line for line in lines(result))
 
 
+@pytest.mark.slow
 def test_friction_at_its_bound_is_not_known_where_nothing_shows_slip() -> None:
     """Two equal rings are mirror images: nothing rubs, and in many steps friction goes to 0.
 

@@ -43,6 +43,7 @@ def test_a_strip_under_torsion_gives_way_as_reissner_has_it(tmp_path) -> None:
     assert layer.before == pytest.approx(2 * B / WIDTH, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_interval_of_a_twisted_strip_has_what_finer_grids_find(tmp_path) -> None:
     """That of three grids ended 0.4 % below the value on 16x16, which the layer moves on upwards."""
     deck = strip(tmp_path, *TWISTED)
