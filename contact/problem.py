@@ -271,7 +271,7 @@ class Outcome(enum.Enum):
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
     GIVEN_UP = "failed attempts have cost as much as twenty good steps"
     INTERRUPTED = "interrupted by the user"
-    WRONG = "the judge rejects a state that was claimed to be converged"
+    WRONG = "the judge refuses a state that was claimed to be converged"
 
     @property
     def converged(self) -> bool:

@@ -37,7 +37,7 @@ class TrialAndError(NewtonAlgorithm):
     Han, Robinson, Comput. Optim. Appl. 60 (2015) 311-341). The paper does not treat this. Here, when a set recurs, the
     problem linearised at its equilibrium is solved by principal pivots, and its set is the next guess. With linear
     mechanics and a P-matrix that set is the solution. Otherwise, when a set recurs again, only the first violator is
-    swapped (Murty's least index), until a set recurs a third time. The history records this.
+    swapped (Murty's least index), until a set recurs under that rule, too. The history records this.
     At the rim of a beam, plate or membrane one row of elements is released at a time, so the number of sets grows with
     the mesh (plate-contact: 209 iterations on 64 elements, 551 on 256). In semismooth, lcp and qp it does not.
     max_sets: sets that only release nodes do not count; between two others there are at most as many as candidates.
