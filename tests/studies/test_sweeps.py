@@ -192,6 +192,7 @@ def test_a_sweep_that_is_stopped_goes_on(tmp_path: Path, solved: list, monkeypat
     assert (tmp_path / "sweep.csv").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_member_that_is_damaged_or_of_others_is_solved_anew(tmp_path: Path, solved: list, capsys) -> None:
     words = [*RING, "--out", str(tmp_path)]
     assert main(words) == OK

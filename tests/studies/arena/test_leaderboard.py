@@ -82,6 +82,7 @@ def test_a_file_that_is_not_as_shipped_is_named(tmp_path: Path, monkeypatch: pyt
 # --- results ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_each_way_to_end_has_its_status(tmp_path: Path) -> None:
     rows = [
         ("one", TESTED[0], 1e-6, True, True, False, 3.0, 1.5, "solved"),

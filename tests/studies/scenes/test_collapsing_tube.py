@@ -37,6 +37,7 @@ def off(mesh: str, h: str) -> np.ndarray:
 # --- the ring ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_digits_of_the_scene_are_those_of_the_ring() -> None:
     touch, straight = ring.touch(), ring.straight()
     assert touch.pressure == pytest.approx(TOUCH, rel=1e-9)

@@ -100,6 +100,7 @@ def test_a_path_that_a_start_leads_elsewhere_is_followed_from_rest(monkeypatch: 
     assert result.remarks == ["from a coarser grid the path is unstable: this one starts from rest"]
 
 
+@pytest.mark.slow
 def test_what_does_not_get_there_is_no_start() -> None:
     assert sketch(*complete("tyre", {"delta_mm": "40"}, "8x8")) is None
 
