@@ -173,7 +173,7 @@ class Good:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A step to ``parameter``: what the algorithm makes of it, and why that is not a state of the path, if it is none.
+    """A step to ``parameter``: what the algorithm makes of it, and why that is not a state of the path, or None.
 
     beyond: more negative eigenvalues than the path has had.  moved: |du| of the step.
     """

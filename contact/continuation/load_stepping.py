@@ -171,7 +171,7 @@ class Stepper:
         return self._tried(trial, problem, after_in_vain(tried.solution, solution, tried.failure))
 
     def _tried(self, trial: float, problem: ContactProblem, solution: ContactSolution) -> Attempt:
-        """What has been found at a parameter, and why it is not a state of the path, if it is none."""
+        """The state found at a parameter, or why it is not one of the path."""
         before, state = self.states[-1]
         failure = None if solution.outcome.converged else why(solution)
         if failure is None and problem.standing is not None:  # where it was is only then looked at

@@ -90,7 +90,7 @@ class _Equations:
         self._mu = np.where(self._sticks, 0.0, step.mu[self._nodes])
         pairs = (2 * self._nodes[:, None] + np.arange(2)).ravel()
         self._G, self._S = step.G[self._nodes], sparse.csr_matrix(step.S[pairs])
-        # a slip that nothing can change is not an equation for its friction: that is none
+        # a slip that no unknown changes gives no equation for its friction, which is zero
         self._still = np.asarray(abs(self._S).sum(axis=1)).ravel() == 0
 
     def start(self, near: Known) -> np.ndarray:

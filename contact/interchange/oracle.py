@@ -28,6 +28,7 @@ SETTLINGS = 50  # of the set: from none at all, heavy-strip's takes between 20 a
 REFINED = 3  # times that forces are found: after one, 1.5e-3 of plate-contact's are wrong, after three 1e-12
 LEFT, LOST = 1e-8, 0.1  # residual over the terms in it, and over the load, of a solution that is one
 AGREEMENT = 1e-7  # of forces and displacements, relative to the largest
+UNKNOWN = 1e-3  # of forces that rounding changes by more nothing is confirmed
 
 
 class OracleError(ArithmeticError):
@@ -188,6 +189,8 @@ def confirm(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, epsilon: flo
     allowed = AGREEMENT
     if np.max(error, initial=0.0) > AGREEMENT:
         allowed = max(allowed, _rounding(step, epsilon, factor, free, multipliers) / largest)
+        if allowed > UNKNOWN:
+            raise OracleError(f"rounding alone changes the forces by {allowed:.1e} of the largest")
     pressed, other = f > allowed * largest, own_force > allowed * largest
     return Confirmation(
         float(np.linalg.norm(du - own)) / size,

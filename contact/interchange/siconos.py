@@ -35,7 +35,7 @@ LOST = 1e-12  # of the largest: one that is none; in the files none lies between
 
 
 class SiconosError(ValueError):
-    """A file that is not a problem of Siconos, or one that is not a step of ours; the message is one line."""
+    """A file that is not a problem of Siconos, or one that no step can be made of; the message is one line."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,16 +12,7 @@ import numpy as np
 
 from studies.answers import write_choice
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.options import (
-    SCENE,
-    add_settings,
-    add_solving,
-    check_directory,
-    named,
-    of_file,
-    pairs,
-    progress_line,
-)
+from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_line
 from studies.output.terminal import columns
 from studies.solving.choice import Choice
 from studies.solving.choose import BUDGET, ERROR, choose
@@ -32,7 +23,6 @@ from studies.solving.refinement.error_control import parse_error
 
 def add_choose(parser: argparse.ArgumentParser) -> None:
     """The scene, the error, the budget, and where the answer goes."""
-    parser.add_argument("scene", help=SCENE)
     parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative error, default {ERROR}%")
     parser.add_argument("--of", metavar="QUANTITY", help="quantity; default the force, or the first one of the scene")
     parser.add_argument("--budget", default=f"{BUDGET:g}s", metavar="SECONDS", help=f"wall time, default {BUDGET:g}s")

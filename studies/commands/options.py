@@ -37,7 +37,8 @@ def add_trust(parser: argparse.ArgumentParser) -> None:
 
 
 def add_solving(parser: argparse.ArgumentParser, contact: str, mesh: str) -> None:
-    """How a scene is solved; contact, mesh: the help of these two."""
+    """A scene and how it is solved; contact, mesh: the help of these two."""
+    parser.add_argument("scene", help=SCENE)
     parser.add_argument("--contact", default="semismooth", help=contact)
     parser.add_argument("--newton", default="mixed", help="iteration: plain, or mixed, which extrapolates resultants")
     parser.add_argument("--mesh", help=mesh)

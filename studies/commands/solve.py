@@ -17,7 +17,6 @@ from studies.ask.settings import rubbing
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.limits import add_limits, bound_of, code_of, limited, look_ahead
 from studies.commands.options import (
-    SCENE,
     add_settings,
     add_solving,
     check_directory,
@@ -43,7 +42,6 @@ GRADIENT_HELP = (
 
 def add_solve(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
-    parser.add_argument("scene", help=SCENE)
     measures = "strain measure, see footprint list measures; default exact, or linear for a deck without NLGEOM"
     parser.add_argument("--measure", help=measures)
     mesh = "N1xN2, elements along a1 and a2; by default that of the scene"

@@ -15,16 +15,7 @@ import numpy as np
 
 from studies.ask.request import Request, UsageError
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.commands.options import (
-    SCENE,
-    add_settings,
-    add_solving,
-    check_directory,
-    named,
-    of_file,
-    pairs,
-    progress_bar,
-)
+from studies.commands.options import add_settings, add_solving, check_directory, named, of_file, pairs, progress_bar
 from studies.solving.refinement.error_control import parse_error
 from studies.solving.result import CONVERGED, UNSTABLE, WRONG
 from studies.sweeps.members import LONGEST, MOST, Member
@@ -36,7 +27,6 @@ SHOWN = 5  # members without an answer that are named, and different notes
 
 def add_sweep(parser: argparse.ArgumentParser) -> None:
     """The request, the ranges, the error, and where the answer goes."""
-    parser.add_argument("scene", help=SCENE)
     parser.add_argument("--over", action="append", default=[], metavar="KEY=A:B:N", help=OVER)
     measures = "strain measure, see footprint list measures; default exact, or linear for a deck without NLGEOM"
     parser.add_argument("--measure", help=measures)

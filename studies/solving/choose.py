@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from studies.ask.request import Request
+from studies.ask.request import Request, UsageError
 from studies.ask.scene import CutScene, Scene, has_contact
 from studies.solving.choice import Choice
 from studies.solving.offers import Offer, offers_of, recommended
@@ -74,10 +74,13 @@ def choose(
 
     given, mesh: settings, and the coarsest grid.  budget: seconds of wall time.  quantity: by default the force, or the
     first that the scene has references for.  options: contact, newton, model, steps.
-    Raises UsageError as :func:`studies.scenes.complete.complete` does, and for a quantity that the scene does not have.
+    Raises UsageError as :func:`studies.scenes.complete.complete` does, for a mesh that cannot be refined, and for a
+    quantity that the scene does not have.
     """
     clock = Clock(CHOOSING * budget)
     scene, request = first_grid(name, given, mesh, measure=REFERENCE, **options)
+    if request.mesh == (1, 1) and not isinstance(scene, CutScene):
+        raise UsageError("mesh 1x1 must have 2 or more elements along one coordinate: a single one is not refined")
     scene = on_one_grid(scene, request)  # of all variants
     lines = {key: value for key, value in request.settings.items() if key == "grading"}
     question = Question(name, scene, {**lines, **given}, options, error)
@@ -249,11 +252,7 @@ def follow(
                 if first_enough(errors(cascade.values, limit), NONE, cascade.error - beyond) is not None:
                     return ""
         grid = near(cascade.scene, grid, FINER)
-    if reason:
-        return reason
-    single = ": a single element along a coordinate is not cut"
-    whole = cascade.last.request.mesh == (1, 1) and not isinstance(cascade.scene, CutScene)
-    return f"no grid is finer than {text}{single if whole else ''}"
+    return reason or f"no grid is finer than {text}"
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import pandas as pd
 
+from contact.catalogue import ALGORITHMS, is_exact
 from studies.analysis.statements.record import Values
 from studies.experiments.choices import ALGORITHM, OFFER, PROBLEM, VARIANT, smallest
 from studies.solving.offers import FASTER, LOADING
@@ -16,7 +17,6 @@ SWEEP = "sweep "  # of the labels of cells that differ in one choice at a time
 NODAL = "thickness_strain=nodal"
 REQUEST = ["scene", "contact", "newton", "mesh", "model", "element", "section", "load", "epsilon", "tolerance"]
 EXACT, LINEAR, ELONGATION = "exact", "linear", "elongation"
-SPRINGS = "regularised"  # the algorithm that solves with a finite epsilon
 DISTINCT = 0.005  # of ratios that are said with two digits
 
 
@@ -115,7 +115,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
         if other:
             values[f"other{n}"] = other
             place += f", {{other{n}:.0f}} of them with another answer"
-            place += ", that of a finite ε" if name == SPRINGS else ""
+            place += ", that of a finite ε" if name in ALGORITHMS and not is_exact(name) else ""
         clauses.append(place)
     yield values | {"_told": "; ".join(clauses), "_problems": best["problems"]}
 

@@ -75,9 +75,12 @@ def test_rounding_excuses_no_displacement_and_a_changed_step_without_answer_noth
     data = random_quadratic(np.random.default_rng(5), "inclined")
     u, p = dual_by_nnls(data, math.inf)
     step = frozen(data)
-    monkeypatch.setattr(oracle, "_rounding", lambda *_: 1e-3 * float(np.max(data.w * p)))
+    monkeypatch.setattr(oracle, "_rounding", lambda *_: 1e-4 * float(np.max(data.w * p)))
     assert confirm(step, u, 1.00001 * p).agrees
     assert not confirm(step, u + 1e-5, 1.00001 * p).agrees
+    monkeypatch.setattr(oracle, "_rounding", lambda *_: 1e-2 * float(np.max(data.w * p)))
+    with pytest.raises(OracleError, match="rounding alone changes the forces by"):
+        confirm(step, u, 1.00001 * p)
     monkeypatch.undo()
     settle, calls = oracle._settle, iter((False, True))
 
