@@ -100,7 +100,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
     values |= {"problems": best["problems"] - best["path_ends"], "scenes": best["scenes"], "refused": best["refused"]}
     others = own["solved_share"].drop(default)
     values |= {"_others": len(others), "least": others.min(), "most": others.max(), "error": trials["asked"].min()}
-    clauses = []
+    clauses, springs = [], {each for each in ALGORITHMS if not is_exact(each)}
     for n, (name, rows) in enumerate(trials[trials["name"] != default].groupby("name", sort=False)):
         long = rows[rows["usual"] >= NOISE]
         if long.empty:
@@ -115,7 +115,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
         if other:
             values[f"other{n}"] = other
             place += f", {{other{n}:.0f}} of them with another answer"
-            place += ", that of a finite ε" if name in ALGORITHMS and not is_exact(name) else ""
+            place += ", that of a finite ε" if name in springs else ""
         clauses.append(place)
     yield values | {"_told": "; ".join(clauses), "_problems": best["problems"]}
 
